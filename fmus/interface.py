@@ -1,0 +1,224 @@
+"""The interface of a block, read from `fmus/interfaces/<block>.toml`, where it is written once.
+
+modelDescription.xml, the FMU wrappers, the interface pages and the swap check are derived from
+what `load` returns.
+
+The TOML file
+-------------
+`[block]` has `name` and `description`; `[experiment]` has `stop` and `step`, in seconds.
+Each `[variables.NAME]` has
+
+- `causality`: "input", "output" or "parameter";
+- `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
+- `shape`: nothing for a scalar, `[n]` or `[rows, columns]`; elements are named in FMI's structured
+  way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
+- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless;
+- `frame`: the frame of its components;
+- `variability`: of a parameter, "fixed" or "tunable";
+- `start` (inputs and parameters), `min`, `max`;
+- `depends_on` (outputs): the inputs with direct feedthrough;
+- `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
+
+In the two lists `name` means every element, `name[i]` the element of the same index, and `@group`
+the names that `[groups]` gives for it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib.resources import files
+from typing import Any, Literal
+
+BLOCKS = ("plant", "controller", "allocator")
+
+Causality = Literal["input", "output", "parameter"]
+Type = Literal["real", "integer", "boolean", "string", "enumeration"]
+Scalar = float | int | bool | str
+
+
+class InterfaceError(ValueError):
+    """An interface file contradicts itself; the message names file and variable."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """One scalar FMI variable: an element of a `Variable`."""
+
+    name: str
+    value_reference: int
+    start: Scalar | None
+    """As FMI stores it: an enumeration's is its one-based item number. None for outputs."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A port or parameter as a whole: scalar, vector or matrix."""
+
+    name: str
+    causality: Causality
+    type: Type
+    variability: str
+    description: str
+    shape: tuple[int, ...]
+    unit: str | None
+    display_unit: str | None
+    frame: str | None
+    start: Any
+    """Nested lists of the given shape, or a scalar; an enumeration's is its item's name."""
+    min: float | None
+    max: float | None
+    items: tuple[str, ...]
+    elements: tuple[Element, ...]
+    depends_on: tuple[str, ...] = ()
+    initially_depends_on: tuple[str, ...] = ()
+
+    @property
+    def value_references(self) -> list[int]:
+        return [element.value_reference for element in self.elements]
+
+
+@dataclass(frozen=True)
+class Interface:
+    """All variables of a block, in the order of the file; value references count their elements from 0."""
+
+    name: str
+    description: str
+    stop: float
+    step: float
+    variables: dict[str, Variable]
+    source: str = field(repr=False, default="")
+    """The text of the TOML file."""
+
+    def of(self, causality: Causality) -> list[Variable]:
+        return [v for v in self.variables.values() if v.causality == causality]
+
+    @cached_property
+    def elements(self) -> dict[str, tuple[Variable, Element]]:
+        """Every scalar variable by its FMI name."""
+        return {e.name: (v, e) for v in self.variables.values() for e in v.elements}
+
+    def feedthrough(self, variable: Variable, position: int) -> list[Element]:
+        """The inputs on which element `position` (from 0) of an output depends directly."""
+        return list(self._resolve(variable.depends_on, position))
+
+    def initial_dependencies(self, variable: Variable, position: int) -> list[Element]:
+        """The inputs and parameters on which element `position` of an output depends initially."""
+        return list(self._resolve(variable.initially_depends_on, position))
+
+    def _resolve(self, names: tuple[str, ...], position: int) -> Iterator[Element]:
+        for name in names:
+            base, same_index, _ = name.partition("[i]")
+            elements = self.variables[base].elements
+            yield from (elements[position],) if same_index else elements
+
+
+def load(block: str) -> Interface:
+    """The interface of a block of this project: "plant", "controller" or "allocator"."""
+    return parse(files("fmus").joinpath("interfaces", f"{block}.toml").read_text("utf-8"), f"{block}.toml")
+
+
+def parse(text: str, file: str = "<interface>") -> Interface:
+    """Reads an interface from TOML text. `file` is named in errors. Raises InterfaceError."""
+    data = tomllib.loads(text)
+    groups: dict[str, list[str]] = data.get("groups", {})
+    variables: dict[str, Variable] = {}
+    reference = 0
+    for name, entry in data["variables"].items():
+        try:
+            variable = _variable(name, entry, groups, reference)
+        except InterfaceError as error:
+            raise InterfaceError(f"{file}: variables.{name}: {error}") from None
+        variables[name] = variable
+        reference += len(variable.elements)
+    _check_dependencies(variables, file)
+    return Interface(
+        name=data["block"]["name"],
+        description=data["block"]["description"],
+        stop=float(data["experiment"]["stop"]),
+        step=float(data["experiment"]["step"]),
+        variables=variables,
+        source=text,
+    )
+
+
+_KEYS = set(
+    "causality type shape unit display_unit frame variability start min max items description depends_on "
+    "initially_depends_on".split()
+)
+
+
+def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], reference: int) -> Variable:
+    if unknown := set(entry) - _KEYS:
+        raise InterfaceError(f"unknown key {sorted(unknown)[0]!r}; expected one of {', '.join(sorted(_KEYS))}")
+    causality: Causality = entry["causality"]
+    kind: Type = entry.get("type", "real")
+    shape = tuple(entry.get("shape", ()))
+    items = tuple(entry.get("items", ()))
+    start = entry.get("start")
+    if (start is None) != (causality == "output"):
+        raise InterfaceError("inputs and parameters need a start value, outputs have none")
+    indices = list(itertools.product(*(range(1, n + 1) for n in shape)))
+    starts = _flatten(start, shape) if start is not None else [None] * len(indices)
+    if kind == "enumeration" and start is not None:
+        if start not in items:
+            raise InterfaceError(f"start {start!r} is none of its items {', '.join(items)}")
+        starts = [items.index(start) + 1]
+    default = "continuous" if kind == "real" else "discrete"
+    return Variable(
+        name=name,
+        causality=causality,
+        type=kind,
+        variability=entry["variability"] if causality == "parameter" else default,
+        description=entry["description"],
+        shape=shape,
+        unit=entry.get("unit"),
+        display_unit=entry.get("display_unit"),
+        frame=entry.get("frame"),
+        start=start,
+        min=entry.get("min"),
+        max=entry.get("max"),
+        items=items,
+        elements=tuple(
+            Element(element_name(name, index), reference + i, value)
+            for i, (index, value) in enumerate(zip(indices, starts, strict=True))
+        ),
+        depends_on=_expand(entry.get("depends_on", []), groups),
+        initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
+    )
+
+
+def element_name(name: str, index: tuple[int, ...]) -> str:
+    """FMI's structured name of an element: `element_name("R_NB", (2, 3))` is `R_NB[2,3]`."""
+    return f"{name}[{','.join(map(str, index))}]" if index else name
+
+
+def _flatten(value: Any, shape: tuple[int, ...]) -> list[Any]:
+    if not shape:
+        if isinstance(value, list):
+            raise InterfaceError("start is a list, but shape makes it a scalar")
+        return [value]
+    if not isinstance(value, list) or len(value) != shape[0]:
+        raise InterfaceError(f"start does not have the shape {list(shape)}")
+    return [leaf for item in value for leaf in _flatten(item, shape[1:])]
+
+
+def _expand(names: list[str], groups: dict[str, list[str]]) -> tuple[str, ...]:
+    expanded: dict[str, None] = {}
+    for name in names:
+        if name.startswith("@") and name[1:] not in groups:
+            raise InterfaceError(f"there is no group {name!r}")
+        expanded.update(dict.fromkeys(groups[name[1:]] if name.startswith("@") else [name]))
+    return tuple(expanded)
+
+
+def _check_dependencies(variables: dict[str, Variable], file: str) -> None:
+    for variable in variables.values():
+        for key, allowed in (("depends_on", {"input"}), ("initially_depends_on", {"input", "parameter"})):
+            for name in getattr(variable, key):
+                base = variables.get(name.removesuffix("[i]"))
+                if base is None or base.causality not in allowed:
+                    raise InterfaceError(f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}")
