@@ -1,0 +1,162 @@
+"""The controller as a block: parameters, ports, memory and step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from . import gains, law, morse, so3
+from .errors import Errors, errors
+from .reference import Reference, inertial, lvlh, rate
+from .so3 import Array
+
+REFERENCES = ("lvlh", "inertial", "rate")
+ATTITUDE_TOLERANCE = 1e-4
+"""max |R^T R - I| of the input R_NB: a single-precision plant stays well below it."""
+REFERENCE_TOLERANCE = 1e-3
+"""max |R^T R - I| of R_d0, which may be typed from four printed decimals."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    J_B: Array
+    K0: Array
+    L0: Array
+    phi: str
+    phi_scale: float
+    compensate_gravity: bool
+    gravitational_parameter: float
+    gain_schedule: str
+    kappa0: float
+    lambda0: float
+    a1: float
+    a2: float
+    c1: float
+    c2: float
+    reference: str
+    R_d0: Array
+    Omega_d0: Array
+
+    @cached_property
+    def desired_attitude_0(self) -> Array:
+        """R_d0 projected onto SO(3)."""
+        return so3.project(self.R_d0)
+
+
+@dataclass(frozen=True)
+class Inputs:
+    R_NB: Array
+    omega_B: Array
+    r_N: Array
+    v_N: Array
+
+
+@dataclass(frozen=True)
+class State:
+    t: float
+    attitude_error_0: float
+    """|zeta(0)| of [10], rad, latched at the start."""
+    rate_error_0: float
+    """|omega(0)| of [10], rad/s, latched at the start."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    tau_cmd_B: Array
+    attitude_error: float
+    rate_error_B: Array
+    lyapunov: float
+    gain_k: float
+    gain_l: float
+
+
+def check(p: Parameters) -> None:
+    """Raises ValueError for parameters that the law cannot work with."""
+    for name in ("J_B", "K0", "L0", "R_d0", "Omega_d0"):
+        if not np.isfinite(value := getattr(p, name)).all():
+            raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
+    for name in ("phi_scale", "gravitational_parameter", "kappa0", "lambda0", "a1", "a2", "c1", "c2"):
+        if not 0.0 < (value := getattr(p, name)) < math.inf:
+            raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
+    for name, choices in (("phi", morse.PHI), ("gain_schedule", gains.SCHEDULES), ("reference", REFERENCES)):
+        if (value := getattr(p, name)) not in choices:
+            raise ValueError(f"{name}: expected one of {', '.join(choices)}, found {value!r}")
+    _check_positive_definite("J_B", p.J_B)
+    smallest, middle, largest = np.linalg.eigvalsh(p.J_B).tolist()
+    if largest > (smallest + middle) * (1.0 + 1e-9):
+        raise ValueError(
+            f"J_B: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"found principal moments {smallest:g}, {middle:g}, {largest:g} kg m2"
+        )
+    _check_positive_definite("L0", p.L0)
+    k1, k2, k3 = p.K0.tolist()
+    if not 0.0 < k1 < k2 < k3:
+        raise ValueError(f"K0: expected 0 < K0[1] < K0[2] < K0[3], found {p.K0.tolist()}")
+    so3.require_rotation("R_d0", p.R_d0, REFERENCE_TOLERANCE)
+
+
+def _check_positive_definite(name: str, M: Array) -> None:
+    if np.abs(M - M.T).max() > 1e-9 * np.abs(M).max():
+        raise ValueError(f"{name}: expected a symmetric matrix, found {M.tolist()}")
+    if not (least := float(np.linalg.eigvalsh(M)[0])) > 0.0:
+        raise ValueError(f"{name}: expected a positive definite matrix, found its least eigenvalue {least:g}: {M.tolist()}")
+
+
+def start(p: Parameters, u: Inputs) -> State:
+    """The state at t = 0, with |zeta(0)| and |omega(0)| of the inputs as they stand."""
+    e = _errors(0.0, u, p)
+    return State(t=0.0, attitude_error_0=e.angle, rate_error_0=so3.norm(e.omega))
+
+
+def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
+    """The law [8] at the time x.t."""
+    e = _errors(x.t, u, p)
+    k, l = _gains(x, e, p)  # noqa: E741 the paper's letter
+    K = k * p.K0
+    L = l * p.L0
+    phi_value, phi_slope = morse.phi(p.phi, p.phi_scale, morse.trace(K, e.Q))
+    M_g = law.NO_MOMENT
+    if p.compensate_gravity:
+        M_g = law.gravity_gradient(p.gravitational_parameter, p.J_B, u.R_NB, u.r_N)
+    return Outputs(
+        tau_cmd_B=law.torque(p.J_B, K, L, phi_slope, e, M_g),
+        attitude_error=e.angle,
+        rate_error_B=e.omega,
+        lyapunov=law.lyapunov(p.J_B, phi_value, e.omega),
+        gain_k=k,
+        gain_l=l,
+    )
+
+
+def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
+    """From t to t + h; u are the inputs at t + h, and so is the torque."""
+    x = State(x.t + h, x.attitude_error_0, x.rate_error_0)
+    return x, outputs(x, u, p)
+
+
+def _errors(t: float, u: Inputs, p: Parameters) -> Errors:
+    so3.require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
+    for name, value in (("omega_B", u.omega_B), ("r_N", u.r_N), ("v_N", u.v_N)):
+        if not math.isfinite(sum(value.tolist())):
+            raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
+    return errors(u.R_NB, u.omega_B, _reference(t, u, p))
+
+
+def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
+    if p.reference == "lvlh":
+        return lvlh(u.r_N, u.v_N)
+    if p.reference == "inertial":
+        return inertial(p.desired_attitude_0)
+    return rate(p.desired_attitude_0, p.Omega_d0, t)
+
+
+def _gains(x: State, e: Errors, p: Parameters) -> tuple[float, float]:
+    if p.gain_schedule == "constant":
+        return p.kappa0, p.lambda0
+    return (
+        gains.attitude_scale(p.kappa0, p.a1, p.a2, e.angle, x.attitude_error_0),
+        gains.rate_scale(p.lambda0, p.c1, p.c2, so3.norm(e.omega), x.rate_error_0),
+    )
