@@ -6,7 +6,10 @@ import numpy as np
 
 from .errors import Errors
 from .morse import slope_direction
-from .so3 import Array, cross, norm
+from .so3 import R_MIN, Array, cross, norm
+
+NO_MOMENT = np.zeros(3)
+NO_MOMENT.flags.writeable = False
 
 
 def gravity_gradient(mu: float, J: Array, R_NB: Array, r_N: Array) -> Array:
@@ -15,10 +18,10 @@ def gravity_gradient(mu: float, J: Array, R_NB: Array, r_N: Array) -> Array:
     mu m3/s2, J (3,3) kg m2, r_N (3,) m. Raises ValueError at the Earth's centre.
     """
     r = norm(r_N)
-    if r == 0.0:
-        raise ValueError(f"r_N: expected a position away from the Earth's centre, found {r_N.tolist()}")
+    if r < R_MIN:
+        raise ValueError(f"r_N: expected a position at least {R_MIN:g} m from the Earth's centre, found {r_N.tolist()}")
     r_B = (r_N @ R_NB) * (1.0 / r)
-    return (3.0 * mu / r**3) * cross(r_B, J @ r_B)
+    return (3.0 * mu / (r * r * r)) * cross(r_B, J @ r_B)
 
 
 def torque(J: Array, K: Array, L: Array, phi_slope: float, errors: Errors, M_g: Array) -> Array:
@@ -43,6 +46,3 @@ def lyapunov(J: Array, phi_value: float, omega: Array) -> float:
     With constant gains and exact torque dV/dt = -omega.L omega; gains that follow the errors may let V rise.
     """
     return 0.5 * float(omega @ (J @ omega)) + phi_value
-
-
-NO_MOMENT = np.zeros(3)
