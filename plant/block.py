@@ -1,0 +1,170 @@
+"""The plant as a block: `state, outputs = step(state, inputs, parameters, h)`.
+
+It owns the truth: whatever is commanded, rods and wheel stay within their physical limits here.
+The command is held over the step; moments are those of the moving satellite in the moving field.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import gravity_gradient
+from .attitude import COMPOSITIONS, lgvi_step
+from .parameters import Parameters
+from .so3 import Array, to_quaternion
+from .wheel import Segment, motor_torque, net_torque, segments
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """dipole_cmd (3,) A m2 along the rods, wheel_torque_cmd N m."""
+
+    dipole_cmd: Array
+    wheel_torque_cmd: float
+
+
+@dataclass(frozen=True)
+class State:
+    """All that the plant remembers: time s, attitude (3,3), body rate (3,) rad/s, wheel momentum N m s."""
+
+    t: float
+    R: Array
+    Omega: Array
+    l_w: float
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Units and frames as in fmus/interfaces/plant.toml."""
+
+    R_NB: Array
+    omega_B: Array
+    r_N: Array
+    v_N: Array
+    b_B: Array
+    h_w: float
+    q_NB: Array
+    tau_gg_B: Array
+    tau_mag_B: Array
+    dipole: Array
+    wheel_torque: float
+    wheel_speed: float
+    H_N: Array
+    energy: float
+    dipole_saturated: bool
+    wheel_torque_saturated: bool
+    wheel_momentum_saturated: bool
+
+
+def start(p: Parameters, u: Inputs) -> State:
+    """The state at t = 0."""
+    return State(t=0.0, R=p.R_NB0, Omega=p.omega_B0, l_w=p.h_w0)
+
+
+def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
+    """From t to t + h, h > 0, with the command u held over the step."""
+    dipole_B = p.rods_to_body @ rods(u.dipole_cmd, p) + p.residual_dipole_B
+
+    def moment(R: Array, t: float, Omega: Array) -> Array:
+        """External moment (3,) N m in body axes."""
+        tau = magnetic_moment(dipole_B, R.T @ p.field.at(t)) + p.disturbance_torque_B
+        if p.gravity_gradient:
+            tau += gravity_moment(R, t, p)
+        return tau
+
+    n = max(1, math.ceil(h / p.step_max * (1.0 - 1e-12)))
+    R, l_w = x.R, x.l_w
+    Pi = p.body.J @ x.Omega
+    Pi[0] += l_w
+    for i in range(n):
+        t = x.t + i * (h / n)
+        for part in segments(l_w, u.wheel_torque_cmd, h / n, p.wheel):
+            R, Pi = _advance(R, Pi, part, moment, p, t)
+            t += part.duration
+            l_w = part.l_end
+    Pi[0] -= l_w
+    following = State(t=x.t + h, R=R, Omega=p.body.J_inverse @ Pi, l_w=l_w)
+    return following, outputs(following, u, p)
+
+
+def _advance(R: Array, Pi: Array, part: Segment, moment, p: Parameters, t: float) -> tuple[Array, Array]:
+    """The composed integrator over a part of a step in which the wheel moves smoothly."""
+    s = 0.0
+    wheel = np.array((part.l_start, 0.0, 0.0))
+    tau = moment(R, t, p.body.J_inverse @ (Pi - wheel))
+    for share in COMPOSITIONS[p.integrator_order]:
+        h = share * part.duration
+        R, Pi, tau = lgvi_step(R, Pi, tau, moment, p.body, t + s, h, part.mean(s, h), part.momentum(s + h))
+        s += h
+    return R, Pi
+
+
+def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
+    """All outputs of a state and a command; commits nothing."""
+    R_T = x.R.T
+    dipole = rods(u.dipole_cmd, p)
+    b_B = R_T @ p.field.at(x.t)
+    r_N, v_N = p.orbit.position_velocity(x.t)
+    Pi = p.body.J @ x.Omega
+    energy = 0.5 * float(x.Omega @ Pi)
+    Pi[0] += x.l_w
+    H_N = x.R @ Pi
+    if p.gravity_gradient:
+        r2 = float(r_N @ r_N)
+        rate_squared = p.gravitational_parameter / (r2 * math.sqrt(r2))
+        r_hat_B = R_T @ r_N / math.sqrt(r2)
+        tau_gg_B = gravity_gradient.moment(r_hat_B, p.body.J, rate_squared)
+        h_x, h_y, h_z = _cross(r_N, v_N)
+        H_x, H_y, H_z = H_N.tolist()
+        energy += gravity_gradient.potential(r_hat_B, p.body.J, rate_squared)
+        energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / r2
+    else:
+        tau_gg_B = np.zeros(3)
+    command, limit = u.wheel_torque_cmd, p.wheel_momentum_max
+    wheel_torque = net_torque(x.l_w, command, p.wheel)
+    return Outputs(
+        R_NB=x.R,
+        omega_B=x.Omega,
+        r_N=r_N,
+        v_N=v_N,
+        b_B=b_B,
+        h_w=x.l_w,
+        q_NB=to_quaternion(x.R),
+        tau_gg_B=tau_gg_B,
+        tau_mag_B=magnetic_moment(p.rods_to_body @ dipole + p.residual_dipole_B, b_B),
+        dipole=dipole,
+        wheel_torque=wheel_torque,
+        wheel_speed=x.l_w / p.wheel_inertia,
+        H_N=H_N,
+        energy=energy,
+        dipole_saturated=bool(np.abs(u.dipole_cmd).max() > p.dipole_max),
+        wheel_torque_saturated=abs(command) > p.wheel_torque_max,
+        wheel_momentum_saturated=abs(x.l_w) >= limit and motor_torque(command, p.wheel) * x.l_w > 0.0,
+    )
+
+
+def rods(dipole_cmd: Array, p: Parameters) -> Array:
+    """The dipoles (3,) A m2 that the rods give: the command within their limit."""
+    return np.clip(dipole_cmd, -p.dipole_max, p.dipole_max)
+
+
+def magnetic_moment(dipole_B: Array, b_B: Array) -> Array:
+    """tau_MT = m x B [16], (3,) N m, of a dipole (3,) A m2 in a field (3,) T, all in body axes."""
+    return np.array(_cross(dipole_B, b_B))
+
+
+def gravity_moment(R: Array, t: float, p: Parameters) -> Array:
+    """M_g (3,) N m in body axes at attitude R (3,3) and time t, s."""
+    r_N, _ = p.orbit.position_velocity(t)
+    r2 = float(r_N @ r_N)
+    r = math.sqrt(r2)
+    return gravity_gradient.moment(R.T @ r_N / r, p.body.J, p.gravitational_parameter / (r2 * r))
+
+
+def _cross(x: Array, y: Array) -> tuple[float, float, float]:
+    a, b, c = x.tolist()
+    d, e, f = y.tolist()
+    return (b * f - c * e, c * d - a * f, a * e - b * d)

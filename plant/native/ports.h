@@ -1,0 +1,149 @@
+/* Rigid satellite with one reaction wheel and three magnetic torquers on a low Earth orbit.
+ * Generated from fmus/interfaces/plant.toml by python -m fmus.native.generate; do not edit. */
+#ifndef PLANT_PORTS_H
+#define PLANT_PORTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    PLANT_ORBIT_START_CIRCULAR = 1,
+    PLANT_ORBIT_START_POSITION_VELOCITY = 2
+};
+
+enum {
+    PLANT_FIELD_MODEL_IGRF14 = 1,
+    PLANT_FIELD_MODEL_WMM2010 = 2,
+    PLANT_FIELD_MODEL_WMM2015 = 3,
+    PLANT_FIELD_MODEL_WMM2020 = 4,
+    PLANT_FIELD_MODEL_WMM2025 = 5
+};
+
+enum {
+    PLANT_INITIAL_ATTITUDE_Q0 = 1,
+    PLANT_INITIAL_ATTITUDE_Q_NB0 = 2
+};
+
+typedef struct {
+    /* kg.m2; frame B; Inertia with the wheel locked; symmetric, positive definite, and of a real body (each
+     * principal moment at most the sum of the others) */
+    double J_B[3][3];
+    /* kg.m2; frame B; What the true inertia has beyond J_B: the plant moves with J_B + J_error_B */
+    double J_error_B[3][3];
+    /* kg.m2; Wheel's inertia about its axis, body +X */
+    double wheel_inertia;
+    /* N.m.s; Largest |h_w| that the wheel can hold */
+    double wheel_momentum_max;
+    /* N.m; Largest torque of the wheel's motor */
+    double wheel_torque_max;
+    /* N.m.s/rad; Viscous friction of the wheel's bearing */
+    double wheel_viscous_friction;
+    /* N.m; Coulomb friction of the wheel's bearing; it also holds a wheel at rest against smaller motor
+     * torques */
+    double wheel_coulomb_friction;
+    /* A.m2; Largest dipole of each rod */
+    double dipole_max;
+    /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; unit to 1e-6, normalised on use */
+    double rod_axes[3][3];
+    /* A.m2; frame B; Dipole of the satellite itself */
+    double residual_dipole_B[3];
+    /* N.m; frame B; Constant external moment in body axes */
+    double disturbance_torque_B[3];
+    /* Which start values give the orbit: orbit_radius, inclination, node_longitude and argument_of_latitude,
+     * or r_N0 and v_N0 */
+    int32_t orbit_start;
+    /* m; Radius of the circular orbit */
+    double orbit_radius;
+    /* rad; Inclination of the orbit */
+    double inclination;
+    /* rad; frame Earth-fixed; Longitude east of the ascending node at t = 0; RAAN = GMST(epoch) +
+     * node_longitude */
+    double node_longitude;
+    /* rad; Angle from the ascending node to the satellite at t = 0 */
+    double argument_of_latitude;
+    /* m; frame N; Position at t = 0 for orbit_start 'position_velocity'; the perigee must lie above 100 km */
+    double r_N0[3];
+    /* m/s; frame N; Velocity at t = 0 for orbit_start 'position_velocity' */
+    double v_N0[3];
+    /* Whether the orbit's plane drifts with J2's secular node rate */
+    bool j2_node_drift;
+    /* UTC at t = 0, ISO 8601, with the time of day */
+    char epoch[64];
+    /* m3/s2; mu of the Earth (WGS 84) */
+    double gravitational_parameter;
+    /* Whether the gravity-gradient moment acts */
+    bool gravity_gradient;
+    /* Geomagnetic field model; its years must cover the epoch */
+    int32_t field_model;
+    /* Highest degree of the field's expansion that is used (WMM has 12, IGRF 13) */
+    int32_t field_degree;
+    /* Accept an epoch outside the model's years and extrapolate its secular variation */
+    bool field_extrapolate;
+    /* Which start value gives the attitude at t = 0 */
+    int32_t initial_attitude;
+    /* frame L from B; Attitude relative to LVLH at t = 0, R = R_LVLH Q0; orthonormal to 1e-3, projected onto
+     * SO(3) */
+    double Q0[3][3];
+    /* frame N from B; Attitude relative to N at t = 0, scalar first; of unit length to 1e-3, normalised */
+    double q_NB0[4];
+    /* rad/s; frame B; Body rate relative to N at t = 0 */
+    double omega_B0[3];
+    /* N.m.s; Wheel momentum at t = 0; within wheel_momentum_max */
+    double h_w0;
+    /* Order of the Lie group variational integrator: 2, or compositions of it of order 4 (Suzuki) and 6
+     * (Yoshida) */
+    int32_t integrator_order;
+    /* s; Largest internal step; a communication step is divided into equal parts no longer than this */
+    double step_max;
+} PlantParameters;
+
+typedef struct {
+    /* A.m2; frame rods; Demanded dipole of each rod along its axis u_i; clipped at dipole_max */
+    double dipole_cmd[3];
+    /* N.m; Demanded dl_w/dt, the torque on the rotor: positive raises h_w and the body receives the opposite;
+     * clipped at wheel_torque_max */
+    double wheel_torque_cmd;
+} PlantInputs;
+
+typedef struct {
+    /* frame N from B; Attitude: maps body components to inertial ones, x_N = R_NB x_B [1] */
+    double R_NB[3][3];
+    /* rad/s; frame B; Body rate relative to N */
+    double omega_B[3];
+    /* m; frame N; Position of the centre of mass */
+    double r_N[3];
+    /* m/s; frame N; Velocity of the centre of mass */
+    double v_N[3];
+    /* T; frame B; Geomagnetic field */
+    double b_B[3];
+    /* N.m.s; Wheel momentum l_w: wheel_inertia times the wheel's speed relative to the body [12] */
+    double h_w;
+    /* frame N from B; Attitude as a unit quaternion, scalar first and not negative */
+    double q_NB[4];
+    /* N.m; frame B; Gravity-gradient moment M_g [2] */
+    double tau_gg_B[3];
+    /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
+    double tau_mag_B[3];
+    /* A.m2; frame rods; Dipole that each rod gives: the command within dipole_max */
+    double dipole[3];
+    /* N.m; dl_w/dt as it is: the command within wheel_torque_max less friction, zero where it would drive h_w
+     * past its limit */
+    double wheel_torque;
+    /* rad/s; Wheel speed relative to the body */
+    double wheel_speed;
+    /* N.m.s; frame N; Total angular momentum R (J Omega + l_w e1) [12]; constant without external moments,
+     * whatever the wheel does */
+    double H_N[3];
+    /* J; 1/2 Omega.J Omega + U(R) - omega_o.(R Pi): conserved on a circular orbit under gravity gradient
+     * alone with constant h_w; with gravity_gradient false it is 1/2 Omega.J Omega, conserved without moments
+     * and with constant h_w */
+    double energy;
+    /* A demanded dipole is beyond dipole_max and is clipped */
+    bool dipole_saturated;
+    /* The demanded wheel torque is beyond wheel_torque_max and is clipped */
+    bool wheel_torque_saturated;
+    /* h_w is at its limit and the demanded torque would drive it further */
+    bool wheel_momentum_saturated;
+} PlantOutputs;
+
+#endif

@@ -1,0 +1,150 @@
+"""Parameters of the plant and what follows from them alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from . import geomagnetic, orbit, tables, time_scales
+from .attitude import COMPOSITIONS, Body
+from .so3 import Array, from_quaternion, project
+from .wheel import Wheel
+
+LOWEST_PERIGEE = orbit.WGS84_RADIUS + 100e3
+"""m; below it the orbit is no orbit."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Start values of the plant; units, frames and limits are those of fmus/interfaces/plant.toml."""
+
+    J_B: Array
+    J_error_B: Array
+    wheel_inertia: float
+    wheel_momentum_max: float
+    wheel_torque_max: float
+    wheel_viscous_friction: float
+    wheel_coulomb_friction: float
+    dipole_max: float
+    rod_axes: Array
+    residual_dipole_B: Array
+    disturbance_torque_B: Array
+    orbit_start: str
+    orbit_radius: float
+    inclination: float
+    node_longitude: float
+    argument_of_latitude: float
+    r_N0: Array
+    v_N0: Array
+    j2_node_drift: bool
+    epoch: str
+    gravitational_parameter: float
+    gravity_gradient: bool
+    field_model: str
+    field_degree: int
+    field_extrapolate: bool
+    initial_attitude: str
+    Q0: Array
+    q_NB0: Array
+    omega_B0: Array
+    h_w0: float
+    integrator_order: int
+    step_max: float
+
+    @cached_property
+    def body(self) -> Body:
+        J = self.J_B + self.J_error_B
+        return Body(J=J, J_inverse=np.linalg.inv(J))
+
+    @cached_property
+    def wheel(self) -> Wheel:
+        return Wheel(
+            self.wheel_inertia,
+            self.wheel_momentum_max,
+            self.wheel_torque_max,
+            self.wheel_viscous_friction,
+            self.wheel_coulomb_friction,
+        )
+
+    @cached_property
+    def rods_to_body(self) -> Array:
+        """(3,3), columns u_i: takes the rods' dipoles to the body's."""
+        return (self.rod_axes / np.linalg.norm(self.rod_axes, axis=1)[:, None]).T
+
+    @cached_property
+    def gmst0(self) -> float:
+        return time_scales.gmst(time_scales.parse_epoch(self.epoch))
+
+    @cached_property
+    def orbit(self) -> orbit.Orbit:
+        mu = self.gravitational_parameter
+        if self.orbit_start == "position_velocity":
+            path = orbit.from_position_velocity(self.r_N0, self.v_N0, mu)
+        else:
+            raan = self.gmst0 + self.node_longitude
+            path = orbit.circular(self.orbit_radius, self.inclination, raan, self.argument_of_latitude, mu)
+        if not self.j2_node_drift:
+            return path
+        normal_z = np.cross(path.towards_perigee, path.along_perigee)[2]
+        rate = orbit.j2_node_rate(path.semi_major_axis, path.eccentricity, math.acos(min(max(normal_z, -1.0), 1.0)), mu)
+        return path.with_node_rate(rate)
+
+    @cached_property
+    def field(self) -> geomagnetic.FieldAlongOrbit:
+        year = time_scales.decimal_year(time_scales.parse_epoch(self.epoch))
+        g, h = tables.field_model(self.field_model).at(year, self.field_extrapolate)
+        return geomagnetic.FieldAlongOrbit(geomagnetic.Field(g, h, self.field_degree), self.orbit, self.gmst0)
+
+    @cached_property
+    def R_NB0(self) -> Array:
+        """Attitude (3,3) at t = 0."""
+        if self.initial_attitude == "q_NB0":
+            return from_quaternion(self.q_NB0)
+        return orbit.lvlh(*self.orbit.position_velocity(0.0)) @ project(self.Q0)
+
+
+def check(p: Parameters) -> None:
+    """Raises ValueError with name, value and what is expected, where the parameters describe no satellite."""
+    _check_inertia("J_B", p.J_B)
+    _check_inertia("J_B + J_error_B", p.J_B + p.J_error_B)
+    lengths = np.linalg.norm(p.rod_axes, axis=1)
+    if np.abs(lengths - 1.0).max() > 1e-6:
+        raise ValueError(f"rod_axes has rows of length {lengths.tolist()}; expected unit vectors, to 1e-6")
+    if abs(p.h_w0) > p.wheel_momentum_max:
+        raise ValueError(f"h_w0 is {p.h_w0} N.m.s; expected within wheel_momentum_max, {p.wheel_momentum_max} N.m.s")
+    if p.integrator_order not in COMPOSITIONS:
+        raise ValueError(f"integrator_order is {p.integrator_order}; expected one of {', '.join(map(str, COMPOSITIONS))}")
+    if p.initial_attitude == "Q0":
+        deviation = np.abs(p.Q0.T @ p.Q0 - np.eye(3)).max()
+        if deviation > 1e-3 or np.linalg.det(p.Q0) < 0.0:
+            raise ValueError(
+                f"Q0 is {p.Q0.tolist()}; expected a rotation: Q0^T Q0 is off the identity by {deviation:.2g} (at most 1e-3), "
+                f"determinant {np.linalg.det(p.Q0):.4f}"
+            )
+    else:
+        length = math.sqrt(p.q_NB0 @ p.q_NB0)
+        if abs(length - 1.0) > 1e-3:
+            raise ValueError(f"q_NB0 is {p.q_NB0.tolist()}, of length {length:.6g}; expected a unit quaternion, to 1e-3")
+    perigee = p.orbit.semi_major_axis * (1.0 - p.orbit.eccentricity)
+    if perigee < LOWEST_PERIGEE:
+        name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0: the perigee"
+        raise ValueError(f"{name} is {perigee:.1f} m; expected at least {LOWEST_PERIGEE:.1f} m, 100 km above the equator")
+    limit = tables.field_model(p.field_model).g.shape[1] - 1
+    if not 1 <= p.field_degree <= limit:
+        raise ValueError(f"field_degree is {p.field_degree}; expected 1 to {limit}")
+    _ = p.field  # refuses a date that the model does not cover
+
+
+def _check_inertia(name: str, J: Array) -> None:
+    if np.abs(J - J.T).max() > 1e-9 * np.abs(J).max():
+        raise ValueError(f"{name} is {J.tolist()} kg.m2; expected a symmetric matrix")
+    moments = np.linalg.eigvalsh(J)
+    if moments[0] <= 0.0:
+        raise ValueError(f"{name} has the principal moments {moments.tolist()} kg.m2; expected a positive definite matrix")
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-9):
+        raise ValueError(
+            f"{name} has the principal moments {moments.tolist()} kg.m2, which no body has: the largest exceeds the sum of the others"
+        )

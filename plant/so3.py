@@ -1,0 +1,63 @@
+"""The rotation group SO(3): the few maps that the plant needs. Rotations are (3,3) arrays."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+IDENTITY = np.eye(3)
+
+
+def hat(x: Array) -> Array:
+    """The skew matrix x^ of x (3,): x^ y = x cross y."""
+    a, b, c = x.tolist()
+    return np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+
+
+def cayley(f: Array) -> Array:
+    """F = (I + f^)(I - f^)^-1, a rotation about f (3,) by 2 atan |f|."""
+    skew = hat(f)
+    return IDENTITY + (2.0 / (1.0 + f @ f)) * (skew + skew @ skew)
+
+
+def project(matrix: Array) -> Array:
+    """The rotation nearest to a (3,3) matrix in the Frobenius norm (its polar factor, by SVD)."""
+    u, _, vt = np.linalg.svd(matrix)
+    return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+
+
+def from_quaternion(q: Array) -> Array:
+    """The rotation of a quaternion (4,), scalar first, of any length but zero."""
+    w, x, y, z = (q / math.sqrt(q @ q)).tolist()
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def to_quaternion(rotation: Array) -> Array:
+    """The unit quaternion (4,) of a rotation, scalar first and not negative.
+
+    Shepperd's method: the largest of the four squared components is the pivot, so that nothing
+    cancels at any angle, 180 deg included (J. Guidance and Control 1(3), 1978).
+    """
+    (r11, r12, r13), (r21, r22, r23), (r31, r32, r33) = rotation.tolist()
+    squares = (1.0 + r11 + r22 + r33, 1.0 + r11 - r22 - r33, 1.0 - r11 + r22 - r33, 1.0 - r11 - r22 + r33)
+    pivot = squares.index(max(squares))
+    if pivot == 0:
+        q = (squares[0], r32 - r23, r13 - r31, r21 - r12)
+    elif pivot == 1:
+        q = (r32 - r23, squares[1], r12 + r21, r13 + r31)
+    elif pivot == 2:
+        q = (r13 - r31, r12 + r21, squares[2], r23 + r32)
+    else:
+        q = (r21 - r12, r13 + r31, r23 + r32, squares[3])
+    length = math.sqrt(sum(c * c for c in q))
+    return np.array(q) / (length if q[0] >= 0.0 else -length)

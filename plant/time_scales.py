@@ -1,0 +1,43 @@
+"""Dates and sidereal time. UT1 is taken as UTC (they differ by less than 0.9 s, 0.004 deg of Earth rotation)."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime, timedelta, timezone
+
+EARTH_RATE = 7.2921158553e-5
+"""Rate of GMST, rad/s: the Earth's rotation relative to the mean equinox of date."""
+
+_J2000 = datetime(2000, 1, 1, 12, tzinfo=timezone.utc)
+
+
+def parse_epoch(text: str) -> datetime:
+    """A UTC date and time from ISO 8601 text such as 2009-08-10T00:00:00Z. Raises ValueError."""
+    try:
+        epoch = datetime.fromisoformat(text)
+    except ValueError:
+        raise ValueError(f"epoch {text!r} is no date; expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z") from None
+    if epoch.tzinfo is None:
+        epoch = epoch.replace(tzinfo=timezone.utc)
+    elif epoch.utcoffset() != timedelta(0):
+        raise ValueError(f"epoch {text!r} is not in UTC; expected an ending Z or +00:00, or none")
+    return epoch
+
+
+def days_since_j2000(epoch: datetime) -> float:
+    """Days of 86400 s from 2000-01-01 12:00 to `epoch`."""
+    return (epoch - _J2000) / timedelta(days=1)
+
+
+def gmst(epoch: datetime) -> float:
+    """Greenwich mean sidereal time, rad in [0, 2 pi): IAU 1982 (Aoki et al., A&A 105, 1982)."""
+    T = days_since_j2000(epoch) / 36525.0
+    seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6))
+    return math.fmod(math.radians(seconds / 240.0), 2.0 * math.pi) % (2.0 * math.pi)
+
+
+def decimal_year(epoch: datetime) -> float:
+    """The date as a year with its fraction elapsed, as the field models count time."""
+    start = datetime(epoch.year, 1, 1, tzinfo=timezone.utc)
+    end = datetime(epoch.year + 1, 1, 1, tzinfo=timezone.utc)
+    return epoch.year + (epoch - start) / (end - start)

@@ -1,0 +1,131 @@
+"""The reaction wheel: its momentum over a step, in closed form, within its limits.
+
+l_w is I_w times the wheel's speed relative to the body, so with motor torque tau, viscous friction
+c and Coulomb friction d
+
+    dl_w/dt = tau - (c/I_w) l_w - d sign(l_w).
+
+Over a step tau is constant. The step is divided where the wheel reaches its momentum limit, or
+(with Coulomb friction) stands still, so that l_w is smooth in each part: without that a composed
+integrator falls back to order 1. Departures from the paper: friction and the limit, # not in the
+paper: it takes the wheel as ideal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """Limits and friction of the wheel."""
+
+    inertia: float
+    """I_w about its axis, kg m2."""
+    momentum_max: float
+    """N m s."""
+    torque_max: float
+    """N m."""
+    viscous_friction: float = 0.0
+    """N m s/rad."""
+    coulomb_friction: float = 0.0
+    """N m."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of a step in which l_w moves smoothly: dl_w/dt = drive - decay l_w, from l_start."""
+
+    duration: float
+    l_start: float
+    l_end: float
+    drive: float
+    decay: float
+
+    def momentum(self, s: float) -> float:
+        """l_w at time s after the segment's start, N m s; s may lie outside the segment."""
+        return self.l_start + (self.drive - self.decay * self.l_start) * s * _phi1(self.decay * s)
+
+    def mean(self, s: float, duration: float) -> float:
+        """Mean of l_w over [s, s + duration], N m s; the duration may be negative."""
+        l_from = self.momentum(s)
+        return l_from + (self.drive - self.decay * l_from) * duration * _phi2(self.decay * duration)
+
+
+def motor_torque(command: float, wheel: Wheel) -> float:
+    """The motor's torque, N m: the command within the motor's limit."""
+    return min(max(command, -wheel.torque_max), wheel.torque_max)
+
+
+def net_torque(momentum: float, command: float, wheel: Wheel) -> float:
+    """dl_w/dt, N m, at this momentum: motor and friction; zero where it would pass the momentum limit."""
+    drive, decay = _law(momentum, motor_torque(command, wheel), wheel)
+    rate = drive - decay * momentum
+    return 0.0 if _at_limit(momentum, rate, wheel) else rate
+
+
+def segments(momentum: float, command: float, h: float, wheel: Wheel) -> list[Segment]:
+    """The smooth parts of l_w over a step of length h from `momentum`, N m s, at a constant command, N m."""
+    torque = motor_torque(command, wheel)
+    parts: list[Segment] = []
+    left, now = h, momentum
+    while left > 0.0:
+        drive, decay = _law(now, torque, wheel)
+        rate = drive - decay * now
+        if rate == 0.0 or _at_limit(now, rate, wheel):
+            parts.append(Segment(left, now, now, 0.0, 0.0))
+            break
+        target = _next_event(now, rate, wheel)
+        until = _time_to(target, now, rate, decay)
+        if until >= left:
+            part = Segment(left, now, 0.0, drive, decay)
+            end = part.momentum(left)
+            parts.append(Segment(left, now, end, drive, decay))
+            break
+        if until > 0.0:
+            parts.append(Segment(until, now, target, drive, decay))
+        left, now = left - until, target
+    return parts
+
+
+def _law(momentum: float, torque: float, wheel: Wheel) -> tuple[float, float]:
+    """(drive, decay) of dl_w/dt = drive - decay l_w on this side of standstill."""
+    friction = wheel.coulomb_friction
+    decay = wheel.viscous_friction / wheel.inertia
+    if friction == 0.0:
+        return torque, decay
+    if momentum == 0.0:
+        return math.copysign(max(abs(torque) - friction, 0.0), torque), decay
+    return torque - math.copysign(friction, momentum), decay
+
+
+def _at_limit(momentum: float, rate: float, wheel: Wheel) -> bool:
+    return abs(momentum) >= wheel.momentum_max and rate * momentum >= 0.0
+
+
+def _next_event(momentum: float, rate: float, wheel: Wheel) -> float:
+    """The momentum, ahead in the direction of `rate`, where the law changes: standstill or the limit."""
+    if wheel.coulomb_friction > 0.0 and momentum * rate < 0.0:
+        return 0.0
+    return math.copysign(wheel.momentum_max, rate)
+
+
+def _time_to(target: float, momentum: float, rate: float, decay: float) -> float:
+    """When l_w reaches `target`; infinite where friction stops it before."""
+    share = (target - momentum) / rate
+    if decay == 0.0:
+        return share
+    return -math.log1p(-decay * share) / decay if decay * share < 1.0 else math.inf
+
+
+def _phi1(x: float) -> float:
+    """(1 - exp(-x))/x."""
+    return -math.expm1(-x) / x if x != 0.0 else 1.0
+
+
+def _phi2(x: float) -> float:
+    """(x - 1 + exp(-x))/x^2; a series where that cancels."""
+    if abs(x) < 0.05:
+        return 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0)))))
+    return (x + math.expm1(-x)) / (x * x)
