@@ -1,0 +1,46 @@
+# `make run` and `make test` set up all they need in .venv; nothing but Python 3.11 (or later) and make is asked of the machine.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: run test fmus bench lint format docs authorities clean
+
+run: $(VENV)/run
+	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
+
+test: $(VENV)/test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest
+
+fmus: $(VENV)/run
+	$(BIN)/orchestrate build
+
+bench: $(VENV)/run
+	$(BIN)/python -m tests.bench
+
+# The outside authorities' table, docs/verification.md.
+authorities: $(VENV)/test
+	$(BIN)/python -m tests.authorities
+
+format: $(VENV)/test
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+# Everything in docs/ that is made from sources.
+docs: $(VENV)/test
+	$(BIN)/python -m docs
+
+clean:
+	rm -rf $(VENV) build results
+
+$(VENV)/run: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/test: $(VENV)/run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
