@@ -83,9 +83,9 @@ def check(p: Parameters) -> None:
 
 
 def start(p: Parameters, u: Inputs) -> State:
-    """The state at t = 0. Nothing has been commanded yet, so a hold from the first step on holds zero."""
-    # To hold what was given at t = 0 instead: return _remember(0.0, outputs(<this state>, u, p)).
-    return State(0.0, hold.NONE.dipole, hold.NONE.wheel_torque, False)
+    """The state at t = 0: the command of these inputs is remembered, zero where it would be held at once."""
+    nothing_yet = State(0.0, hold.NONE.dipole, hold.NONE.wheel_torque, False)
+    return _remember(0.0, outputs(nothing_yet, u, p))
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
