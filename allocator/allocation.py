@@ -56,7 +56,9 @@ def wheel_torque(tau_B: Array, b_hat_B: Array, omega_B: Array, h_w: float) -> fl
     if along_field == 0.0:
         return 0.0
     if abs(b1) < B_WHEEL_MIN:
-        raise Singular(f"b_B: the field is normal to the wheel, b1 = {b1:g}, and {along_field:g} N m is wanted along it")
+        raise Singular(
+            f"b_B: the field is normal to the wheel, b1 = {b1:g}, and {along_field:g} N m is wanted along it"
+        )
     return -along_field / b1
 
 

@@ -102,7 +102,9 @@ def _check_positive_definite(name: str, M: Array) -> None:
     if np.abs(M - M.T).max() > 1e-9 * np.abs(M).max():
         raise ValueError(f"{name}: expected a symmetric matrix, found {M.tolist()}")
     if not (least := float(np.linalg.eigvalsh(M)[0])) > 0.0:
-        raise ValueError(f"{name}: expected a positive definite matrix, found its least eigenvalue {least:g}: {M.tolist()}")
+        raise ValueError(
+            f"{name}: expected a positive definite matrix, found its least eigenvalue {least:g}: {M.tolist()}"
+        )
 
 
 def start(p: Parameters, u: Inputs) -> State:

@@ -6,7 +6,8 @@ import numpy as np
 
 from .errors import Errors
 from .morse import slope_direction
-from .so3 import R_MIN, Array, cross, norm
+from .reference import R_MIN
+from .so3 import Array, cross, norm
 
 NO_MOMENT = np.zeros(3)
 NO_MOMENT.flags.writeable = False

@@ -14,6 +14,8 @@ from .so3 import Array
 
 _ZERO = np.zeros(3)
 _ZERO.flags.writeable = False
+R_MIN = 1.0
+"""m. A position nearer to the Earth's centre has no direction worth using."""
 _COLLINEAR = 1e-9
 """|r x v| below this share of |r||v| leaves the orbit's plane undefined."""
 
@@ -36,7 +38,7 @@ def lvlh(r_N: Array, v_N: Array) -> Reference:
     r = so3.norm(r_N)
     h_N = so3.cross(r_N, v_N)
     h = so3.norm(h_N)
-    if r < so3.R_MIN or not h > _COLLINEAR * r * so3.norm(v_N):
+    if r < R_MIN or not h > _COLLINEAR * r * so3.norm(v_N):
         raise ValueError(
             f"r_N, v_N: reference 'lvlh' expects a position and a velocity that span the orbit's plane, "
             f"found r_N = {r_N.tolist()}, v_N = {v_N.tolist()}"

@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-R_MIN = 1.0
-"""m. A position nearer to the Earth's centre has no direction worth using."""
 
 
 def norm(x: Array) -> float:

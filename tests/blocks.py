@@ -1,7 +1,7 @@
 """Parameters and inputs of the blocks for tests: the interfaces' start values, with changes.
 
-    p = parameters("controller", reference="inertial", K0=[0.1, 0.2, 0.3])
-    u = inputs("controller", omega_B=[0.1, 0.0, 0.0])
+p = parameters("controller", reference="inertial", K0=[0.1, 0.2, 0.3])
+u = inputs("controller", omega_B=[0.1, 0.0, 0.0])
 """
 
 from __future__ import annotations
