@@ -28,12 +28,19 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
-    """All that the plant remembers: time s, attitude (3,3), body rate (3,) rad/s, wheel momentum N m s."""
+    """All that the plant remembers: time s, attitude (3,3), body momentum Pi (3,) [12] and wheel momentum, N m s.
+
+    Pi rather than Omega, so that no change between the two adds rounding to what is conserved.
+    """
 
     t: float
     R: Array
-    Omega: Array
+    Pi: Array
     l_w: float
+
+    def Omega(self, p: Parameters) -> Array:
+        """Body rate (3,), rad/s: J^-1 (Pi - l_w e1)."""
+        return p.body.J_inverse @ (self.Pi - np.array((self.l_w, 0.0, 0.0)))
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,7 @@ class Outputs:
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0."""
-    return State(t=0.0, R=p.R_NB0, Omega=p.omega_B0, l_w=p.h_w0)
+    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + np.array((p.h_w0, 0.0, 0.0)), l_w=p.h_w0)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
@@ -76,17 +83,14 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
         return tau
 
     n = max(1, math.ceil(h / p.step_max * (1.0 - 1e-12)))
-    R, l_w = x.R, x.l_w
-    Pi = p.body.J @ x.Omega
-    Pi[0] += l_w
+    R, Pi, l_w = x.R, x.Pi, x.l_w
     for i in range(n):
         t = x.t + i * (h / n)
         for part in segments(l_w, u.wheel_torque_cmd, h / n, p.wheel):
             R, Pi = _advance(R, Pi, part, moment, p, t)
             t += part.duration
             l_w = part.l_end
-    Pi[0] -= l_w
-    following = State(t=x.t + h, R=R, Omega=p.body.J_inverse @ Pi, l_w=l_w)
+    following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w)
     return following, outputs(following, u, p)
 
 
@@ -108,10 +112,9 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     dipole = rods(u.dipole_cmd, p)
     b_B = R_T @ p.field.at(x.t)
     r_N, v_N = p.orbit.position_velocity(x.t)
-    Pi = p.body.J @ x.Omega
-    energy = 0.5 * float(x.Omega @ Pi)
-    Pi[0] += x.l_w
-    H_N = x.R @ Pi
+    Omega = x.Omega(p)
+    energy = 0.5 * float(Omega @ p.body.J @ Omega)
+    H_N = x.R @ x.Pi
     if p.gravity_gradient:
         r2 = float(r_N @ r_N)
         rate_squared = p.gravitational_parameter / (r2 * math.sqrt(r2))
@@ -127,7 +130,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     wheel_torque = net_torque(x.l_w, command, p.wheel)
     return Outputs(
         R_NB=x.R,
-        omega_B=x.Omega,
+        omega_B=Omega,
         r_N=r_N,
         v_N=v_N,
         b_B=b_B,

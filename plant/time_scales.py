@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from datetime import datetime, timedelta, timezone
+from datetime import UTC, datetime, timedelta
 
 EARTH_RATE = 7.2921158553e-5
 """Rate of GMST, rad/s: the Earth's rotation relative to the mean equinox of date."""
 
-_J2000 = datetime(2000, 1, 1, 12, tzinfo=timezone.utc)
+_J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
 def parse_epoch(text: str) -> datetime:
@@ -18,7 +18,7 @@ def parse_epoch(text: str) -> datetime:
     except ValueError:
         raise ValueError(f"epoch {text!r} is no date; expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z") from None
     if epoch.tzinfo is None:
-        epoch = epoch.replace(tzinfo=timezone.utc)
+        epoch = epoch.replace(tzinfo=UTC)
     elif epoch.utcoffset() != timedelta(0):
         raise ValueError(f"epoch {text!r} is not in UTC; expected an ending Z or +00:00, or none")
     return epoch
@@ -38,6 +38,6 @@ def gmst(epoch: datetime) -> float:
 
 def decimal_year(epoch: datetime) -> float:
     """The date as a year with its fraction elapsed, as the field models count time."""
-    start = datetime(epoch.year, 1, 1, tzinfo=timezone.utc)
-    end = datetime(epoch.year + 1, 1, 1, tzinfo=timezone.utc)
+    start = datetime(epoch.year, 1, 1, tzinfo=UTC)
+    end = datetime(epoch.year + 1, 1, 1, tzinfo=UTC)
     return epoch.year + (epoch - start) / (end - start)
