@@ -145,15 +145,15 @@ def parse(text: str, file: str = "<interface>") -> Interface:
     )
 
 
-_KEYS = set(
+_KEYS = (
     "causality type shape unit display_unit frame variability start min max items description depends_on "
-    "initially_depends_on".split()
-)
+    "initially_depends_on"
+).split()
 
 
 def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], reference: int) -> Variable:
-    if unknown := set(entry) - _KEYS:
-        raise InterfaceError(f"unknown key {sorted(unknown)[0]!r}; expected one of {', '.join(sorted(_KEYS))}")
+    if unknown := [key for key in entry if key not in _KEYS]:
+        raise InterfaceError(f"unknown key {unknown[0]!r}; expected one of {', '.join(_KEYS)}")
     causality: Causality = entry["causality"]
     kind: Type = entry.get("type", "real")
     shape = tuple(entry.get("shape", ()))
@@ -221,4 +221,6 @@ def _check_dependencies(variables: dict[str, Variable], file: str) -> None:
             for name in getattr(variable, key):
                 base = variables.get(name.removesuffix("[i]"))
                 if base is None or base.causality not in allowed:
-                    raise InterfaceError(f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}")
+                    raise InterfaceError(
+                        f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}"
+                    )
