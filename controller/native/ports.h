@@ -1,0 +1,93 @@
+/* Almost-global attitude tracking on SO(3) with gains that follow the errors [8]-[10].
+ * Generated from fmus/interfaces/controller.toml by python -m fmus.native.generate; do not edit. */
+#ifndef CONTROLLER_PORTS_H
+#define CONTROLLER_PORTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    CONTROLLER_PHI_LINEAR = 1,
+    CONTROLLER_PHI_LOGARITHM = 2,
+    CONTROLLER_PHI_SQUARE_ROOT = 3
+};
+
+enum {
+    CONTROLLER_GAIN_SCHEDULE_ERROR = 1,
+    CONTROLLER_GAIN_SCHEDULE_CONSTANT = 2
+};
+
+enum {
+    CONTROLLER_REFERENCE_LVLH = 1,
+    CONTROLLER_REFERENCE_INERTIAL = 2,
+    CONTROLLER_REFERENCE_RATE = 3
+};
+
+typedef struct {
+    /* kg.m2; frame B; Inertia that the law assumes (it may differ from the plant's); symmetric, positive
+     * definite, of a real body */
+    double J_B[3][3];
+    /* N.m; Diagonal of K0, 0 < K0[1] < K0[2] < K0[3] [9] */
+    double K0[3];
+    /* N.m.s; frame B; L0, symmetric and positive definite [9] */
+    double L0[3][3];
+    /* Phi in [8]: x, ln(1 + x/phi_scale) phi_scale, or 2 (sqrt(1 + x/phi_scale) - 1) phi_scale; each has
+     * slope 1 at 0 */
+    int32_t phi;
+    /* J; Scale of x where Phi bends; not used by 'linear' */
+    double phi_scale;
+    /* Whether the law cancels the gravity-gradient moment it expects, -M_g(R_d Q) [8] */
+    bool compensate_gravity;
+    /* m3/s2; mu of the Earth in the law's M_g (WGS 84) */
+    double gravitational_parameter;
+    /* 'error': k and l follow the errors [10]; 'constant': k = kappa0, l = lambda0 */
+    int32_t gain_schedule;
+    /* kappa0 [10] */
+    double kappa0;
+    /* lambda0 [10] */
+    double lambda0;
+    /* rad; a1 [10] */
+    double a1;
+    /* rad; a2 [10] */
+    double a2;
+    /* rad/s; c1 [10] */
+    double c1;
+    /* rad/s; c2 [10] */
+    double c2;
+    /* 'lvlh': hold LVLH, from r_N and v_N; 'inertial': hold R_d0; 'rate': start at R_d0 and turn with the
+     * body rate Omega_d0 [3] */
+    int32_t reference;
+    /* frame N from desired body; Desired attitude at t = 0 for 'inertial' and 'rate'; orthonormal to 1e-3,
+     * projected onto SO(3) */
+    double R_d0[3][3];
+    /* rad/s; frame desired body; Desired body rate, constant, for 'rate' [3] */
+    double Omega_d0[3];
+} ControllerParameters;
+
+typedef struct {
+    /* frame N from B; Attitude, x_N = R_NB x_B; orthonormal to 1e-4, so a single-precision plant will do */
+    double R_NB[3][3];
+    /* rad/s; frame B; Body rate relative to N */
+    double omega_B[3];
+    /* m; frame N; Position of the centre of mass */
+    double r_N[3];
+    /* m/s; frame N; Velocity of the centre of mass */
+    double v_N[3];
+} ControllerInputs;
+
+typedef struct {
+    /* N.m; frame B; Demanded control torque on the body [8] */
+    double tau_cmd_B[3];
+    /* rad; Principal angle |zeta| of Q = R_d^T R [4] */
+    double attitude_error;
+    /* rad/s; frame B; omega = Omega - Q^T Omega_d [4] */
+    double rate_error_B[3];
+    /* J; V = 1/2 omega.J omega + Phi(tr(K - K Q)) [11] */
+    double lyapunov;
+    /* k, the attitude gain's scale: K = k K0 [9][10] */
+    double gain_k;
+    /* l, the rate gain's scale: L = l L0 [9][10] */
+    double gain_l;
+} ControllerOutputs;
+
+#endif

@@ -1,0 +1,25 @@
+/* What is wrong with a value: names and expectation are literals, so a law formats no text. */
+#ifndef COMMON_FAULT_H
+#define COMMON_FAULT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct {
+    const char *name;     /* of the variable, with its element where one stands out: "K0[2]" */
+    const char *expected; /* "0 < K0[1] < K0[2] < K0[3]" */
+    const char *text;     /* the value found where it is text, else NULL */
+    double value;         /* the value found */
+} Fault;
+
+/* Notes the fault; false, so that a check can end with `return fault(...)`. */
+static inline bool fault(Fault *f, const char *name, double value, const char *expected)
+{
+    f->name = name;
+    f->expected = expected;
+    f->text = NULL;
+    f->value = value;
+    return false;
+}
+
+#endif

@@ -1,0 +1,104 @@
+/* Rotations and the checks of matrices that the blocks share. */
+#ifndef COMMON_ROTATION_H
+#define COMMON_ROTATION_H
+
+#include "fault.h"
+#include "vector.h"
+
+static const Matrix identity = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+
+/* exp(x^), the turn by |x| about x: cos(a) I + sin(a)/a x^ + (1 - cos a)/a^2 x x^T.
+ * The factors are written with sin(a/2)/(a/2), so nothing cancels at small a. */
+static inline Matrix rotation_exp(Vector x)
+{
+    const double half = 0.5 * norm(x);
+    const double sinc = half > 0.0 ? sin(half) / half : 1.0;
+    const double s = sinc * cos(half);
+    const double c = 0.5 * sinc * sinc;
+    const double diagonal = 1.0 - c * dot(x, x);
+    return (Matrix){{diagonal + c * x.x * x.x, c * x.x * x.y - s * x.z, c * x.x * x.z + s * x.y},
+                    {c * x.y * x.x + s * x.z, diagonal + c * x.y * x.y, c * x.y * x.z - s * x.x},
+                    {c * x.z * x.x - s * x.y, c * x.z * x.y + s * x.x, diagonal + c * x.z * x.z}};
+}
+
+/* |zeta| of Q = exp(zeta^), rad in [0, pi], from sine and cosine together: good to all digits at 0 and at pi. */
+static inline double principal_angle(Matrix Q)
+{
+    const Vector axis = {Q.c.y - Q.b.z, Q.a.z - Q.c.x, Q.b.x - Q.a.y};
+    return atan2(0.5 * norm(axis), 0.5 * (Q.a.x + Q.b.y + Q.c.z - 1.0));
+}
+
+/* The rotation nearest to a matrix that is_rotation to 1e-3: its polar factor, by Newton's X <- (X + X^-T)/2. */
+static inline Matrix nearest_rotation(Matrix X)
+{
+    for (int i = 0; i < 6; ++i) {
+        const Matrix Y = transposed(inverse(X));
+        X.a = scale(0.5, add(X.a, Y.a));
+        X.b = scale(0.5, add(X.b, Y.b));
+        X.c = scale(0.5, add(X.c, Y.c));
+    }
+    return X;
+}
+
+/* max |R^T R - I|; NaN where an element is. */
+static inline double orthonormality_error(Matrix R)
+{
+    const Matrix C = transposed(R);
+    const Vector off = {dot(C.a, C.b), dot(C.b, C.c), dot(C.c, C.a)};
+    const Vector unit = {dot(C.a, C.a) - 1.0, dot(C.b, C.b) - 1.0, dot(C.c, C.c) - 1.0};
+    return is_finite(off) && is_finite(unit) ? larger(largest(off), largest(unit)) : NAN;
+}
+
+/* Whether R is a rotation, to `tolerance` element by element of R^T R - I; the fault names the matrix and `expected`. */
+static inline bool is_rotation(Matrix R, double tolerance, const char *name, const char *expected, Fault *f)
+{
+    const double error = orthonormality_error(R);
+    if (!(error <= tolerance)) {
+        return fault(f, name, error, expected);
+    }
+    if (determinant(R) < 0.0) {
+        return fault(f, name, determinant(R), "a rotation matrix, determinant +1 (this is a reflection)");
+    }
+    return true;
+}
+
+/* Whether S is symmetric to 1e-9 of its largest element and positive definite (leading minors). */
+static inline bool is_positive_definite(Matrix S, const char *name, Fault *f)
+{
+    if (!is_finite_matrix(S)) {
+        return fault(f, name, NAN, "finite numbers");
+    }
+    const double skew = larger(fabs(S.a.y - S.b.x), larger(fabs(S.b.z - S.c.y), fabs(S.c.x - S.a.z)));
+    if (skew > 1e-9 * largest_element(S)) {
+        return fault(f, name, skew, "a symmetric matrix, max |S - S^T| at most 1e-9 of its largest element");
+    }
+    const double minors[3] = {S.a.x, S.a.x * S.b.y - S.a.y * S.b.x, determinant(S)};
+    for (int i = 0; i < 3; ++i) {
+        if (!(minors[i] > 0.0)) {
+            return fault(f, name, minors[i], "a positive definite matrix, each leading minor above 0");
+        }
+    }
+    return true;
+}
+
+/* Whether J is the inertia of a body: positive definite, and no principal moment above the sum of the others
+ * (to 1e-9 of it), that is c I - J positive definite with c next to half the trace. */
+static inline bool is_inertia(Matrix J, const char *name, Fault *f)
+{
+    if (!is_positive_definite(J, name, f)) {
+        return false;
+    }
+    const double c = (J.a.x + J.b.y + J.c.z) * (1.0 + 1e-9) / (2.0 + 1e-9);
+    const Matrix D = {{c - J.a.x, -J.a.y, -J.a.z}, {-J.b.x, c - J.b.y, -J.b.z}, {-J.c.x, -J.c.y, c - J.c.z}};
+    const double minors[3] = {D.a.x, D.a.x * D.b.y - D.a.y * D.b.x, determinant(D)};
+    for (int i = 0; i < 3; ++i) {
+        if (!(minors[i] > 0.0)) {
+            return fault(f, name, minors[i],
+                         "the inertia of a body, each principal moment at most the sum of the others "
+                         "(leading minors of tr(J)/2 I - J above 0)");
+        }
+    }
+    return true;
+}
+
+#endif

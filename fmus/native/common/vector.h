@@ -1,0 +1,148 @@
+/* Vectors of three and 3x3 matrices by value: the little linear algebra that the blocks share. */
+#ifndef COMMON_VECTOR_H
+#define COMMON_VECTOR_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct {
+    double x, y, z;
+} Vector;
+
+/* By its rows. */
+typedef struct {
+    Vector a, b, c;
+} Matrix;
+
+static inline Vector vector(const double v[3])
+{
+    return (Vector){v[0], v[1], v[2]};
+}
+
+static inline Matrix matrix(const double m[3][3])
+{
+    return (Matrix){vector(m[0]), vector(m[1]), vector(m[2])};
+}
+
+static inline void store(Vector v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static inline void store_matrix(Matrix m, double out[3][3])
+{
+    store(m.a, out[0]);
+    store(m.b, out[1]);
+    store(m.c, out[2]);
+}
+
+static inline Vector add(Vector u, Vector v)
+{
+    return (Vector){u.x + v.x, u.y + v.y, u.z + v.z};
+}
+
+static inline Vector subtract(Vector u, Vector v)
+{
+    return (Vector){u.x - v.x, u.y - v.y, u.z - v.z};
+}
+
+static inline Vector scale(double s, Vector v)
+{
+    return (Vector){s * v.x, s * v.y, s * v.z};
+}
+
+static inline double dot(Vector u, Vector v)
+{
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+
+static inline Vector cross(Vector u, Vector v)
+{
+    return (Vector){u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+
+static inline double norm(Vector v)
+{
+    return sqrt(dot(v, v));
+}
+
+static inline bool is_finite(Vector v)
+{
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+/* M v. */
+static inline Vector apply(Matrix m, Vector v)
+{
+    return (Vector){dot(m.a, v), dot(m.b, v), dot(m.c, v)};
+}
+
+/* M^T v. */
+static inline Vector apply_transposed(Matrix m, Vector v)
+{
+    return (Vector){m.a.x * v.x + m.b.x * v.y + m.c.x * v.z, m.a.y * v.x + m.b.y * v.y + m.c.y * v.z,
+                    m.a.z * v.x + m.b.z * v.y + m.c.z * v.z};
+}
+
+static inline Matrix transposed(Matrix m)
+{
+    return (Matrix){{m.a.x, m.b.x, m.c.x}, {m.a.y, m.b.y, m.c.y}, {m.a.z, m.b.z, m.c.z}};
+}
+
+/* M N. */
+static inline Matrix multiply(Matrix m, Matrix n)
+{
+    return (Matrix){apply_transposed(n, m.a), apply_transposed(n, m.b), apply_transposed(n, m.c)};
+}
+
+static inline double determinant(Matrix m)
+{
+    return dot(m.a, cross(m.b, m.c));
+}
+
+/* M^-1 of a regular M. */
+static inline Matrix inverse(Matrix m)
+{
+    const Vector u = cross(m.b, m.c), v = cross(m.c, m.a), w = cross(m.a, m.b);
+    const double d = 1.0 / dot(m.a, u);
+    return transposed((Matrix){scale(d, u), scale(d, v), scale(d, w)});
+}
+
+/* x with M x = y. */
+static inline Vector solve(Matrix m, Vector y)
+{
+    const Vector u = cross(m.b, m.c), v = cross(m.c, m.a), w = cross(m.a, m.b);
+    const Vector sum = add(scale(y.x, u), add(scale(y.y, v), scale(y.z, w)));
+    return scale(1.0 / dot(m.a, u), sum);
+}
+
+static inline bool is_finite_matrix(Matrix m)
+{
+    return is_finite(m.a) && is_finite(m.b) && is_finite(m.c);
+}
+
+static inline double larger(double x, double y)
+{
+    return x > y ? x : y;
+}
+
+static inline double smaller(double x, double y)
+{
+    return x < y ? x : y;
+}
+
+/* The largest |component|. */
+static inline double largest(Vector v)
+{
+    return larger(larger(fabs(v.x), fabs(v.y)), fabs(v.z));
+}
+
+/* The largest |element|. */
+static inline double largest_element(Matrix m)
+{
+    return larger(larger(largest(m.a), largest(m.b)), largest(m.c));
+}
+
+#endif

@@ -1,0 +1,184 @@
+/* sin, cos, atan2, log1p, expm1 and the C library's memory and string functions, so that an FMU needs no library at all
+ * and gives the same bits on Linux, Windows and macOS, whose own elementary functions differ in the last place.
+ * Each is within 2 units in the last place (tests/native/test_elementary.py).
+ * Only the FMUs are linked with this file; a law that is lifted out uses its own platform's <math.h>. */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Polynomials in Taylor's coefficients: the arguments are reduced until these suffice. */
+static double horner(double x, const double c[], int n)
+{
+    double sum = c[n - 1];
+    for (int i = n - 2; i >= 0; --i) {
+        sum = sum * x + c[i];
+    }
+    return sum;
+}
+
+static double sine(double x) /* |x| <= pi/4 */
+{
+    static const double c[] = {-1.0 / 6.0,           1.0 / 120.0,           -1.0 / 5040.0,           1.0 / 362880.0,
+                               -1.0 / 39916800.0,    1.0 / 6227020800.0,    -1.0 / 1307674368000.0,  1.0 / 355687428096000.0};
+    const double z = x * x;
+    return x + x * z * horner(z, c, 8);
+}
+
+static double cosine(double x) /* |x| <= pi/4 */
+{
+    static const double c[] = {1.0 / 24.0,         -1.0 / 720.0,           1.0 / 40320.0,          -1.0 / 3628800.0,
+                               1.0 / 479001600.0,  -1.0 / 87178291200.0,   1.0 / 20922789888000.0, -1.0 / 6402373705728000.0};
+    const double z = x * x, half = 0.5 * z;
+    const double w = 1.0 - half;
+    return w + ((1.0 - w - half) + z * z * horner(z, c, 8)); /* with what 1 - half lost */
+}
+
+/* x - n pi/2 with n the nearest integer, of which the last two bits are returned. pi/2 in three parts: good to a unit
+ * in the last place of the result up to |x| of about 1e6, and to |x| 1e-22 in absolute terms beyond. */
+static unsigned reduce(double x, double *r)
+{
+    static const double part1 = 1.57079632673412561417e+00; /* 33 bits of pi/2 */
+    static const double part2 = 6.07710050630396597660e-11; /* the next 33 */
+    static const double part3 = 2.02226624879595063154e-21; /* the rest */
+    static const double shift = 6755399441055744.0;         /* 1.5 * 2^52: adding it rounds to an integer */
+    if (!(fabs(x) < 1e9)) {
+        *r = x - x; /* NaN of NaN and infinity; angles so large have lost their meaning: 0 */
+        return 0;
+    }
+    const double n = (x * 0.63661977236758134308 + shift) - shift;
+    const double a = x - n * part1, w = n * part2;
+    const double b = a - w;
+    *r = b - (n * part3 - ((a - b) - w));
+    return (unsigned)((int64_t)n & 3);
+}
+
+double sin(double x)
+{
+    double r;
+    const unsigned quadrant = reduce(x, &r);
+    const double y = (quadrant & 1u) != 0u ? cosine(r) : sine(r);
+    return (quadrant & 2u) != 0u ? -y : y;
+}
+
+double cos(double x)
+{
+    double r;
+    const unsigned quadrant = reduce(x, &r) + 1u;
+    const double y = (quadrant & 1u) != 0u ? cosine(r) : sine(r);
+    return (quadrant & 2u) != 0u ? -y : y;
+}
+
+/* atan(x) for 0 <= x <= 1: atan(k/8) + atan((x - k/8)/(1 + x k/8)), and a series below 1/16. */
+static double arc(double x)
+{
+    static const double at[] = {0.0,
+                                0.12435499454676143503,
+                                0.24497866312686415417,
+                                0.35877067027057222039,
+                                0.46364760900080611621,
+                                0.55859931534356243597,
+                                0.64350110879328438680,
+                                0.71882999962162450542,
+                                0.78539816339744830962};
+    static const double c[] = {-1.0 / 3.0, 1.0 / 5.0, -1.0 / 7.0, 1.0 / 9.0, -1.0 / 11.0, 1.0 / 13.0};
+    const int k = (int)(8.0 * x + 0.5);
+    const double y = 0.125 * k;
+    const double t = (x - y) / (1.0 + x * y), z = t * t;
+    return at[k] + (t + t * z * horner(z, c, 6));
+}
+
+double atan2(double y, double x)
+{
+    static const double pi = 3.14159265358979311600, pi_rest = 1.22464679914735317720e-16;
+    const double p = fabs(x), q = fabs(y);
+    double angle; /* of (|x|, |y|) */
+    if (isnan(x) || isnan(y)) {
+        return x + y;
+    }
+    if (p == q) { /* both zero or both infinite, too */
+        angle = p > 0.0 ? 0.25 * pi : 0.0;
+    } else if (q < p) {
+        angle = arc(q / p);
+    } else {
+        angle = 0.5 * pi - (arc(p / q) - 0.5 * pi_rest);
+    }
+    if (signbit(x)) {
+        angle = pi - (angle - pi_rest);
+    }
+    return signbit(y) ? -angle : angle;
+}
+
+/* ln(1 + x): 1 + x = 2^k (1 + f) with f in [-0.3, 0.42], ln(1 + f) = 2 artanh(f/(2 + f)). */
+double log1p(double x)
+{
+    static const double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
+    static const double c[] = {2.0 / 3.0,  2.0 / 5.0,  2.0 / 7.0,  2.0 / 9.0,  2.0 / 11.0,
+                               2.0 / 13.0, 2.0 / 15.0, 2.0 / 17.0, 2.0 / 19.0, 2.0 / 21.0};
+    if (!(x > -1.0) || !(x < INFINITY)) {
+        return x == -1.0 ? -INFINITY : x > 0.0 ? x : x - x < 0.0 || x < -1.0 ? NAN : x;
+    }
+    int k = 0;
+    double f = x, lost = 0.0;
+    if (x < -0.29289 || x > 0.41421) {
+        double one_plus = 1.0 + x;
+        lost = (x > 1.0 ? 1.0 - (one_plus - x) : x - (one_plus - 1.0)) / one_plus;
+        while (one_plus > 1.41421356237309504880) {
+            one_plus *= 0.5;
+            ++k;
+        }
+        while (one_plus < 0.70710678118654752440) {
+            one_plus *= 2.0;
+            --k;
+        }
+        f = one_plus - 1.0;
+    }
+    const double s = f / (2.0 + f), z = s * s;
+    const double half_square = 0.5 * f * f;
+    /* ln(1 + f) = f - f^2/2 + s (f^2/2 + R), R = z (2/3 + 2/5 z + ...). */
+    const double series = s * (half_square + z * horner(z, c, 10));
+    return k * ln2_high + (f - (half_square - (series + (lost + k * ln2_low))));
+}
+
+/* exp(x) - 1: x = k ln 2 + r, |r| <= 0.35; a series for exp(r) - 1. */
+double expm1(double x)
+{
+    static const double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
+    static const double shift = 6755399441055744.0;
+    static const double c[] = {1.0 / 6.0,        1.0 / 24.0,        1.0 / 120.0,        1.0 / 720.0,
+                               1.0 / 5040.0,     1.0 / 40320.0,     1.0 / 362880.0,     1.0 / 3628800.0,
+                               1.0 / 39916800.0, 1.0 / 479001600.0, 1.0 / 6227020800.0, 1.0 / 87178291200.0};
+    if (isnan(x) || x > 709.78) {
+        return isnan(x) ? x : INFINITY;
+    }
+    if (x < -40.0) {
+        return -1.0;
+    }
+    const double n = (x * 1.44269504088896338700 + shift) - shift;
+    const double high = x - n * ln2_high, low = n * ln2_low;
+    const double r = high - low, lost = (high - r) - low;
+    const double e = r + (0.5 * r * r + (r * r * r * horner(r, c, 12) + lost * (1.0 + r))); /* exp(r + lost) - 1 */
+    double power = 1.0;
+    for (int k = (int)n; k > 0; --k) {
+        power *= 2.0;
+    }
+    for (int k = (int)n; k < 0; ++k) {
+        power *= 0.5;
+    }
+    return n == 0.0 ? e : power * e + (power - 1.0);
+}
+
+void *memcpy(void *restrict to, const void *restrict from, size_t n)
+{
+    unsigned char *t = to;
+    const unsigned char *f = from;
+    for (; n >= 8; n -= 8, t += 8, f += 8) {
+        uint64_t word;
+        __builtin_memcpy_inline(&word, f, 8);
+        __builtin_memcpy_inline(t, &word, 8);
+    }
+    while (n-- > 0) {
+        *t++ = *f++;
+    }
+    return to;
+}

@@ -1,0 +1,131 @@
+"""C from an interface: the structures that the laws see, and the table of ports that the shell reads.
+
+`ports_header(interface)` is `<block>/native/ports.h`, which is kept in the repository so that a block's C can be
+lifted out as it stands; a test fails when it drifts from the TOML. `python -m fmus.native.generate` rewrites all.
+`table(interface, guid)` is written anew by every build.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import textwrap
+from pathlib import Path
+
+from ..interface import BLOCKS, Element, Interface, Variable, load
+
+ROOT = Path(__file__).parents[2]
+TEXT_SIZE = 64
+"""Bytes of a string's buffer, its ending zero included."""
+
+_RECORDS = {"parameter": ("Parameters", "p"), "input": ("Inputs", "u"), "output": ("Outputs", "y")}
+_C_TYPES = {"real": "double", "integer": "int32_t", "enumeration": "int32_t", "boolean": "bool", "string": "char"}
+
+
+def ports_path(block: str) -> Path:
+    """Where a block's structures stand in the repository."""
+    return ROOT / block / "native" / "ports.h"
+
+
+def ports_header(interface: Interface) -> str:
+    """A C header with the block's parameters, inputs and outputs as structures and its enumerations."""
+    name = interface.name
+    parts = [
+        f"/* {interface.description}.\n * Generated from fmus/interfaces/{name}.toml by python -m fmus.native.generate; do not edit. */",
+        f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
+        "#include <stdbool.h>\n#include <stdint.h>\n",
+    ]
+    parts += [_enumeration(name, v) for v in interface.variables.values() if v.type == "enumeration"]
+    for causality, (record, _) in _RECORDS.items():
+        members = "\n".join(_member(v) for v in interface.variables.values() if v.causality == causality)
+        parts.append(f"typedef struct {{\n{members}\n}} {name.title()}{record};\n")
+    return "\n".join(parts) + "\n#endif\n"
+
+
+def _enumeration(block: str, variable: Variable) -> str:
+    prefix = f"{block}_{variable.name}_".upper()
+    items = ",\n".join(f"    {prefix}{item.upper()} = {i}" for i, item in enumerate(variable.items, start=1))
+    return f"enum {{\n{items}\n}};\n"
+
+
+def _member(variable: Variable) -> str:
+    dimensions = "".join(f"[{n}]" for n in variable.shape)
+    if variable.type == "string":
+        dimensions += f"[{TEXT_SIZE}]"
+    about = [variable.unit or "", f"frame {variable.frame}" if variable.frame else "", variable.description]
+    comment = "/* " + "; ".join(part for part in about if part) + " */"
+    lines = textwrap.wrap(comment, 110, initial_indent="    ", subsequent_indent="     * ", break_long_words=False)
+    return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])
+
+
+def table(interface: Interface, guid: str) -> str:
+    """A C source with the table of all scalar variables, in the order of their value references."""
+    rows = ",\n".join(_row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements))
+    title = interface.name.title()
+    aliases = "\n".join(f"typedef {title}{record} {record};" for record in ("Parameters", "Inputs", "Outputs", "State", "Law"))
+    calls = "\n".join(
+        f"#define block_{call} {interface.name}_{call}" for call in ("check", "prepare", "start", "outputs", "step")
+    )
+    return f"""\
+#include "{interface.name}.h"
+
+#define BLOCK_GUID "{guid}"
+#define BLOCK_VARIABLES {len(interface.elements)}u
+
+{aliases}
+
+{calls}
+
+#ifdef BLOCK_TABLE
+#define ROW(name, member, type, causality, variability, start, min, max, text) \\
+    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), type, causality, variability}}
+
+static const Variable block_table[BLOCK_VARIABLES] = {{
+{rows}
+}};
+#endif
+"""
+
+
+def _row(variable: Variable, position: int, element: Element) -> str:
+    record = _RECORDS[variable.causality][1]
+    indices = list(itertools.product(*(range(n) for n in variable.shape)))[position]
+    member = f"{record}.{variable.name}" + "".join(f"[{i}]" for i in indices)
+    kind = {"enumeration": "integer"}.get(variable.type, variable.type).upper()
+    low, high = variable.min, variable.max
+    if variable.type == "enumeration":
+        low, high = 1, len(variable.items)
+    start, text = element.start, "NULL"
+    if variable.type == "string":
+        assert isinstance(start, str) and len(start.encode()) < TEXT_SIZE
+        start, text = 0, _quoted(start)
+    variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
+    numbers = ", ".join(_number(x) for x in (start or 0, -math.inf if low is None else low, math.inf if high is None else high))
+    return (
+        f"    ROW({_quoted(element.name)}, {member}, KIND_{kind}, CAUSALITY_{variable.causality.upper()}, {variability}, "
+        f"{numbers}, {text})"
+    )
+
+
+def _number(x: float | bool | str) -> str:
+    assert not isinstance(x, str)
+    value = float(x)
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    return repr(value)
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def main() -> None:
+    """Rewrites `ports.h` of every block."""
+    for block in BLOCKS:
+        path = ports_path(block)
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(ports_header(load(block)), "utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    main()

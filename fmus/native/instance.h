@@ -1,0 +1,90 @@
+/* One FMU instance, and what the shell's files share. The block itself comes from the generated block.h. */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "block.h"
+#include "fmi2.h"
+
+enum { NAME_SIZE = 256, MESSAGE_SIZE = 512, TEXT_SIZE = 64 };
+
+typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING } Kind;
+typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT } Causality;
+typedef enum { FIXED, TUNABLE, MOVING } Variability;
+
+/* A scalar FMI variable; its value reference is its place in `variables`. */
+typedef struct {
+    const char *name;
+    const char *text; /* start of a string */
+    double start, min, max;
+    uint32_t offset; /* in Ports */
+    Kind kind;
+    Causality causality;
+    Variability variability;
+} Variable;
+
+typedef struct {
+    Parameters p;
+    Inputs u;
+    Outputs y;
+} Ports;
+
+extern const Variable *const variables;
+
+typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
+
+/* All that an instance remembers: what fmi2GetFMUstate saves. */
+typedef struct {
+    Ports ports;
+    State state;
+    double time;  /* of the master, s */
+    double start; /* the block's own time counts from here */
+    double stop;  /* infinite where none is set */
+    Mode mode;
+    bool fresh; /* ports.y fit the state and the inputs */
+} Memory;
+
+typedef struct {
+    Memory memory;
+    Law law;          /* what follows from memory.ports.p */
+    bool law_current; /* law fits memory.ports.p, which has passed its check */
+    bool log_events;  /* errors are always told */
+    fmi2CallbackFunctions callbacks;
+    char name[NAME_SIZE];
+} Instance;
+
+/* A message under construction; what does not fit is cut. */
+typedef struct {
+    char text[MESSAGE_SIZE];
+    size_t length;
+} Message;
+
+Message message(const char *text);
+void put(Message *m, const char *text);
+void put_number(Message *m, double x);
+
+/* Each logs and returns fmi2Error, so that a function can end with `return refuse(...)`. */
+fmi2Status refuse(const Instance *c, const Message *m);
+fmi2Status refuse_text(const Instance *c, const char *function, const char *text);
+fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f);
+void log_event(const Instance *c, const char *text);
+
+/* Every function of the interface begins with this: the instance, or NULL (and *status an error) where the handle is
+ * NULL or the mode is none of `modes`, a sum of 1 << Mode. */
+Instance *enter(fmi2Component component, const char *function, unsigned modes, fmi2Status *status);
+
+enum { IN_SETUP = 1, IN_INITIALIZATION = 2, IN_STEP = 4, IN_TERMINATED = 8, IN_ANY = 15 };
+
+/* Start values of all parameters and inputs; the mode is then MODE_SETUP. */
+void restore_starts(Instance *c);
+
+/* Checks the parameters where they have changed; fmi2Error with a message where they do not fit each other. */
+fmi2Status make_law_current(Instance *c, const char *function);
+
+/* Evaluates the outputs where they do not fit the inputs. Changes no memory of the block. */
+fmi2Status make_outputs_fresh(Instance *c, const char *function);
+
+#endif

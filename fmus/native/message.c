@@ -1,0 +1,156 @@
+/* Messages, without stdio: so the shell needs no C library. */
+#include "instance.h"
+
+#include <math.h>
+
+Message message(const char *text)
+{
+    Message m;
+    m.text[0] = '\0';
+    m.length = 0;
+    put(&m, text);
+    return m;
+}
+
+void put(Message *m, const char *text)
+{
+    for (; *text != '\0' && m->length + 1 < sizeof m->text; ++text) {
+        m->text[m->length++] = *text;
+    }
+    m->text[m->length] = '\0';
+}
+
+static void put_digits(Message *m, uint64_t digits, int least)
+{
+    char reversed[24];
+    int n = 0;
+    do {
+        reversed[n++] = (char)('0' + (int)(digits % 10));
+        digits /= 10;
+    } while ((digits != 0 || n < least) && n < 23);
+    while (n > 0) {
+        const char one[2] = {reversed[--n], '\0'};
+        put(m, one);
+    }
+}
+
+/* Ten to the n, for a message. */
+static double power_of_ten(int n)
+{
+    double x = 1.0;
+    for (; n > 0; --n) {
+        x *= 10.0;
+    }
+    for (; n < 0; ++n) {
+        x /= 10.0;
+    }
+    return x;
+}
+
+/* Nine significant digits, as printf's %.9g. */
+void put_number(Message *m, double x)
+{
+    if (isnan(x)) {
+        put(m, "NaN");
+        return;
+    }
+    if (x < 0.0) {
+        put(m, "-");
+        x = -x;
+    }
+    if (isinf(x)) {
+        put(m, "infinity");
+        return;
+    }
+    int exponent = 0;
+    for (double y = x; y >= 10.0; y /= 10.0) {
+        ++exponent;
+    }
+    for (double y = x; y < 1.0 && y > 0.0; y *= 10.0) {
+        --exponent;
+    }
+    /* Two factors, since ten to the 8 - exponent may overflow. */
+    const int half = (8 - exponent) / 2;
+    uint64_t digits = (uint64_t)(x * power_of_ten(half) * power_of_ten(8 - exponent - half) + 0.5);
+    if (digits >= 1000000000u) {
+        digits /= 10;
+        ++exponent;
+    }
+    int count = 9;
+    while (count > 1 && digits % 10 == 0) {
+        digits /= 10;
+        --count;
+    }
+    const bool scientific = exponent < -4 || exponent > 8;
+    const int before = scientific ? 1 : exponent + 1; /* digits before the point */
+    if (before >= count) {
+        put_digits(m, digits * (uint64_t)(power_of_ten(before - count) + 0.5), 1);
+    } else if (before > 0) {
+        const uint64_t unit = (uint64_t)(power_of_ten(count - before) + 0.5);
+        put_digits(m, digits / unit, 1);
+        put(m, ".");
+        put_digits(m, digits % unit, count - before);
+    } else {
+        put(m, "0.");
+        put_digits(m, digits, count - before);
+    }
+    if (scientific) {
+        put(m, exponent < 0 ? "e-" : "e+");
+        put_digits(m, (uint64_t)(exponent < 0 ? -exponent : exponent), 2);
+    }
+}
+
+/* The logger takes a printf format: a % of a caller's text is doubled, as is FMI's # before a value reference. */
+static void send(const Instance *c, fmi2Status status, const char *category, const char *text)
+{
+    Message m = message("");
+    if (c->callbacks.logger == NULL) {
+        return;
+    }
+    for (; *text != '\0'; ++text) {
+        const char one[3] = {*text, (*text == '%' || *text == '#') ? *text : '\0', '\0'};
+        if (m.length + 3 < sizeof m.text) {
+            put(&m, one);
+        }
+    }
+    c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, category, m.text);
+}
+
+fmi2Status refuse(const Instance *c, const Message *m)
+{
+    send(c, fmi2Error, "logStatusError", m->text);
+    return fmi2Error;
+}
+
+fmi2Status refuse_text(const Instance *c, const char *function, const char *text)
+{
+    Message m = message(function);
+    put(&m, ": ");
+    put(&m, text);
+    return refuse(c, &m);
+}
+
+fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f)
+{
+    Message m = message(function);
+    put(&m, ": ");
+    put(&m, f->name);
+    put(&m, ": expected ");
+    put(&m, f->expected);
+    put(&m, ", found ");
+    if (f->text != NULL) {
+        put(&m, "'");
+        put(&m, f->text);
+        put(&m, "'");
+    } else {
+        put_number(&m, f->value);
+    }
+    return refuse(c, &m);
+}
+
+void log_event(const Instance *c, const char *text)
+{
+    if (c->log_events) {
+        send(c, fmi2OK, "logAll", text);
+    }
+}
