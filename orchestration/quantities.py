@@ -1,0 +1,205 @@
+"""Units: text such as "98 deg" or "15 A.m2", and the conversion from one unit to another.
+
+A unit is what FMI makes of it: integer exponents of the base units, a factor and an offset,
+
+    value in base units = factor * value in this unit + offset
+
+The radian counts as a base unit, as in FMI, so "rad/s" and "1/s" differ. SI units are understood
+here, in FMI's way of writing (`N.m`, `m3/s2`, `kg.m2`) and in the usual other ones (`N m`, `m^2`);
+any other unit is looked up with Pint, which is imported only then since that takes long.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+Exponents = tuple[int, ...]
+_ONE: Exponents = (0,) * len(BASES)
+
+
+class QuantityError(ValueError):
+    """A text is no quantity, or its unit does not fit."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit by its name; `exponents` is None where nothing but the name is known."""
+
+    name: str
+    exponents: Exponents | None = _ONE
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def fits(self, other: Unit) -> bool:
+        """Whether values convert into the other unit. Units known by name alone fit their namesakes."""
+        if self.exponents is None or other.exponents is None:
+            return self.name == other.name
+        return self.exponents == other.exponents
+
+    def conversion(self, to: Unit) -> tuple[float, float]:
+        """Factor and offset that take a value in this unit into `to`; exactly (1, 0) where there is nothing to do."""
+        if self.factor == to.factor and self.offset == to.offset:
+            return 1.0, 0.0
+        return self.factor / to.factor, (self.offset - to.offset) / to.factor
+
+    def __str__(self) -> str:
+        return self.name or "1"
+
+
+ONE = Unit("")
+SECOND = Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
+
+
+def convert(value: float, unit: Unit, to: Unit) -> float:
+    """The value in another unit. Raises QuantityError where the units do not fit."""
+    if not unit.fits(to):
+        raise QuantityError(f"the unit {str(unit)!r} does not fit {str(to)!r}")
+    if unit.factor == to.factor and unit.offset == to.offset:
+        return value
+    return (value * unit.factor + unit.offset - to.offset) / to.factor
+
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
+
+
+def parse(text: str) -> tuple[float, Unit | None]:
+    """Number and unit of "98 deg"; no unit for "98". Raises QuantityError."""
+    match = _NUMBER.match(text)
+    if match is None:
+        raise QuantityError(f"expected a number with a unit such as '98 deg', found {text!r}")
+    number, unit = match.groups()
+    return float(number), parse_unit(unit) if unit else None
+
+
+def value_in(value: object, unit: Unit) -> float:
+    """A finite number, given as such or as text with a unit, in `unit`. Raises QuantityError."""
+    if isinstance(value, str):
+        number, own = parse(value)
+        if own is not None:
+            number = convert(number, own, unit)
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        number = float(value)
+    else:
+        raise QuantityError(f"expected a number or text with a unit, found {value!r}")
+    if not math.isfinite(number):
+        raise QuantityError(f"expected a finite number, found {value}")
+    return number
+
+
+# ---------------------------------------------------------------- units by their names
+
+
+def _unit(exponents: str, factor: float = 1.0, offset: float = 0.0) -> tuple[Exponents, float, float]:
+    powers = dict.fromkeys(BASES, 0)
+    for term in exponents.split():
+        base, power = re.fullmatch(r"([a-zA-Z]+)(-?\d*)", term).groups()  # type: ignore[union-attr]
+        powers[base] = int(power or 1)
+    return tuple(powers.values()), factor, offset
+
+
+_PREFIXABLE = {
+    "m": _unit("m"),
+    "g": _unit("kg", 1e-3),
+    "s": _unit("s"),
+    "A": _unit("A"),
+    "K": _unit("K"),
+    "mol": _unit("mol"),
+    "cd": _unit("cd"),
+    "rad": _unit("rad"),
+    "Hz": _unit("s-1"),
+    "N": _unit("kg m s-2"),
+    "Pa": _unit("kg m-1 s-2"),
+    "J": _unit("kg m2 s-2"),
+    "W": _unit("kg m2 s-3"),
+    "C": _unit("A s"),
+    "V": _unit("kg m2 s-3 A-1"),
+    "F": _unit("kg-1 m-2 s4 A2"),
+    "ohm": _unit("kg m2 s-3 A-2"),
+    "Wb": _unit("kg m2 s-2 A-1"),
+    "T": _unit("kg s-2 A-1"),
+    "H": _unit("kg m2 s-2 A-2"),
+}
+_PREFIXES = {
+    **{"p": 1e-12, "n": 1e-9, "u": 1e-6, "\N{MICRO SIGN}": 1e-6, "\N{GREEK SMALL LETTER MU}": 1e-6, "m": 1e-3},
+    **{"c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12},
+}
+_UNITS = {
+    **{prefix + name: (e, p * f, o) for prefix, p in _PREFIXES.items() for name, (e, f, o) in _PREFIXABLE.items()},
+    **_PREFIXABLE,
+    "1": _unit(""),
+    "%": _unit("", 1e-2),
+    "min": _unit("s", 60.0),
+    "h": _unit("s", 3600.0),
+    "d": _unit("s", 86400.0),
+    "deg": _unit("rad", math.pi / 180),
+    "arcmin": _unit("rad", math.pi / 10800),
+    "arcsec": _unit("rad", math.pi / 648000),
+    "rev": _unit("rad", 2 * math.pi),
+    "rpm": _unit("rad s-1", math.pi / 30),
+    "degC": _unit("K", 1.0, 273.15),
+}
+_FACTOR = re.compile(r"([^\s\d./*^\N{MIDDLE DOT}()+-]+|1)(?:(?:\^|\*\*)?\(?([-+]?\d+)\)?)?")
+_BETWEEN = re.compile(r"\s*(\*(?!\*)|\.|\N{MIDDLE DOT}|/|\s)\s*")
+
+
+@lru_cache(maxsize=256)
+def parse_unit(text: str) -> Unit:
+    """The unit of this name, from the table above or else from Pint. Raises QuantityError."""
+    factors = _factors(text.strip())
+    if factors is None or any(name not in _UNITS for name, _ in factors):
+        return _from_pint(text, factors)
+    if len(factors) == 1 and factors[0][1] == 1:
+        return Unit(text, *_UNITS[factors[0][0]])
+    exponents, factor = _ONE, 1.0
+    for name, power in factors:
+        base, scale, offset = _UNITS[name]
+        if offset:
+            raise QuantityError(f"{name!r} has an offset, so it cannot stand in the product {text!r}")
+        exponents = tuple(a + power * b for a, b in zip(exponents, base, strict=True))
+        factor *= scale**power
+    return Unit(text, exponents, factor)
+
+
+def _factors(text: str) -> list[tuple[str, int]] | None:
+    """`N.m/s2` as [(N, 1), (m, 1), (s, -2)]; None where the text is written otherwise."""
+    factors: list[tuple[str, int]] = []
+    position, sign = 0, 1
+    while match := _FACTOR.match(text, position):
+        factors.append((match[1], sign * int(match[2] or 1)))
+        if match.end() == len(text):
+            return factors
+        between = _BETWEEN.match(text, match.end())
+        if between is None:
+            return None
+        position, sign = between.end(), -1 if between[1] == "/" else 1
+    return None
+
+
+@lru_cache(maxsize=1)
+def _registry():  # type: ignore[no-untyped-def]  # Pint is imported late
+    import pint
+
+    try:
+        return pint.UnitRegistry(cache_folder=":auto:")
+    except OSError:  # no folder to write the cache into
+        return pint.UnitRegistry()
+
+
+def _from_pint(text: str, factors: list[tuple[str, int]] | None) -> Unit:
+    expression = "*".join(f"{name}**({power})" for name, power in factors) if factors else text
+    registry = _registry()
+    try:
+        zero = registry.Quantity(0.0, expression).to_base_units()
+        one = registry.Quantity(1.0, expression).to_base_units()
+        powers = {str(base): power for base, power in one.unit_items()}
+    except Exception:
+        raise QuantityError(f"unknown unit {text!r}") from None
+    names = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
+    exponents = [powers.pop(name, 0) for name in names]
+    if powers or any(power != int(power) for power in exponents):
+        raise QuantityError(f"the unit {text!r} is not made of FMI's base units {', '.join(BASES)}")
+    return Unit(text, tuple(map(int, exponents)), one.magnitude - zero.magnitude, zero.magnitude)

@@ -1,0 +1,194 @@
+"""What a scenario file may say: these models are its schema.
+
+`orchestrate schema` prints it as JSON Schema, for editors.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, WithJsonSchema
+from pydantic import model_validator
+
+from .quantities import SECOND, QuantityError, parse, value_in
+from .source import Key, Source
+
+
+def _seconds(value: Any) -> float:
+    try:
+        return value_in(value, SECOND)
+    except QuantityError as error:
+        raise ValueError(f"{error}; expected seconds, or text such as '10 min'") from None
+
+
+def _positive(value: float) -> float:
+    if value <= 0.0:
+        raise ValueError(f"expected a time above zero, found {value:g} s")
+    return value
+
+
+def _quantity(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            parse(value)
+        except QuantityError as error:
+            raise ValueError(str(error)) from None
+    elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
+        raise ValueError(f"expected a number or text with a unit, found {value!r}")
+    return value
+
+
+_NUMBER_OR_TEXT: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
+Time = Annotated[float, BeforeValidator(_seconds), WithJsonSchema({"anyOf": _NUMBER_OR_TEXT})]
+Period = Annotated[Time, AfterValidator(_positive)]
+Quantity = Annotated[Any, BeforeValidator(_quantity), WithJsonSchema({"anyOf": _NUMBER_OR_TEXT})]
+_VALUE = {"anyOf": [*_NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}]}
+Value = Annotated[Any, WithJsonSchema(_VALUE)]
+_REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S+?)((?:\[\s*\d+\s*(?:,\s*\d+\s*)*\])*)")
+
+
+class Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class BlockEntry(Model):
+    """A block of the loop: an FMU, how often it is stepped and its start values."""
+
+    fmu: str = Field(strict=True, min_length=1)
+    """One of the project's own blocks by its name, or the path of an .fmu file, relative to the scenario."""
+    every: int = Field(1, strict=True, ge=1)
+    """Stepped once in so many base steps, over all of them."""
+    start: dict[str, Value] = {}
+    """Start values of parameters and inputs: numbers in the unit of the port, or text with a unit; vectors and
+    matrices as lists; one element as `name[2]`; items of enumerations by their names."""
+
+
+class Record(Model):
+    """What is recorded, and how often."""
+
+    interval: Period | None = None
+    """Time from sample to sample, a multiple of the base step, which is the default."""
+    signals: list[Annotated[str, Field(strict=True)]] | None = None
+    """Names such as `plant.omega_B`, `plant.x[2]` or `plant.*` (all outputs). Default: all outputs of all blocks."""
+
+
+class Bound(Model):
+    """What a signal is held against; exactly one of these."""
+
+    below: Quantity | None = None
+    """x < bound"""
+    above: Quantity | None = None
+    """x > bound"""
+    within: Annotated[
+        Any, WithJsonSchema({"anyOf": [*_NUMBER_OR_TEXT, {"type": "array", "minItems": 2, "maxItems": 2}]})
+    ] = None
+    """|x| <= bound, or low <= x <= high for `[low, high]`"""
+    equals: Annotated[Any, WithJsonSchema({"anyOf": [*_NUMBER_OR_TEXT, {"type": "boolean"}]})] = None
+    """x = bound: a boolean, a whole number or an item of an enumeration"""
+
+    @model_validator(mode="after")
+    def _one(self) -> Bound:
+        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected exactly one of below, above, within, equals; found {' and '.join(given) or 'none'}")
+        if isinstance(self.within, list):
+            if len(self.within) != 2:
+                raise ValueError(f"within: expected one number or [low, high], found {self.within!r}")
+            for end in self.within:
+                _quantity(end)
+        elif self.within is not None:
+            _quantity(self.within)
+        return self
+
+    @property
+    def kind(self) -> str:
+        return next(name for name in type(self).model_fields if getattr(self, name) is not None)
+
+
+class Expectation(Model):
+    """What the run is expected to show. Exactly one of `always`, `ever` and `zeros`."""
+
+    name: str = Field(strict=True, min_length=1)
+    """A sentence that reads well in the table at the end."""
+    signal: str = Field(strict=True)
+    """The signal that is looked at, recorded or not: `plant.omega_B` or one element, `plant.omega_B[2]`."""
+    measure: Literal["element", "norm"] = "element"
+    """Each element for itself, or the Euclidean norm of the vector."""
+    after: Time | None = None
+    """Only samples from this time on."""
+    before: Time | None = None
+    """Only samples up to this time."""
+    when: Annotated[str, Field(strict=True)] | None = None
+    """Only samples at which this boolean signal is true; there must be one."""
+    always: Bound | None = None
+    """Every sample meets the bound."""
+    ever: Bound | None = None
+    """At least one sample meets the bound, in every element."""
+    zeros: Annotated[int, Field(strict=True, ge=0)] | None = None
+    """How often the signal changes its sign."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Expectation:
+        given = [name for name in ("always", "ever", "zeros") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected exactly one of always, ever, zeros; found {' and '.join(given) or 'none'}")
+        return self
+
+
+class Scenario(Model):
+    """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
+
+    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
+    """Also the name of the results' folder: letters, digits, and . _ -"""
+    description: str = ""
+    """What the scenario shows."""
+    step: Period
+    """The base communication step, in seconds or as text with a unit."""
+    duration: Period
+    """How long the run lasts; it ends with the first step at or after this time."""
+    exchange: Literal["sequential", "parallel"] = "sequential"
+    """Whether a block sees what those before it gave in the same step, or all see the values of the step before."""
+    blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
+    """The blocks, each under a name of its own."""
+    connections: list[Annotated[str, Field(strict=True)]] = []
+    """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
+    delays: list[Annotated[str, Field(strict=True)]] = []
+    """Targets of connections that pass the value of the step before, to break an algebraic loop."""
+    record: Record = Record()
+    expect: list[Expectation] = []
+    """Expectations, which decide the exit status."""
+
+    _source: Source = PrivateAttr()
+
+    @property
+    def source(self) -> Source:
+        return self._source
+
+    def error(self, key: Key, message: str) -> str:
+        """The message with the place in the file that it is about."""
+        return self._source.error(key, message)
+
+
+def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """A scenario from a YAML file, or from the same data as a dictionary. Raises InputError.
+
+    `overrides` are start values by `block.parameter`.
+    """
+    from . import complaints, source
+
+    if isinstance(scenario, Mapping):
+        scenario = Source(dict(scenario))
+    elif not isinstance(scenario, Source):
+        scenario = source.read(Path(scenario))
+    return complaints.validated(Scenario, scenario.with_starts(overrides) if overrides else scenario)
+
+
+def split(reference: str) -> tuple[str, str, tuple[int, ...]] | None:
+    """Block, variable and index (from 1) of `plant.R_NB[2,3]`, also written `plant.R_NB[2][3]`; None if malformed."""
+    match = _REFERENCE.fullmatch(reference.strip())
+    if match is None:
+        return None
+    return match[1], match[2], tuple(map(int, re.findall(r"\d+", match[3])))
