@@ -69,11 +69,13 @@ def check(p: Parameters) -> None:
     for i, length in enumerate(np.linalg.norm(p.rod_axes, axis=1).tolist(), start=1):
         if abs(length - 1.0) > UNIT_TOLERANCE:
             raise ValueError(
-                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, found |u{i}| = {length:.9g}: {p.rod_axes.tolist()}"
+                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, "
+                f"found |u{i}| = {length:.9g}: {p.rod_axes.tolist()}"
             )
     if not abs(volume := float(np.linalg.det(p.rod_axes))) > INDEPENDENT_MIN:
         raise ValueError(
-            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, found {volume:.3g}: {p.rod_axes.tolist()}"
+            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
+            f"found {volume:.3g}: {p.rod_axes.tolist()}"
         )
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:

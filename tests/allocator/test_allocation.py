@@ -84,7 +84,8 @@ def test_wheel_torque_and_dipoles_by_hand():
     tau, b = np.array([1e-3, 2e-3, -1e-3]), 5e-5 * np.array([0.6, 0.0, 0.8])
     dipole, dh = allocation.allocate(tau, b, np.array([0.3, 0.02, -0.04]), 0.005, np.eye(3))
     assert dh == pytest.approx(0.28e-3 / 0.6)
-    # tau_MT = tau + (dh, -0.04 x 0.005, -0.02 x 0.005) = (1.4667, 1.8, -1.1) mN m; m = b x tau_MT/B^2 on orthogonal rods.
+    # tau_MT = tau + (dh, -0.04 x 0.005, -0.02 x 0.005) = (1.4667, 1.8, -1.1) mN m;
+    # on orthogonal rods m = b x tau_MT/B^2.
     expected = np.cross(b, [1e-3 + 0.28e-3 / 0.6, 1.8e-3, -1.1e-3]) / 25e-10
     np.testing.assert_allclose(dipole, expected, rtol=1e-12)
     np.testing.assert_allclose(dipole, [-28.8, 36.6666667, 21.6], rtol=1e-8)

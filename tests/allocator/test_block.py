@@ -177,12 +177,18 @@ def test_singular_and_absurd_demands_hold_and_report_the_cap(u):
         np.testing.assert_allclose(y.tau_residual_B, u.tau_cmd_B - achieved(y, u), rtol=1e-12, atol=1e-17)
 
 
+def test_a_field_too_weak_to_have_a_direction_has_no_part_along_the_wheel():
+    for strength, b_wheel in ((0.9e-12, 0.0), (1.1e-12, 1.0)):
+        u = demand(0.3, b_B=[strength, 0.0, 0.0])
+        assert allocator.outputs(allocator.start(P, u), u, P).b_wheel == b_wheel
+
+
 def test_without_a_field_b_wheel_is_zero_and_only_the_wheel_acts():
     x = allocator.State(7.0, np.array([3.0, -2.0, 1.0]), 5e-4, False)
     u = demand(0.3, b_B=[0.0, 0.0, 0.0], omega_B=np.zeros(3))
     y = allocator.outputs(x, u, P)
     assert y.b_wheel == 0.0
-    np.testing.assert_allclose(y.tau_residual_B, u.tau_cmd_B + [5e-4, 0.0, 0.0], rtol=0, atol=1e-18)
+    np.testing.assert_allclose(y.tau_residual_B, u.tau_cmd_B + np.array([5e-4, 0.0, 0.0]), rtol=0, atol=1e-18)
 
 
 def test_a_field_normal_to_the_wheel_serves_a_demand_that_wants_nothing_along_it():

@@ -93,6 +93,15 @@ def test_a_body_that_follows_the_turning_reference_has_no_error():
     assert (start.inv() * Rotation.from_matrix(p.desired_attitude_0)).magnitude() < 1e-4
 
 
+def test_a_body_at_the_projected_attitude_has_no_inertial_error():
+    p = parameters("controller", reference="inertial", R_d0=R.round(4), compensate_gravity=False)
+    u = replace(MOVING, R_NB=p.desired_attitude_0, omega_B=np.zeros(3))
+    y = controller.outputs(controller.start(p, u), u, p)
+    assert np.abs(R.round(4) - p.desired_attitude_0).max() > 1e-6
+    assert y.lyapunov < 1e-15
+    np.testing.assert_allclose(y.tau_cmd_B, 0.0, atol=1e-15)
+
+
 def test_a_single_precision_plant_is_accepted():
     p = parameters("controller")
     u = replace(MOVING, R_NB=R.astype(np.float32).astype(np.float64))

@@ -78,5 +78,5 @@ def test_rate_reference_turns_with_its_body_rate():
     ],
 )
 def test_lvlh_without_an_orbits_plane_is_refused(r_N, v_N):
-    with pytest.raises(ValueError, match="r_N, v_N: reference 'lvlh' expects .* found r_N = "):
+    with pytest.raises(ValueError, match=r"r_N, v_N: reference 'lvlh' expects .* found r_N = "):
         reference.lvlh(np.array(r_N), np.array(v_N))

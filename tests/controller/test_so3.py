@@ -50,6 +50,13 @@ def test_projection_is_the_polar_factor_and_leaves_rotations_alone():
         np.testing.assert_allclose(so3.project(near), polar(near)[0], rtol=0, atol=1e-14)
 
 
+def test_projection_of_a_reflection_is_the_rotation_that_best_aligns_its_columns():
+    for M in RNG.normal(size=(20, 3, 3)):
+        left_handed = -np.sign(np.linalg.det(M)) * M
+        nearest = Rotation.align_vectors(left_handed.T, np.eye(3))[0].as_matrix()
+        np.testing.assert_allclose(so3.project(left_handed), nearest, rtol=0, atol=1e-9)
+
+
 def test_a_matrix_that_is_no_rotation_is_refused_with_its_deviation():
     R = Rotation.from_rotvec([0.3, -0.5, 0.9]).as_matrix()
     so3.require_rotation("R_NB", R * (1.0 + 0.49e-4), 1e-4)
@@ -62,7 +69,12 @@ def test_a_matrix_that_is_no_rotation_is_refused_with_its_deviation():
             so3.require_rotation("R_NB", bent, 1e-4)
         for bad in (math.nan, math.inf, -math.inf):
             bent[row, column] = bad
-            with pytest.raises(ValueError, match="R_NB.*found (nan|inf)"):
+            with pytest.raises(ValueError, match=r"R_NB.*found (nan|inf)"):
                 so3.require_rotation("R_NB", bent, 1e-4)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        sheared = np.eye(3)
+        sheared[i, j] = sheared[j, i] = 1e-3  # lengths change by 1e-6 only
+        with pytest.raises(ValueError, match=r"found 0\.002"):
+            so3.require_rotation("R_NB", R @ sheared, 1e-4)
     with pytest.raises(ValueError, match=r"determinant \+1, found -1"):
         so3.require_rotation("R_NB", -R, 1e-4)
