@@ -65,6 +65,13 @@ def net_torque(momentum: float, command: float, wheel: Wheel) -> float:
     return 0.0 if _at_limit(momentum, rate, wheel) else rate
 
 
+def momentum_saturated(momentum: float, command: float, wheel: Wheel) -> bool:
+    """Whether the wheel is at its momentum limit and the command, friction taken off, would drive it further."""
+    drive, decay = _law(momentum, motor_torque(command, wheel), wheel)
+    rate = drive - decay * momentum
+    return rate != 0.0 and _at_limit(momentum, rate, wheel)
+
+
 def segments(momentum: float, command: float, h: float, wheel: Wheel) -> list[Segment]:
     """The smooth parts of l_w over a step of length h from `momentum`, N m s, at a constant command, N m."""
     torque = motor_torque(command, wheel)
