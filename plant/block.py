@@ -15,7 +15,7 @@ from . import gravity_gradient
 from .attitude import COMPOSITIONS, lgvi_step
 from .parameters import Parameters
 from .so3 import Array, to_quaternion
-from .wheel import Segment, motor_torque, net_torque, segments
+from .wheel import Segment, momentum_saturated, net_torque, segments
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,14 @@ class Outputs:
     h_w: float
     q_NB: Array
     tau_gg_B: Array
+    tau_drag_B: Array
     tau_mag_B: Array
     dipole: Array
     wheel_torque: float
     wheel_speed: float
     H_N: Array
     energy: float
+    density: float
     dipole_saturated: bool
     wheel_torque_saturated: bool
     wheel_momentum_saturated: bool
@@ -80,6 +82,9 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
         tau = magnetic_moment(dipole_B, R.T @ p.field.at(t)) + p.disturbance_torque_B
         if p.gravity_gradient:
             tau += gravity_moment(R, t, p)
+        if p.drag:
+            v_N, density = p.air.flow(t)
+            tau += p.surface.moment(R.T @ v_N, density)
         return tau
 
     n = max(1, math.ceil(h / p.step_max * (1.0 - 1e-12)))
@@ -126,7 +131,12 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / r2
     else:
         tau_gg_B = np.zeros(3)
-    command, limit = u.wheel_torque_cmd, p.wheel_momentum_max
+    if p.drag:
+        flow_N, density = p.air.flow(x.t)
+        tau_drag_B = p.surface.moment(R_T @ flow_N, density)
+    else:
+        tau_drag_B, density = np.zeros(3), 0.0
+    command = u.wheel_torque_cmd
     wheel_torque = net_torque(x.l_w, command, p.wheel)
     return Outputs(
         R_NB=x.R,
@@ -137,15 +147,17 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         h_w=x.l_w,
         q_NB=to_quaternion(x.R),
         tau_gg_B=tau_gg_B,
+        tau_drag_B=tau_drag_B,
         tau_mag_B=magnetic_moment(p.rods_to_body @ dipole + p.residual_dipole_B, b_B),
         dipole=dipole,
         wheel_torque=wheel_torque,
         wheel_speed=x.l_w / p.wheel_inertia,
         H_N=H_N,
         energy=energy,
+        density=density,
         dipole_saturated=bool(np.abs(u.dipole_cmd).max() > p.dipole_max),
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
-        wheel_momentum_saturated=abs(x.l_w) >= limit and motor_torque(command, p.wheel) * x.l_w > 0.0,
+        wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
     )
 
 

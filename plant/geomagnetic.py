@@ -14,14 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .along_orbit import AlongOrbit
 from .orbit import Orbit, earth_fixed
 from .so3 import Array
 
 REFERENCE_RADIUS = 6371200.0
 """a of every WMM and IGRF model, m (geocentric)."""
-
-NODE_INTERVAL = 10.0
-"""Distance of the nodes between which the field along an orbit is interpolated, s."""
 
 
 @dataclass(frozen=True)
@@ -103,50 +101,19 @@ class Field:
         return np.array((B_x, B_y, B_z))
 
 
-class FieldAlongOrbit:
-    """B_N along an orbit as a function of time alone: interpolated between nodes 10 s apart.
+class FieldAlongOrbit(AlongOrbit):
+    """B_N along an orbit as a function of time alone.
 
-    Degree 5 through the six nearest nodes; against the model itself it errs by less than 1e-3 nT on a
-    low orbit, below the models' own resolution of 0.1 nT. The nodes are a pure function of the
-    parameters, so keeping them is no memory of the block.
+    Against the model itself the interpolation errs by less than 1e-3 nT on a low orbit, below the
+    models' own resolution of 0.1 nT.
     """
 
     def __init__(self, field: Field, orbit: Orbit, gmst0: float) -> None:
+        super().__init__()
         self._field, self._orbit, self._gmst0 = field, orbit, gmst0
-        self._nodes: dict[int, Array] = {}
-        self._interval: int | None = None
-        self._six = np.zeros((6, 3))
 
     def exact(self, t: float) -> Array:
         """B_N (3,), T, at time t, s, from the model itself."""
         to_N = earth_fixed(t, self._gmst0)
         r, _ = self._orbit.position_velocity(t)
         return to_N @ self._field.at(to_N.T @ r)
-
-    def at(self, t: float) -> Array:
-        """B_N (3,), T, at time t, s, interpolated."""
-        s = t / NODE_INTERVAL
-        k = math.floor(s)
-        if k != self._interval:
-            if len(self._nodes) > 4096:
-                self._nodes.clear()
-            for i in range(k - 2, k + 4):
-                if i not in self._nodes:
-                    self._nodes[i] = self.exact(i * NODE_INTERVAL)
-            self._six = np.array([self._nodes[i] for i in range(k - 2, k + 4)])
-            self._interval = k
-        return np.array(_lagrange6(s - k)) @ self._six
-
-
-def _lagrange6(u: float) -> tuple[float, float, float, float, float, float]:
-    """Weights of the nodes -2, -1, 0, 1, 2, 3 at u in [0, 1)."""
-    a, b, c, d, e, f = u + 2.0, u + 1.0, u, u - 1.0, u - 2.0, u - 3.0
-    ab, cd, ef = a * b, c * d, e * f
-    return (
-        b * cd * ef / -120.0,
-        a * cd * ef / 24.0,
-        ab * d * ef / -12.0,
-        ab * c * ef / 12.0,
-        ab * cd * f / -24.0,
-        ab * cd * e / 120.0,
-    )

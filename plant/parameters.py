@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from . import geomagnetic, orbit, tables, time_scales
+from . import atmosphere, geomagnetic, orbit, tables, time_scales
 from .attitude import COMPOSITIONS, Body
+from .drag import AXES, Drag, octagonal_cylinder
 from .so3 import Array, from_quaternion, project
 from .wheel import Wheel
 
@@ -43,6 +44,16 @@ class Parameters:
     epoch: str
     gravitational_parameter: float
     gravity_gradient: bool
+    drag: bool
+    drag_factor: float
+    drag_coefficient: float
+    body_width: float
+    body_length: float
+    body_axis: str
+    center_of_mass_B: Array
+    f107: float
+    f107_average: float
+    ap: float
     field_model: str
     field_degree: int
     field_extrapolate: bool
@@ -99,6 +110,17 @@ class Parameters:
         return geomagnetic.FieldAlongOrbit(geomagnetic.Field(g, h, self.field_degree), self.orbit, self.gmst0)
 
     @cached_property
+    def air(self) -> atmosphere.AirAlongOrbit:
+        day0 = time_scales.day_of_year(time_scales.parse_epoch(self.epoch))
+        state = atmosphere.Atmosphere(tables.density_model(), self.f107, self.f107_average, self.ap)
+        return atmosphere.AirAlongOrbit(state, self.orbit, self.gmst0, day0)
+
+    @cached_property
+    def surface(self) -> Drag:
+        plates = octagonal_cylinder(self.body_width, self.body_length, self.body_axis)
+        return Drag(plates, self.center_of_mass_B, self.drag_factor * self.drag_coefficient)
+
+    @cached_property
     def R_NB0(self) -> Array:
         """Attitude (3,3) at t = 0."""
         if self.initial_attitude == "q_NB0":
@@ -132,10 +154,45 @@ def check(p: Parameters) -> None:
     if perigee < LOWEST_PERIGEE:
         name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0: the perigee"
         raise ValueError(f"{name} is {perigee:.1f} m; expected at least {LOWEST_PERIGEE:.1f} m, 100 km above the equator")
+    if p.drag:
+        _check_drag(p)
     limit = tables.field_model(p.field_model).g.shape[1] - 1
     if not 1 <= p.field_degree <= limit:
         raise ValueError(f"field_degree is {p.field_degree}; expected 1 to {limit}")
     _ = p.field  # refuses a date that the model does not cover
+
+
+def _check_drag(p: Parameters) -> None:
+    for name, low, high, unit in (
+        ("drag_factor", 0.0, 1e6, ""),
+        ("drag_coefficient", 0.0, 10.0, ""),
+        ("body_width", 1e-3, 100.0, " m"),
+        ("body_length", 1e-3, 100.0, " m"),
+        ("f107", 60.0, 400.0, " (1e-22 W/(m2 Hz))"),
+        ("f107_average", 60.0, 300.0, " (1e-22 W/(m2 Hz))"),
+        ("ap", 0.0, 400.0, ""),
+    ):
+        value = getattr(p, name)
+        if not low <= value <= high:
+            raise ValueError(f"{name} is {value}; expected {low:g} to {high:g}{unit}")
+    if p.body_axis not in AXES:
+        raise ValueError(f"body_axis is {p.body_axis!r}; expected one of {', '.join(AXES)}")
+    size = np.array([p.body_length if axis == p.body_axis else p.body_width for axis in AXES])
+    if not (np.abs(p.center_of_mass_B) <= 0.5 * size).all():
+        raise ValueError(
+            f"center_of_mass_B is {p.center_of_mass_B.tolist()} m from the geometric centre; expected inside the body, "
+            f"within {(0.5 * size).tolist()} m"
+        )
+    a, e = p.orbit.semi_major_axis, p.orbit.eccentricity
+    lowest = a * (1.0 - e) - orbit.WGS84_RADIUS
+    highest = a * (1.0 + e) - orbit.WGS84_RADIUS * (1.0 - orbit.WGS84_FLATTENING)
+    for height, end in ((lowest, "lowest"), (highest, "highest")):
+        if not atmosphere.LOWEST <= height <= atmosphere.HIGHEST:
+            name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0"
+            raise ValueError(
+                f"{name}: the orbit's {end} height above the ellipsoid can be {height / 1e3:.1f} km; expected "
+                f"{atmosphere.LOWEST / 1e3:g} to {atmosphere.HIGHEST / 1e3:g} km, where the density is known, or drag false"
+            )
 
 
 def _check_inertia(name: str, J: Array) -> None:

@@ -36,6 +36,11 @@ def gmst(epoch: datetime) -> float:
     return math.fmod(math.radians(seconds / 240.0), 2.0 * math.pi) % (2.0 * math.pi)
 
 
+def day_of_year(epoch: datetime) -> float:
+    """Day of the year with its fraction elapsed, 1.0 at the start of 1 January."""
+    return 1.0 + (epoch - datetime(epoch.year, 1, 1, tzinfo=UTC)) / timedelta(days=1)
+
+
 def decimal_year(epoch: datetime) -> float:
     """The date as a year with its fraction elapsed, as the field models count time."""
     start = datetime(epoch.year, 1, 1, tzinfo=UTC)

@@ -1,6 +1,7 @@
 """Numbers from outside that the plant needs at run time: read from PyPI packages, carried by a built FMU.
 
-In a source tree they are read from the packages that maintain them. `dump` gives the same numbers as
+In a source tree they are read from the packages that maintain them, but for the density's table, which is
+kept beside this module. `dump` gives the same numbers as
 files; the build places these beside this module inside the FMU, where they are preferred, so that a
 running FMU needs none of the packages. This is the one place of the plant that reads files.
 """
@@ -10,8 +11,9 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+from ..atmosphere import DensityModel
 from ..geomagnetic import FieldModel
-from . import field_models
+from . import density, field_models
 
 _HERE = Path(__file__).parent
 
@@ -23,6 +25,12 @@ def field_model(name: str) -> FieldModel:
     return field_models.parse(carried.read_bytes(), name) if carried.exists() else field_models.from_package(name)
 
 
+@cache
+def density_model() -> DensityModel:
+    """The table of NRLMSISE-00's density."""
+    return density.parse((_HERE / density.FILE).read_bytes())
+
+
 def dump() -> dict[str, bytes]:
     """The files that an FMU carries, by name."""
-    return {field_models.FILE: field_models.dump()}
+    return {field_models.FILE: field_models.dump(), density.FILE: (_HERE / density.FILE).read_bytes()}
