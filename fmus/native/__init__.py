@@ -1,0 +1,105 @@
+"""The native flavour: a block's C and the FMI shell, compiled to libraries that need nothing else.
+
+    package(load("controller"), Path("controller"))                     # the FMU's bytes, for all platforms
+    package(load("controller"), Path("controller"), platforms="host")   # quicker: for this machine only
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import io
+import tempfile
+import zipfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from ..description import Capabilities, guid_from, model_description
+from ..documentation import index_html
+from ..interface import Interface
+from .generate import block_header, table
+from .toolchain import FLAGS, PLATFORMS, CompilerError, compile_library, compiler, host_platform
+
+__all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
+
+CAPABILITIES = Capabilities(needsExecutionTool=False, canNotUseMemoryManagementFunctions=False)
+
+_HERE = Path(__file__).parent
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def package(
+    interface: Interface, folder: Path, licence: Path | None = None, platforms: str | Sequence[str] = tuple(PLATFORMS)
+) -> bytes:
+    """The FMU of the block whose C stands in `folder`/native. The same sources give the same bytes.
+
+    `platforms` are FMI's names, or "host" for this machine's. Raises CompilerError.
+    """
+    chosen = [host_platform()] if platforms == "host" else [platforms] if isinstance(platforms, str) else platforms
+    generated = _generated(folder)
+    guid = guid_from(_digest(interface, folder, generated))
+    files = {
+        "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
+        "documentation/index.html": index_html(interface),
+    }
+    if licence is not None and licence.exists():
+        files["documentation/licenses/license.txt"] = licence.read_bytes()
+    for name, library in libraries(interface, folder, guid, chosen, generated).items():
+        files[f"binaries/{name}/{interface.name}{PLATFORMS[name].suffix}"] = library
+    return _zip(files)
+
+
+def libraries(
+    interface: Interface, folder: Path, guid: str, platforms: Iterable[str], generated: dict[str, str] | None = None
+) -> dict[str, bytes]:
+    """The shared library by platform. Raises CompilerError."""
+    with tempfile.TemporaryDirectory() as temporary:
+        layout = lay_out(interface, folder, guid, Path(temporary), generated)
+        return compile_library(interface.name, *layout, platforms)
+
+
+def lay_out(
+    interface: Interface, folder: Path, guid: str, generated_into: Path, generated: dict[str, str] | None = None
+) -> tuple[list[Path], list[Path]]:
+    """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
+    files = {"block.h": block_header(interface, guid), "table.c": table(interface)}
+    files |= _generated(folder) if generated is None else generated
+    for name, text in files.items():
+        (generated_into / name).write_text(text, "utf-8", newline="\n")
+    written = [generated_into / name for name in sorted(files) if name.endswith(".c")]
+    native = folder / "native"
+    compiled = [*sorted(_HERE.glob("*.c")), *sorted(native.glob("*.c")), *written]
+    return compiled, [_HERE, _HERE / "common", generated_into, native]
+
+
+def sources(folder: Path) -> list[Path]:
+    """All files that decide a native FMU's bytes, but for the interface and the block's tables."""
+    here = [path for path in _HERE.rglob("*") if path.suffix in (".c", ".h", ".py")]
+    return sorted(here) + sorted(path for path in (folder / "native").rglob("*") if path.suffix in (".c", ".h", ".py"))
+
+
+def _generated(folder: Path) -> dict[str, str]:
+    """C that the block makes from its tables: what `generated()` of `<block>/native/tables.py` returns, by file name."""
+    if not (folder / "native" / "tables.py").exists():
+        return {}
+    return dict(importlib.import_module(f"{folder.name}.native.tables").generated())
+
+
+def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:
+    digest = hashlib.sha256(f"{compiler()}\n{FLAGS}\n{PLATFORMS}\n{CAPABILITIES}\n{interface.source}".encode())
+    paths = [path for path in sources(folder) if path.suffix in (".c", ".h")]
+    for name, data in [*((path.name, path.read_bytes()) for path in paths), *((n, t.encode()) for n, t in sorted(generated.items()))]:
+        digest.update(f"\n{name} {len(data)}\n".encode() + data.replace(b"\r\n", b"\n"))
+    return digest.hexdigest()
+
+
+def _zip(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, _DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3
+            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+            archive.writestr(info, files[name])
+    return buffer.getvalue()

@@ -2,7 +2,7 @@
 
 `ports_header(interface)` is `<block>/native/ports.h`, which is kept in the repository so that a block's C can be
 lifted out as it stands; a test fails when it drifts from the TOML. `python -m fmus.native.generate` rewrites all.
-`table(interface, guid)` is written anew by every build.
+`block_header` and `table` are written anew by every build.
 """
 
 from __future__ import annotations
@@ -58,32 +58,31 @@ def _member(variable: Variable) -> str:
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])
 
 
-def table(interface: Interface, guid: str) -> str:
-    """A C source with the table of all scalar variables, in the order of their value references."""
-    rows = ",\n".join(_row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements))
-    title = interface.name.title()
-    aliases = "\n".join(f"typedef {title}{record} {record};" for record in ("Parameters", "Inputs", "Outputs", "State", "Law"))
-    calls = "\n".join(
-        f"#define block_{call} {interface.name}_{call}" for call in ("check", "prepare", "start", "outputs", "step")
+def block_header(interface: Interface, guid: str) -> str:
+    """block.h: the block's structures and functions by the names that the shell uses."""
+    name, title = interface.name, interface.name.title()
+    types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
+    calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
+    return (
+        f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n#define BLOCK_VARIABLES {len(interface.elements)}u\n\n'
+        f"{types}\n\n{calls}\n"
     )
+
+
+def table(interface: Interface) -> str:
+    """table.c: all scalar variables in the order of their value references."""
+    rows = "\n".join(_row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements))
     return f"""\
-#include "{interface.name}.h"
+#include "instance.h"
 
-#define BLOCK_GUID "{guid}"
-#define BLOCK_VARIABLES {len(interface.elements)}u
+#include <math.h>
 
-{aliases}
+#define ROW(name, member, kind, causality, variability, start, min, max, text) \\
+    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), kind, causality, variability}},
 
-{calls}
-
-#ifdef BLOCK_TABLE
-#define ROW(name, member, type, causality, variability, start, min, max, text) \\
-    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), type, causality, variability}}
-
-static const Variable block_table[BLOCK_VARIABLES] = {{
+const Variable variables[BLOCK_VARIABLES] = {{
 {rows}
 }};
-#endif
 """
 
 

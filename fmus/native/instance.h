@@ -32,7 +32,7 @@ typedef struct {
     Outputs y;
 } Ports;
 
-extern const Variable *const variables;
+extern const Variable variables[BLOCK_VARIABLES];
 
 typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
 
@@ -40,9 +40,7 @@ typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mod
 typedef struct {
     Ports ports;
     State state;
-    double time;  /* of the master, s */
-    double start; /* the block's own time counts from here */
-    double stop;  /* infinite where none is set */
+    double time; /* of the master, s */
     Mode mode;
     bool fresh; /* ports.y fit the state and the inputs */
 } Memory;

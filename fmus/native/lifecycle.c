@@ -1,12 +1,7 @@
 /* From fmi2Instantiate to fmi2FreeInstance: the calls' order, start values and initialization. */
-#define BLOCK_TABLE
 #include "instance.h"
 
 #include <math.h>
-
-#undef BLOCK_TABLE
-
-const Variable *const variables = block_table;
 
 /* Errors are told whatever is asked for; events are in "logAll". */
 static const char *const log_categories[] = {"logStatusWarning", "logStatusError", "logStatusFatal", "logAll"};
@@ -66,7 +61,6 @@ void restore_starts(Instance *c)
             break;
         }
     }
-    c->memory.stop = INFINITY;
     c->memory.mode = MODE_SETUP;
     c->law_current = false;
 }
@@ -155,18 +149,14 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
 {
     fmi2Status status;
     Instance *c = enter(component, "fmi2SetupExperiment", IN_SETUP, &status);
-    (void)tolerance_defined, (void)tolerance;
+    (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
     if (c == NULL) {
         return status;
     }
     if (!isfinite(start)) {
         return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"startTime", "a finite number", NULL, start});
     }
-    if (stop_defined != fmi2False && !(stop >= start && isfinite(stop))) {
-        return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"stopTime", "a finite number not below startTime", NULL, stop});
-    }
-    c->memory.start = c->memory.time = start;
-    c->memory.stop = stop_defined != fmi2False ? stop : INFINITY;
+    c->memory.time = start; /* the block's t = 0 */
     return fmi2OK;
 }
 
@@ -194,7 +184,8 @@ fmi2Status make_outputs_fresh(Instance *c, const char *function)
     Fault f = {"inputs", "", NULL, 0.0};
     Ports *ports = &c->memory.ports;
     State x = c->memory.state;
-    if ((c->memory.mode == MODE_INITIALIZATION && !block_start(&c->law, &ports->u, &x, &f)) ||
+    const bool running = c->memory.mode == MODE_STEP || c->memory.mode == MODE_TERMINATED;
+    if ((!running && !block_start(&c->law, &ports->u, &x, &f)) ||
         !block_outputs(&c->law, &x, &ports->u, &ports->y, &f)) {
         return refuse_fault(c, function, &f);
     }
@@ -225,12 +216,13 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
     Fault f = {"inputs", "", NULL, 0.0};
     State x;
     memset(&x, 0, sizeof x);
-    if (!block_start(&c->law, &c->memory.ports.u, &x, &f)) {
+    Ports *ports = &c->memory.ports;
+    if (!block_start(&c->law, &ports->u, &x, &f) || !block_outputs(&c->law, &x, &ports->u, &ports->y, &f)) {
         return refuse_fault(c, "fmi2ExitInitializationMode", &f);
     }
     c->memory.state = x;
     c->memory.mode = MODE_STEP;
-    c->memory.fresh = false;
+    c->memory.fresh = true;
     log_event(c, "initialized");
     return fmi2OK;
 }

@@ -58,10 +58,6 @@ static Instance *begin_get(fmi2Component component, const char *function, const 
         }
         outputs = outputs || variables[references[i]].causality == CAUSALITY_OUTPUT;
     }
-    if (outputs && c->memory.mode == MODE_SETUP) {
-        refuse_text(c, function, "outputs have values from fmi2EnterInitializationMode on");
-        return NULL;
-    }
     if (outputs && make_outputs_fresh(c, function) != fmi2OK) {
         return NULL;
     }

@@ -1,0 +1,68 @@
+/* What compilers call without being asked, for FMUs that are linked with no C library at all. */
+#include <stdint.h>
+#include <string.h>
+
+typedef uint64_t __attribute__((may_alias, aligned(1))) Word;
+
+void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
+{
+    unsigned char *t = to;
+    const unsigned char *f = from;
+    for (; n >= sizeof(Word); n -= sizeof(Word), t += sizeof(Word), f += sizeof(Word)) {
+        *(Word *)t = *(const Word *)f;
+    }
+    while (n-- > 0) {
+        *t++ = *f++;
+    }
+    return to;
+}
+
+void *(memset)(void *to, int byte, size_t n)
+{
+    unsigned char *t = to;
+    while (n-- > 0) {
+        *t++ = (unsigned char)byte;
+    }
+    return to;
+}
+
+int memcmp(const void *left, const void *right, size_t n)
+{
+    const unsigned char *l = left, *r = right;
+    for (; n > 0; --n, ++l, ++r) {
+        if (*l != *r) {
+            return *l - *r;
+        }
+    }
+    return 0;
+}
+
+size_t strlen(const char *text)
+{
+    size_t n = 0;
+    while (text[n] != '\0') {
+        ++n;
+    }
+    return n;
+}
+
+int strcmp(const char *left, const char *right)
+{
+    while (*left != '\0' && *left == *right) {
+        ++left;
+        ++right;
+    }
+    return (unsigned char)*left - (unsigned char)*right;
+}
+
+#if defined(_WIN32)
+int _fltused; /* its presence says that floating point is used */
+
+int __stdcall DllMainCRTStartup(void *module, unsigned long reason, void *reserved);
+
+int __stdcall DllMainCRTStartup(void *module, unsigned long reason, void *reserved)
+{
+    (void)module, (void)reason, (void)reserved;
+    return 1;
+}
+#endif

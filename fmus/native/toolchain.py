@@ -1,0 +1,139 @@
+"""Compiles a block's C for FMI's platforms: with the compiler of the package ziglang, from any host for all of them.
+
+The libraries need no other library: no C runtime, no libm. So they load beside any C runtime, on any glibc and on
+musl, and their bytes depend on the sources and zig's version only. Where ziglang cannot be had, the system's C
+compiler builds for the host.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import platform
+import shutil
+import struct
+import subprocess
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+log = logging.getLogger(__name__)
+
+FLAGS = (
+    *("-std=c11", "-O2", "-g0", "-fPIC", "-fvisibility=hidden", "-fno-stack-protector", "-fno-asynchronous-unwind-tables"),
+    # The same operations in the same order everywhere: no fused multiply-add, no reordering, no errno from sqrt.
+    *("-ffp-contract=off", "-fno-fast-math", "-fno-math-errno"),
+    *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"),
+)
+FREESTANDING = Path(__file__).parent / "freestanding"
+"""Stands in for the C library: headers, sin to expm1, memcpy to strcmp."""
+
+
+class CompilerError(RuntimeError):
+    """There is no compiler, or it refused the sources; the message has its words."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """One of FMI's platforms: the suffix of its libraries and zig's targets, which share one file."""
+
+    suffix: str
+    targets: tuple[str, ...]
+    link: tuple[str, ...] = ()
+
+
+PLATFORMS: Mapping[str, Platform] = {
+    "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), ("-Wl,--build-id=none", "-Wl,-z,noexecstack")),
+    "win64": Platform(".dll", ("x86_64-windows-gnu",)),
+    "darwin64": Platform(".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)),
+}
+
+
+def host_platform() -> str:
+    """FMI's name of the platform that this interpreter runs on."""
+    return {"Windows": "win64", "Darwin": "darwin64"}.get(platform.system(), "linux64")
+
+
+def compiler() -> str:
+    """Which compiler is used, with its version: it has a say in a library's bytes."""
+    try:
+        return f"ziglang {version('ziglang')}"
+    except PackageNotFoundError:
+        return f"system compiler {_system_compiler()}"
+
+
+def compile_library(name: str, sources: Sequence[Path], includes: Sequence[Path], platforms: Iterable[str]) -> dict[str, bytes]:
+    """The shared library of these C sources for each of the platforms. Raises CompilerError."""
+    wanted = list(platforms)
+    if unknown := [p for p in wanted if p not in PLATFORMS]:
+        raise CompilerError(f"platform {unknown[0]!r}: expected {', '.join(PLATFORMS)}")
+    if find_spec("ziglang") is None:
+        return {host_platform(): _with_system_compiler(name, sources, includes, wanted)}
+    jobs = [(p, target) for p in wanted for target in PLATFORMS[p].targets]
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 2) as pool:
+        slices = dict(zip(jobs, pool.map(lambda job: _with_zig(name, sources, includes, *job), jobs), strict=True))
+    return {p: universal([slices[p, target] for target in PLATFORMS[p].targets]) for p in wanted}
+
+
+def _zig() -> list[str]:
+    import ziglang
+
+    (folder,) = ziglang.__path__
+    return [str(Path(folder, "zig.exe" if os.name == "nt" else "zig")), "cc"]
+
+
+def _with_zig(name: str, sources: Sequence[Path], includes: Sequence[Path], platform_name: str, target: str) -> bytes:
+    chosen = PLATFORMS[platform_name]
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder, name + chosen.suffix)
+        link = [argument.format(library=library.name) for argument in chosen.link]
+        paths = [f"-I{path}" for path in (FREESTANDING, *includes)]
+        files = [*sources, *sorted(FREESTANDING.glob("*.c"))]
+        command = [*_zig(), "-target", target, *FLAGS, "-ffreestanding", "-nostdlib", "-shared", "-s", *link, *paths]
+        _run([*command, *map(str, files), "-o", str(library)], library)
+        return library.read_bytes()
+
+
+def _system_compiler() -> str:
+    for candidate in (os.environ.get("CC"), "cc", "gcc", "clang"):
+        if candidate and shutil.which(candidate):
+            return candidate
+    raise CompilerError("a native FMU needs a C compiler: pip install ziglang, or install a system compiler (cc)")
+
+
+def _with_system_compiler(name: str, sources: Sequence[Path], includes: Sequence[Path], wanted: list[str]) -> bytes:
+    host = host_platform()
+    log.warning("ziglang is not installed: %s builds %s for %s only (pip install ziglang for all platforms)", _system_compiler(), name, host)
+    if host not in wanted:
+        raise CompilerError(f"without ziglang only {host} can be built, but {', '.join(wanted)} was asked for")
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder, name + PLATFORMS[host].suffix)
+        paths = [f"-I{path}" for path in includes]
+        _run([_system_compiler(), *FLAGS, *paths, "-shared", *map(str, sources), "-o", str(library), "-lm"], library)
+        return library.read_bytes()
+
+
+def _run(command: list[str], about: Path) -> None:
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    if run.returncode:
+        raise CompilerError(f"{about.name}: {Path(command[0]).name} failed:\n{' '.join(command)}\n{run.stderr}")
+
+
+def universal(slices: list[bytes]) -> bytes:
+    """One Mach-O file for several architectures; a single slice is returned as it is."""
+    if len(slices) == 1:
+        return slices[0]
+    alignment = 14  # 16 KB, the page of arm64
+    header = struct.pack(">II", 0xCAFEBABE, len(slices))
+    body = b""
+    start = 1 << alignment
+    for part in slices:
+        cpu_type, cpu_subtype = struct.unpack_from("<II", part, 4)
+        offset = start + len(body)
+        header += struct.pack(">IIIII", cpu_type, cpu_subtype, offset, len(part), alignment)
+        body += part + b"\0" * (-len(part) % (1 << alignment))
+    return header.ljust(start, b"\0") + body
