@@ -1,0 +1,152 @@
+"""Builds blocks as FMUs, and rebuilds them when what they are made of has changed.
+
+    build()                      # all blocks, into build/fmus/python/
+    ensure("plant")              # the path of plant.fmu, built when missing or out of date
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from .interface import BLOCKS, Interface, load
+
+ROOT = Path(__file__).parents[1]
+FLAVOURS = ("python",)
+
+_HERE = Path(__file__).parent
+_MAKERS = ("build.py", "description.py", "documentation.py", "interface.py", "memory.py", "packaging.py", "shell.c")
+_MAKERS += ("shell.py", "slave.py", "units.py", "native/fmi2.h")
+
+
+class BuildError(RuntimeError):
+    """A block that cannot be built; the message says which and why."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """What an FMU is made of: an interface and the folder of the Python package that keeps to it."""
+
+    interface: Interface
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        return self.interface.name
+
+    @classmethod
+    def named(cls, name: str) -> Block:
+        """A block of this project."""
+        if name not in BLOCKS:
+            raise BuildError(f"there is no block {name!r}; expected one of {', '.join(BLOCKS)}")
+        spec = find_spec(name)
+        if spec is None or not spec.submodule_search_locations:
+            raise BuildError(f"the package of the block {name!r} is not installed: pip install -e . in the repository")
+        return cls(load(name), Path(spec.submodule_search_locations[0]))
+
+
+def build(
+    blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: Path | None = None
+) -> dict[str, Path]:
+    """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError."""
+    _check(flavour)
+    from .packaging import package  # here, since it takes long to import and `ensure` seldom needs it
+
+    paths = {}
+    for block in [Block.named(b) if isinstance(b, str) else b for b in blocks]:
+        path = _path(block.name, flavour, out)
+        stamp = _fingerprint(block).encode()
+        try:
+            data = package(block.interface, block.folder, ROOT / "LICENSE")
+        except Exception as error:
+            raise BuildError(f"{block.name}: {error}") from error
+        _write(path, data, stamp)
+        paths[block.name] = path
+    return paths
+
+
+def fmu_path(block: str, flavour: str = "python") -> Path:
+    """Where a block of this project is built by default."""
+    return _path(block, flavour, None)
+
+
+def ensure(block: str | Block, flavour: str = "python", out: Path | None = None) -> Path:
+    """The path of a block's FMU, which is built first when it is missing or its sources have changed."""
+    _check(flavour)
+    chosen = Block.named(block) if isinstance(block, str) else block
+    path = _path(chosen.name, flavour, out)
+    if _stamp(path) != _fingerprint(chosen).encode():
+        build([chosen], flavour, out)
+    return path
+
+
+def _path(name: str, flavour: str, out: Path | None) -> Path:
+    return (out or ROOT / "build" / "fmus" / flavour) / f"{name}.fmu"
+
+
+def _check(flavour: str) -> None:
+    if flavour not in FLAVOURS:
+        raise BuildError(f"there is no flavour {flavour!r}; expected one of {', '.join(FLAVOURS)}")
+
+
+def _stamp(path: Path) -> bytes | None:
+    """The fingerprint of an FMU's sources, which stands in the comment of its archive."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.comment
+    except (OSError, zipfile.BadZipFile):
+        return None
+
+
+def _fingerprint(block: Block) -> str:
+    """A hash of all that an FMU is made from, packages by their versions."""
+    digest = hashlib.sha256(block.interface.source.encode())
+    paths = [_HERE / name for name in _MAKERS]
+    paths += [path for path in sorted(block.folder.rglob("*")) if path.suffix == ".py" and "native" not in path.parts[-2:]]
+    paths.append(ROOT / "LICENSE")
+    for path in paths:
+        digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
+    for name in ("pythonfmu", "ziglang", "pint", *_data_packages(block.folder)):
+        digest.update(f"\n{name} {_version(name)}".encode())
+    return digest.hexdigest()
+
+
+def _data_packages(folder: Path) -> list[str]:
+    """The literal `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
+    path = folder / "tables" / "__init__.py"
+    if not path.exists():
+        return []
+    for node in ast.parse(path.read_text("utf-8")).body:
+        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "PACKAGES" for t in node.targets):
+            return list(ast.literal_eval(node.value))
+    return []
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "none"
+
+
+def _write(path: Path, data: bytes, stamp: bytes) -> None:
+    """Writes at one stroke, so that another process never sees half an FMU."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
+        file.write(data)
+    try:
+        with zipfile.ZipFile(file.name, "a") as archive:
+            archive.comment = stamp
+        os.chmod(file.name, 0o644)
+        os.replace(file.name, path)
+    except BaseException:
+        os.unlink(file.name)
+        raise

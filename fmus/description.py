@@ -1,0 +1,185 @@
+"""modelDescription.xml of a block, derived from its interface; the same for every flavour but for what a flavour can do."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .interface import Element, Interface, Variable
+from .units import display_factor, unit
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Messages with the status fmi2Warning",
+    "logStatusError": "Messages with the status fmi2Error, which are sent even with logging off",
+    "logStatusFatal": "Messages with the status fmi2Fatal, which are sent even with logging off",
+    "logAll": "All messages",
+}
+DIMENSIONLESS = "1"
+"""The unit of every Real without one, so that a master can tell dimensionless from not declared."""
+
+_TAGS = {
+    "real": "Real",
+    "integer": "Integer",
+    "boolean": "Boolean",
+    "string": "String",
+    "enumeration": "Enumeration",
+}
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What a flavour's FMU can do, by the names of FMI's attributes."""
+
+    needsExecutionTool: bool
+    canHandleVariableCommunicationStepSize: bool = True
+    canInterpolateInputs: bool = False
+    canRunAsynchronuously: bool = False
+    canBeInstantiatedOnlyOncePerProcess: bool = False
+    canNotUseMemoryManagementFunctions: bool = True
+    canGetAndSetFMUstate: bool = True
+    canSerializeFMUstate: bool = True
+    providesDirectionalDerivative: bool = False
+
+
+def model_description(
+    interface: Interface, guid: str, capabilities: Capabilities, generation_tool: str, licence: str = "BSD-3-Clause"
+) -> bytes:
+    """The XML file. No date stands in it, so the same arguments give the same bytes. Raises UnitError."""
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=interface.name,
+        guid=guid,
+        description=interface.description,
+        license=licence,
+        generationTool=generation_tool,
+        variableNamingConvention="structured",
+    )
+    flags = {name: _text(value) for name, value in vars(capabilities).items()}
+    ET.SubElement(root, "CoSimulation", modelIdentifier=interface.name, **flags)
+    _unit_definitions(root, interface)
+    _type_definitions(root, interface)
+    categories = ET.SubElement(root, "LogCategories")
+    for name, about in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=about)
+    ET.SubElement(
+        root, "DefaultExperiment", startTime="0.0", stopTime=_text(interface.stop), stepSize=_text(interface.step)
+    )
+    variables = ET.SubElement(root, "ModelVariables")
+    for variable, element in interface.elements.values():
+        _scalar_variable(variables, variable, element)
+    _model_structure(root, interface)
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def guid_from(digest: str) -> str:
+    """A GUID in the usual form from at least 32 hexadecimal digits."""
+    return "{" + "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])) + "}"
+
+
+def about(variable: Variable) -> str:
+    """The description with the frame of its components."""
+    return f"{variable.description} (frame: {variable.frame})" if variable.frame else variable.description
+
+
+def _unit_definitions(root: ET.Element, interface: Interface) -> None:
+    shown: dict[str, set[str]] = {}
+    for variable in _reals(interface):
+        shown.setdefault(_unit_name(variable), set()).update({variable.display_unit} - {None})  # type: ignore[arg-type]
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in sorted(shown):
+        entry = ET.SubElement(definitions, "Unit", name=name)
+        meaning = unit(name)
+        base = {key: str(exponent) for key, exponent in meaning.exponents.items()}
+        if meaning.factor != 1:
+            base["factor"] = _text(float(meaning.factor))
+        ET.SubElement(entry, "BaseUnit", base)
+        for display in sorted(shown[name]):
+            ET.SubElement(entry, "DisplayUnit", name=display, factor=_text(display_factor(name, display)))
+
+
+def _type_definitions(root: ET.Element, interface: Interface) -> None:
+    types: dict[str, Variable] = {}
+    for variable in interface.variables.values():
+        if variable.type in ("real", "enumeration"):
+            types.setdefault(type_name(variable), variable)
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for name, variable in sorted(types.items()):
+        entry = ET.SubElement(definitions, "SimpleType", name=name)
+        if variable.type == "real":
+            ET.SubElement(entry, "Real", _unit_attributes(variable))
+            continue
+        items = ET.SubElement(entry, "Enumeration")
+        for value, item in enumerate(variable.items, start=1):
+            ET.SubElement(items, "Item", name=item, value=str(value))
+
+
+def type_name(variable: Variable) -> str:
+    """An enumeration's type has its variable's name in capitals (`GainSchedule`), a Real's its units' (`rad shown in deg`)."""
+    if variable.type == "enumeration":
+        return "".join(part[:1].upper() + part[1:] for part in variable.name.split("_")) + "Choice"
+    name = _unit_name(variable)
+    return f"{name} shown in {variable.display_unit}" if variable.display_unit else f"{name}"
+
+
+def _scalar_variable(parent: ET.Element, variable: Variable, element: Element) -> None:
+    attributes = {
+        "name": element.name,
+        "valueReference": str(element.value_reference),
+        "description": about(variable),
+        "causality": variable.causality,
+        "variability": variable.variability,
+    }
+    if variable.causality != "input":
+        attributes["initial"] = "calculated" if variable.causality == "output" else "exact"
+    entry = ET.SubElement(parent, "ScalarVariable", attributes)
+    kind: dict[str, str] = {}
+    if variable.type in ("real", "enumeration"):
+        kind["declaredType"] = type_name(variable)
+    if variable.type == "real":
+        kind |= _unit_attributes(variable)
+    bounds: Mapping[str, float | None] = {"min": variable.min, "max": variable.max}
+    for key, bound in bounds.items():
+        if bound is not None:
+            kind[key] = _text(float(bound) if variable.type == "real" else int(bound))
+    if element.start is not None:
+        kind["start"] = _text(float(element.start) if variable.type == "real" else element.start)
+    ET.SubElement(entry, _TAGS[variable.type], kind)
+
+
+def _model_structure(root: ET.Element, interface: Interface) -> None:
+    """Outputs with their direct feedthrough, and what each output's initial value depends on."""
+    index = {element.value_reference: i for i, (_, element) in enumerate(interface.elements.values(), start=1)}
+    structure = ET.SubElement(root, "ModelStructure")
+    for tag, resolve in (("Outputs", interface.feedthrough), ("InitialUnknowns", interface.initial_dependencies)):
+        unknowns = ET.SubElement(structure, tag)
+        for variable in interface.of("output"):
+            for position, element in enumerate(variable.elements):
+                known = sorted({index[e.value_reference] for e in resolve(variable, position)})
+                ET.SubElement(
+                    unknowns,
+                    "Unknown",
+                    index=str(index[element.value_reference]),
+                    dependencies=" ".join(map(str, known)),
+                    dependenciesKind=" ".join(["dependent"] * len(known)),
+                )
+
+
+def _reals(interface: Interface) -> list[Variable]:
+    return [variable for variable in interface.variables.values() if variable.type == "real"]
+
+
+def _unit_name(variable: Variable) -> str:
+    return variable.unit or DIMENSIONLESS
+
+
+def _unit_attributes(variable: Variable) -> dict[str, str]:
+    display = {"displayUnit": variable.display_unit} if variable.display_unit else {}
+    return {"unit": _unit_name(variable), **display}
+
+
+def _text(value: float | int | bool | str | Fraction) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

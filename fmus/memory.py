@@ -1,0 +1,184 @@
+"""A block's values as FMI sees them, a flat list by value reference, and as the block sees them, its dataclasses.
+
+Carried by every Python FMU, so it needs the standard library and numpy only.
+"""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from .interface import Interface, Variable
+
+Values = list[Any]
+
+
+class ContractError(TypeError):
+    """A block's dataclasses and its interface differ; the message names the first difference."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """All that an instance remembers. The objects within are never changed in place, so a snapshot may share them."""
+
+    values: tuple[Any, ...]
+    mode: str
+    time: float
+    dirty: bool
+    state: Any
+    fault: str | None = None
+    """Why these bytes were no snapshot; told when it is to be restored."""
+
+
+class Layout:
+    """Where each port and parameter of a block stands in the flat list, and the way to and fro."""
+
+    def __init__(self, interface: Interface, block: ModuleType) -> None:
+        self.starts: Values = [_start(v, e.start) for v, e in interface.elements.values()]
+        self.names = list(interface.elements)
+        self.parameters = _reader(interface, block, "parameter", "Parameters")
+        self.inputs = _reader(interface, block, "input", "Inputs")
+        outputs = [interface.variables[name] for name in _fields(interface, block, "output", "Outputs")]
+        variables = list(interface.variables.values())
+        self.of_type = {kind: _references(v for v in variables if _fmi_type(v) == kind) for kind in FMI_TYPES}
+        self.output_references = _references(v for v in variables if v.causality == "output")
+        self.parameter_references = _references(v for v in variables if v.causality == "parameter")
+        self.settable = self.parameter_references | _references(v for v in variables if v.causality == "input")
+        self.tunable = self.settable - _references(v for v in variables if v.variability == "fixed")
+        self.bounds = {r: bounds for v in variables if (bounds := _bounds(v)) for r in v.value_references}
+        self._get = attrgetter(*(v.name for v in outputs)) if len(outputs) > 1 else lambda out: (getattr(out, outputs[0].name),)
+        self._places = [(v, v.value_references[0], len(v.elements)) for v in outputs]
+        self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
+
+    def store(self, outputs: Any, values: Values) -> Values:
+        """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite."""
+        values = values.copy()
+        for (variable, first, count), value in zip(self._places, self._get(outputs), strict=True):
+            if variable.shape:
+                values[first : first + count] = value.ravel().tolist()
+            elif variable.type == "enumeration":
+                values[first] = variable.items.index(value) + 1
+            else:
+                values[first] = _SCALARS[variable.type](value)
+        if not math.isfinite(sum([values[r] for r in self._real_places])):
+            for r in self._real_places:
+                if not math.isfinite(values[r]):
+                    raise ValueError(f"output {self.names[r]} is {values[r]}; expected a finite number")
+        if len(values) != len(self.starts):
+            raise ContractError("an output of the block does not have the shape that its interface gives")
+        return values
+
+
+FMI_TYPES = ("Real", "Integer", "Boolean", "String")
+"""Those with functions to get and set; an enumeration goes as an Integer in FMI 2.0."""
+
+
+def _fmi_type(variable: Variable) -> str:
+    return "Integer" if variable.type == "enumeration" else variable.type.title()
+
+
+def _references(variables: Iterable[Variable]) -> frozenset[int]:
+    return frozenset(r for v in variables for r in v.value_references)
+
+
+def _bounds(variable: Variable) -> tuple[float, float] | None:
+    if variable.type == "enumeration":
+        return 1, len(variable.items)
+    if variable.min is None and variable.max is None:
+        return None
+    return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
+
+
+_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": bool, "string": str}
+
+
+def _start(variable: Variable, start: Any) -> Any:
+    if variable.type == "enumeration":
+        return 1 if start is None else int(start)
+    convert = _SCALARS[variable.type]
+    return convert() if start is None else convert(start)
+
+
+def _fields(interface: Interface, block: ModuleType, causality: str, record: str) -> list[str]:
+    names = [field.name for field in dataclasses.fields(getattr(block, record))]
+    expected = [v.name for v in interface.variables.values() if v.causality == causality]
+    if difference := sorted(set(names) ^ set(expected)):
+        where = "interface" if difference[0] in names else f"{block.__name__}.{record}"
+        raise ContractError(f"{causality} {difference[0]!r} is missing in the {where} of {interface.name}")
+    return names
+
+
+def _reader(interface: Interface, block: ModuleType, causality: str, record: str) -> Callable[[Values], Any]:
+    """A function that makes the block's dataclass from the flat list."""
+    names = _fields(interface, block, causality, record)
+    readers = [_field_reader(interface.variables[name]) for name in names]
+    make = getattr(block, record)
+    return lambda values: make(*[read(values) for read in readers])
+
+
+def _field_reader(variable: Variable) -> Callable[[Values], Any]:
+    first, after = variable.value_references[0], variable.value_references[-1] + 1
+    if variable.type == "enumeration":
+        return lambda values: variable.items[values[first] - 1]
+    if not variable.shape:
+        return lambda values: values[first]
+    if len(variable.shape) == 1:
+        return lambda values: np.array(values[first:after])
+    return lambda values: np.array(values[first:after]).reshape(variable.shape)
+
+
+def to_bytes(snapshot: Snapshot, identity: str) -> bytes:
+    """A snapshot as JSON. Exact: Python writes a float's shortest digits that read back as the same bits."""
+    state = snapshot.state
+    fields = None if state is None else {f.name: _encode(getattr(state, f.name), f.name) for f in dataclasses.fields(state)}
+    return json.dumps({"identity": identity, **vars(snapshot), "state": fields}, separators=(",", ":")).encode()
+
+
+def from_bytes(data: bytes, identity: str, block: ModuleType) -> Snapshot:
+    """Reads what `to_bytes` wrote. Bytes of another FMU or none at all make a snapshot that holds the fault."""
+    try:
+        entries = json.loads(data)
+        if (found := entries.pop("identity")) != identity:
+            raise ValueError(f"it was saved by another build, {found}; this is {identity}")
+        fields = entries.pop("state")
+        state = None if fields is None else block.State(**{name: _decode(value) for name, value in fields.items()})
+        return Snapshot(**{**entries, "values": tuple(entries["values"]), "state": state})
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        return Snapshot((), "", math.nan, True, None, f"the serialized FMU state cannot be restored: {error}")
+
+
+def _encode(value: Any, name: str) -> Any:
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    if isinstance(value, (np.ndarray, np.generic)) and value.dtype.kind in "biuf":
+        bits = base64.b64encode(np.ascontiguousarray(value).tobytes()).decode()
+        return {"dtype": value.dtype.str, "shape": list(value.shape), "scalar": isinstance(value, np.generic), "bits": bits}
+    raise ContractError(f"State.{name} is a {type(value).__name__}; expected a float, bool, int, array or None")
+
+
+def _decode(value: Any) -> Any:
+    if not isinstance(value, dict):
+        return value
+    array = np.frombuffer(base64.b64decode(value["bits"]), dtype=np.dtype(value["dtype"])).reshape(value["shape"]).copy()
+    return array[()] if value["scalar"] else array
+
+
+def check_state(state: Any) -> None:
+    """Raises ContractError where a state holds what cannot be serialized."""
+    if state is not None:
+        for f in dataclasses.fields(state):
+            _encode(getattr(state, f.name), f.name)
+
+
+def first_not_finite(values: Sequence[float]) -> int | None:
+    """The position of the first value that is not finite."""
+    return next((i for i, value in enumerate(values) if not math.isfinite(value)), None)

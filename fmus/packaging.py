@@ -1,0 +1,181 @@
+"""Turns a block into a Python FMU: PythonFMU packages it, then the description, names and bytes are made ours.
+
+Inside the FMU all Python code stands in one package whose name ends in the hash of its content, so that two FMUs, or
+two versions of one, run their own code in one process:
+
+    resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
+    resources/plant_0123456789ab_code/          slave.py, memory.py, interface.py, interface.toml
+    resources/plant_0123456789ab_code/plant/    the block, with the data that it carries in tables/
+    resources/plant_0123456789ab_code/pythonfmu/
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib
+import io
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from importlib.metadata import distribution, version
+from pathlib import Path
+
+from pythonfmu import FmuBuilder
+
+from .description import Capabilities, guid_from, model_description
+from .documentation import index_html
+from .interface import Interface
+from .shell import PLATFORMS, compile_shell
+
+RUNTIME = ("interface.py", "memory.py", "slave.py")
+"""The modules of this package that an FMU carries."""
+CAPABILITIES = Capabilities(needsExecutionTool=True)
+"""It needs a process that holds Python; everything else it can do."""
+REQUIREMENTS = "numpy>=1.26\n"
+"""For `pythonfmu deploy`; Python itself is 3.11 or later."""
+
+_HERE = Path(__file__).parent
+_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
+"""PythonFMU's modules that run; the others build."""
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+_ENTRY = '''"""Entry of the FMU: PythonFMU's library looks here for the class of the slave."""
+
+from {code}.slave import BlockSlave, keep
+
+keep(globals())  # PythonFMU runs this text once more for each instance, then drops a reference that it never took
+
+
+class {name}(BlockSlave):
+    """{description}"""
+
+    package = "{package}"
+    identity = "{identity}"
+'''
+
+
+def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
+    """The FMU of the block whose package is `folder`, as bytes. The same content gives the same bytes."""
+    content = _content(interface, folder)
+    tool = f"PythonFMU {version('pythonfmu')}"
+    digest = hashlib.sha256(model_description(interface, "", CAPABILITIES, tool))
+    for name, data in sorted(content.items()):
+        digest.update(f"{name}\n{len(data)}\n".encode() + data)
+    identity = digest.hexdigest()
+    entry = f"{interface.name}_{identity[:12]}"
+    with tempfile.TemporaryDirectory() as temporary:
+        built = _build(Path(temporary), entry, identity, interface, folder.name, content)
+        with zipfile.ZipFile(built) as archive:
+            files = {name: archive.read(name) for name in archive.namelist()}
+    guid = guid_from(identity)
+    return _zip(_finish(files, entry, interface.name, guid) | {
+        "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool),
+        "resources/requirements.txt": REQUIREMENTS.encode(),
+        "documentation/index.html": index_html(interface),
+        **_licences(licence),
+    })
+
+
+def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
+    """Everything that decides what the FMU does, by its path inside the package of the code."""
+    content = {name: (_HERE / name).read_bytes() for name in RUNTIME}
+    content["interface.toml"] = interface.source.encode()
+    content |= {f"{folder.name}/{name}": data for name, data in sources(folder).items()}
+    with _importing_from(folder.parent, folder.name):
+        if (folder / "tables").exists() or (folder / "tables.py").exists():
+            tables = importlib.import_module(f"{folder.name}.tables")
+            content |= {f"{folder.name}/tables/{name}": data for name, data in tables.dump().items()}
+    content["shell.c"] = (_HERE / "shell.c").read_bytes()
+    return content
+
+
+def sources(folder: Path) -> dict[str, bytes]:
+    """The Python files of a block's package, by their paths in it."""
+    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*.py")}
+    return {name: path.read_bytes().replace(b"\r\n", b"\n") for name, path in sorted(files.items()) if not name.startswith("native/")}
+
+
+def _build(temporary: Path, entry: str, identity: str, interface: Interface, block: str, content: dict[str, bytes]) -> Path:
+    """Lays the project out and lets PythonFMU package it."""
+    code = temporary / "project" / f"{entry}_code"
+    for name, data in content.items():
+        path = code / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+    (code / "__init__.py").touch()
+    (code / "shell.c").unlink()
+    script = code.parent / f"{entry}.py"
+    text = _ENTRY.format(
+        code=code.name, name=interface.name, description=interface.description, package=block, identity=identity
+    )
+    script.write_text(text, "utf-8", newline="\n")
+    with _importing_from(script.parent, entry, code.name):
+        return Path(FmuBuilder.build_FMU(script, dest=temporary / "built", project_files=[code]))
+
+
+@contextlib.contextmanager
+def _importing_from(folder: Path, *packages: str) -> Iterator[None]:
+    """Imports these packages from this folder, whatever was imported by their names before, and forgets them afterwards."""
+
+    def theirs() -> list[str]:
+        return [name for name in sys.modules if name.partition(".")[0] in packages]
+
+    path, write, aside = sys.path.copy(), sys.dont_write_bytecode, {name: sys.modules.pop(name) for name in theirs()}
+    sys.path.insert(0, str(folder))
+    sys.dont_write_bytecode = True
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.dont_write_bytecode = write
+        for name in theirs():
+            del sys.modules[name]
+        sys.modules.update(aside)
+
+
+def _finish(files: dict[str, bytes], entry: str, name: str, guid: str) -> dict[str, bytes]:
+    """PythonFMU's files with its modules inside our package and the shell round its libraries."""
+    finished = {}
+    for path, data in files.items():
+        folder, _, file = path.rpartition("/")
+        if folder == "resources/pythonfmu":
+            if file.removesuffix(".py") in _PYTHONFMU:
+                finished[f"resources/{entry}_code/pythonfmu/{file}"] = data.replace(b"\r\n", b"\n")
+        elif folder.startswith("binaries/"):
+            platform, suffix = folder.removeprefix("binaries/"), Path(file).suffix
+            finished[f"{folder}/{'lib' if suffix == '.so' else ''}pythonfmu-export{suffix}"] = data
+            if platform in PLATFORMS:
+                finished[path] = compile_shell(platform, guid)
+        elif path != "modelDescription.xml":
+            finished[path] = data
+    finished[f"resources/{entry}_code/pythonfmu/__init__.py"] = b""
+    missing = {f"binaries/{platform}/{name}{suffix}" for platform, (_, suffix, _) in PLATFORMS.items()} - set(finished)
+    if missing:
+        raise RuntimeError(f"PythonFMU packaged no library for {sorted(missing)[0]}")
+    return finished
+
+
+def _licences(licence: Path | None) -> dict[str, bytes]:
+    """This project's licence and that of PythonFMU, parts of which every FMU carries."""
+    found = {}
+    if licence is not None and licence.exists():
+        found["documentation/licenses/license.txt"] = licence.read_bytes()
+    for file in distribution("pythonfmu").files or []:
+        if file.name.upper().startswith("LICENSE"):
+            found["documentation/licenses/PythonFMU.txt"] = Path(str(file.locate())).read_bytes()
+    return found
+
+
+def _zip(files: dict[str, bytes]) -> bytes:
+    """An archive in which nothing depends on time, place or the version of a compressing library."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, _DATE)
+            info.create_system = 3
+            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+            archive.writestr(info, files[name])
+    return buffer.getvalue()

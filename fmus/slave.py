@@ -1,0 +1,260 @@
+"""A block as a PythonFMU slave: what an FMU does at Set, Get, doStep and in initialization.
+
+Carried by every Python FMU, so it needs the standard library and numpy only. A call that fails leaves the
+instance as it was before the call.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import importlib
+import math
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any, ClassVar
+
+from .interface import Interface, parse
+from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
+
+try:
+    from .pythonfmu.fmi2slave import Fmi2Slave  # inside an FMU: the copy that it carries
+except ModuleNotFoundError:
+    from pythonfmu.fmi2slave import Fmi2Slave
+
+_INSTANTIATED, _INITIALIZING, _STEPPING, _TERMINATED = "instantiated", "initializing", "stepping", "terminated"
+_TIME_TOLERANCE = 1e-6
+"""Of a step: how far doStep's time may be from where the block stands."""
+
+
+class Refused(Exception):
+    """The host asked for what the block cannot do; the message says all, so no traceback is logged."""
+
+
+class Fault(Exception):
+    """What leaves a call towards PythonFMU, whose C++ side logs its `repr`."""
+
+    def __repr__(self) -> str:
+        text = str(self).encode("utf-8", "backslashreplace").decode()
+        return text.replace("%", "%%")  # FMI's logger takes a format
+
+
+def keep(*objects: Any) -> None:
+    """Takes a reference to each, in place of one that PythonFMU 0.7 drops without owning it."""
+    for kept in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
+
+
+def guarded(call: Callable[..., Any]) -> Callable[..., Any]:
+    """Turns whatever is raised in a call from the host into a Fault that tells it, after which the instance lives on."""
+
+    @functools.wraps(call)
+    def wrapper(self: BlockSlave, *arguments: Any) -> Any:
+        try:
+            return call(self, *arguments)
+        except BaseException as error:  # an interrupt would end the instance as any exception does
+            text = f"{self.interface.name}: {type(error).__name__}: {error}"
+            if isinstance(error, Refused):
+                text = f"{self.interface.name}: {error}"
+            else:
+                text += "\n" + "".join(traceback.format_exception(error)).rstrip()
+            # PythonFMU 0.7 drops its references to these three when an exception passes, yet goes on using them.
+            keep(type(self), self, self.log_queue)
+            raise Fault(text) from None
+
+    return wrapper
+
+
+class BlockSlave(Fmi2Slave):
+    """The base of the one class in an FMU's entry module, which names the block."""
+
+    package: ClassVar[str] = ""
+    """The block's package, beside this module."""
+    identity: ClassVar[str] = ""
+    """Hash of the FMU's content; a serialized state is bound to it."""
+    interface: ClassVar[Interface]
+    block: ClassVar[ModuleType]
+    layout: ClassVar[Layout]
+    folder: ClassVar[Path | None] = None
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        resources = Path(self.resources)
+        if self.folder is None or (not self.folder.exists() and (resources / __package__).exists()):
+            type(self)._load(resources)
+        self.modelName = self.interface.name
+        self._values = self.layout.starts.copy()
+        self._mode = _INSTANTIATED
+        self._time = 0.0
+        self._dirty = True  # the outputs among the values are not those of state, inputs and parameters
+        self._state: Any = None
+        self._p: Any = None  # the block's Parameters and Inputs, None where the values have changed
+        self._u: Any = None
+
+    @classmethod
+    def _load(cls, resources: Path) -> None:
+        """Imports the block, anew where the folder that it came from is gone and may be read no more."""
+        here = sys.modules[__package__]
+        if cls.folder is not None:
+            here.__path__ = [str(resources / __package__)]
+            for name in [name for name in sys.modules if name.startswith(f"{__package__}.{cls.package}")]:
+                del sys.modules[name]
+            importlib.invalidate_caches()
+        folder = Path(here.__path__[0])
+        cls.block = importlib.import_module(f".{cls.package}", __package__)
+        cls.interface = parse((folder / "interface.toml").read_text("utf-8"), "interface.toml")
+        cls.layout = Layout(cls.interface, cls.block)
+        cls.folder = folder
+
+    # ------------------------------------------------------------ the course of a simulation
+
+    @guarded
+    def setup_experiment(self, start_time: float, *_: Any) -> None:
+        """The block's t = 0 is the experiment's start time."""
+        if not math.isfinite(start_time):
+            raise Refused(f"setupExperiment: the start time is {start_time}; expected a finite number")
+        self._time = start_time
+
+    @guarded
+    def enter_initialization_mode(self) -> None:
+        self._expect(_INSTANTIATED, "enterInitializationMode")
+        self._mode = _INITIALIZING
+
+    @guarded
+    def exit_initialization_mode(self) -> None:
+        self._expect(_INITIALIZING, "exitInitializationMode")
+        p, u = self._read()
+        state = self.block.start(p, u)
+        self._values = self.layout.store(self.block.outputs(state, u, p), self._values)
+        self._state, self._dirty, self._mode = state, False, _STEPPING
+
+    @guarded
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        self._expect(_STEPPING, "doStep")
+        if not 0.0 < step_size < math.inf:
+            raise Refused(f"doStep: the step is {step_size} s; expected a finite number above 0")
+        if not abs(current_time - self._time) <= _TIME_TOLERANCE * step_size + 1e-12 * abs(self._time):
+            raise Refused(f"doStep: the step starts at {current_time} s, but the block stands at {self._time} s")
+        p, u = self._read()
+        state, outputs = self.block.step(self._state, u, p, step_size)
+        self._values = self.layout.store(outputs, self._values)
+        self._state, self._dirty, self._time = state, False, current_time + step_size
+        return True
+
+    @guarded
+    def terminate(self) -> None:
+        self._mode = _TERMINATED
+
+    def _expect(self, mode: str, call: str) -> None:
+        if self._mode != mode:
+            raise Refused(f"{call}: the block is {self._mode}; this call is for a block that is {mode}")
+
+    def _read(self) -> tuple[Any, Any]:
+        """Parameters, checked as a whole, and inputs, from the values as they stand."""
+        if self._p is None:
+            p = self.layout.parameters(self._values)
+            self.block.check(p)
+            self._p = p
+        if self._u is None:
+            self._u = self.layout.inputs(self._values)
+        return self._p, self._u
+
+    # ------------------------------------------------------------ Get and Set
+
+    def _get(self, kind: str, references: list[int]) -> list[Any]:
+        if not self.layout.of_type[kind].issuperset(references):
+            wrong = next(r for r in references if r not in self.layout.of_type[kind])
+            raise Refused(f"get{kind}: there is no {kind} with the value reference {wrong}")
+        if self._dirty and not self.layout.output_references.isdisjoint(references):
+            p, u = self._read()
+            state = self._state if self._state is not None else self.block.start(p, u)
+            self._values = self.layout.store(self.block.outputs(state, u, p), self._values)
+            self._dirty = False
+        values = self._values
+        return [values[r] for r in references]
+
+    def _set(self, kind: str, references: list[int], values: Sequence[Any]) -> None:
+        allowed = self.layout.tunable if self._state is not None else self.layout.settable
+        if not (allowed.issuperset(references) and self.layout.of_type[kind].issuperset(references)):
+            self._refuse_set(kind, next(r for r in references if r not in allowed or r not in self.layout.of_type[kind]))
+        if not self.layout.bounds.keys().isdisjoint(references):
+            for r, value in zip(references, values, strict=True):
+                low, high = self.layout.bounds.get(r, (-math.inf, math.inf))
+                if not low <= value <= high:
+                    raise Refused(f"set{kind}: {self.layout.names[r]} = {value}; expected {low} to {high}")
+        stored = self._values
+        for r, value in zip(references, values, strict=True):
+            stored[r] = value
+        self._u = None
+        if not self.layout.parameter_references.isdisjoint(references):
+            self._p = None
+        self._dirty = True
+
+    def _refuse_set(self, kind: str, reference: int) -> None:
+        if reference not in self.layout.of_type[kind]:
+            raise Refused(f"set{kind}: there is no {kind} with the value reference {reference}")
+        name = self.layout.names[reference]
+        why = "is an output" if reference in self.layout.output_references else "is fixed once initialization is over"
+        raise Refused(f"set{kind}: {name} cannot be set, it {why}")
+
+    @guarded
+    def get_real(self, vrs: list[int]) -> list[float]:
+        return self._get("Real", vrs)
+
+    @guarded
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        return self._get("Integer", vrs)
+
+    @guarded
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        return self._get("Boolean", vrs)
+
+    @guarded
+    def get_string(self, vrs: list[int]) -> list[str]:
+        return self._get("String", vrs)
+
+    @guarded
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        if not math.isfinite(sum(values)) and (i := first_not_finite(values)) is not None:
+            if vrs[i] in self.layout.of_type["Real"]:
+                raise Refused(f"setReal: {self.layout.names[vrs[i]]} = {values[i]}; expected a finite number")
+        self._set("Real", vrs, values)
+
+    @guarded
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        self._set("Integer", vrs, values)
+
+    @guarded
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        self._set("Boolean", vrs, values)
+
+    @guarded
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        self._set("String", vrs, values)
+
+    # ------------------------------------------------------------ FMU state
+
+    @guarded
+    def _get_fmu_state(self) -> Snapshot:
+        check_state(self._state)
+        return Snapshot(tuple(self._values), self._mode, self._time, self._dirty, self._state)
+
+    @guarded
+    def _set_fmu_state(self, state: Snapshot) -> None:
+        if state.fault is not None:
+            raise Refused(f"setFMUstate: {state.fault}")
+        self._values = list(state.values)
+        self._mode, self._time, self._dirty, self._state = state.mode, state.time, state.dirty, state.state
+        self._p = self._u = None
+
+    @classmethod
+    def _fmu_state_to_bytes(cls, state: Snapshot) -> bytes:  # type: ignore[override]
+        return to_bytes(state, cls.identity)
+
+    @classmethod
+    def _fmu_state_from_bytes(cls, state: bytes) -> Snapshot:  # type: ignore[override]
+        return from_bytes(state, cls.identity, cls.block)
+

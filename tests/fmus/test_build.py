@@ -1,0 +1,163 @@
+"""What is built, from what, and that it runs on its own."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import struct
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from fmus.build import ROOT, BuildError, build, ensure
+from fmus.interface import BLOCKS
+
+from .host import Host
+from .toy import toy
+
+
+def test_the_same_sources_give_the_same_bytes_in_another_folder_process_and_order_of_hashing(
+    built_fmus: dict[str, Path], tmp_path: Path
+) -> None:
+    code = f"from fmus.build import build; from pathlib import Path; build(out=Path({str(tmp_path)!r}))"
+    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
+    for block, path in built_fmus.items():
+        assert (tmp_path / f"{block}.fmu").read_bytes() == path.read_bytes()
+
+
+def test_the_guid_follows_the_content(tmp_path: Path) -> None:
+    guids = set()
+    for name, version in (("a", 1), ("b", 1), ("c", 2)):
+        path = build([toy(tmp_path / name, version)], out=tmp_path / f"{name}_out")["toy"]
+        guids.add(fmpy.read_model_description(str(path)).guid)
+    assert len(guids) == 2
+
+
+def test_two_versions_of_one_fmu_in_one_process_run_their_own_code(tmp_path: Path) -> None:
+    speeds = []
+    hosts = [
+        Host(build([toy(tmp_path / f"v{version}", version)], out=tmp_path / f"out{version}")["toy"]).started(rate=[3.0, 4.0])
+        for version in (1, 2)
+    ]
+    for host in hosts:
+        host.step(0)
+        speeds.append(host.get("speed"))
+        host.close()
+    assert speeds == [10.0, 20.0]
+
+
+def test_an_fmu_unpacked_again_reads_its_own_data_after_the_first_copy_is_deleted(tmp_path: Path) -> None:
+    path = build([toy(tmp_path)], out=tmp_path)["toy"]
+    for copy in ("first", "second"):
+        with Host(path, folder=tmp_path / copy) as host:
+            host.started(label="tables").step(0)
+            assert host.get("label_used") == "outside"
+
+
+def test_a_running_fmu_needs_python_and_numpy_only(built_fmus: dict[str, Path], tmp_path: Path) -> None:
+    """fmpy drives here, in a process in which this repository and all packages but numpy are out of reach for the FMU."""
+    drive = f"""
+import sys
+import fmpy, fmpy.fmi2, lxml.etree, numpy
+blocked = {{"pint", "pygeomag", "ppigrf", "pythonfmu", "ziglang", "scipy", "fmus", "orchestration", "plant", "controller", "allocator"}}
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in blocked:
+            raise ModuleNotFoundError(f"blocked: {{name}}", name=name)
+sys.meta_path.insert(0, Block())
+before = set(sys.modules)
+for block, path in {[(b, str(p)) for b, p in built_fmus.items()]!r}:
+    description = fmpy.read_model_description(path)
+    folder = fmpy.extract(path)
+    fmu = fmpy.fmi2.FMU2Slave(guid=description.guid, unzipDirectory=folder,
+                              modelIdentifier=description.coSimulation.modelIdentifier, instanceName=block)
+    fmu.instantiate(); fmu.setupExperiment(); fmu.enterInitializationMode(); fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.1); fmu.terminate(); fmu.freeInstance()
+foreign = {{n.partition(".")[0] for n in set(sys.modules) - before if getattr(sys.modules[n], "__file__", None)
+           and "site-packages" in sys.modules[n].__file__}}
+print("foreign:", sorted(foreign - {{"numpy", "fmpy", "lxml"}}))
+"""
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    run = subprocess.run([sys.executable, "-P", "-c", drive], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.strip() == "foreign: []"
+
+
+def test_an_fmu_carries_requirements_documentation_and_licences(built_fmus: dict[str, Path]) -> None:
+    for block in BLOCKS:
+        with zipfile.ZipFile(built_fmus[block]) as archive:
+            assert archive.read("resources/requirements.txt").startswith(b"numpy")
+            assert b"omega_B" in archive.read("documentation/index.html")
+            assert "documentation/licenses/PythonFMU.txt" in archive.namelist()
+
+
+def test_the_library_for_windows_exports_every_function_of_fmi(built_fmus: dict[str, Path]) -> None:
+    with zipfile.ZipFile(built_fmus["plant"]) as archive:
+        exported = _exports(archive.read("binaries/win64/plant.dll"))
+    header = (ROOT / "fmus" / "native" / "fmi2.h").read_text()
+    declared = set(re.findall(r"\b(fmi2\w+)\(fmi2|\b(fmi2\w+)\(void", header))
+    names = {name for pair in declared for name in pair if name}
+    assert len(names) == 34
+    assert names <= exported
+
+
+def _exports(library: bytes) -> set[str]:
+    """The names in the export table of a 64-bit PE library."""
+
+    def numbers(at: int, count: int = 1) -> tuple[int, ...]:
+        return struct.unpack_from(f"<{count}I", library, at)
+
+    header = numbers(0x3C)[0]
+    count, optional = struct.unpack_from("<H", library, header + 6)[0], struct.unpack_from("<H", library, header + 20)[0]
+    sections = [numbers(header + 24 + optional + 40 * i + 8, 4) for i in range(count)]
+
+    def offset(address: int) -> int:
+        return next(address - start + raw for size, start, _, raw in sections if start <= address < start + size)
+
+    table = offset(numbers(header + 24 + 112)[0])
+    places = numbers(offset(numbers(table + 32)[0]), numbers(table + 24)[0])
+    return {library[offset(p) : library.index(b"\0", offset(p))].decode() for p in places}
+
+
+def test_ensure_builds_once_and_again_when_a_source_changes(tmp_path: Path) -> None:
+    block = toy(tmp_path)
+    path = ensure(block, out=tmp_path)
+    first = path.stat().st_mtime_ns, hashlib.sha256(path.read_bytes()).hexdigest()
+    time.sleep(0.01)
+    assert ensure(block, out=tmp_path) == path
+    assert path.stat().st_mtime_ns == first[0]
+    (block.folder / "helper.py").write_text("VERSION = 3\n")
+    assert hashlib.sha256(ensure(block, out=tmp_path).read_bytes()).hexdigest() != first[1]
+
+
+def test_ensure_does_not_import_what_only_a_build_needs() -> None:
+    code = (
+        "import sys; from fmus.build import ensure; ensure('plant'); "
+        "print([n for n in ('pint', 'pygeomag', 'ppigrf', 'pythonfmu', 'numpy') if n in sys.modules])"
+    )
+    ensure("plant")
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_an_unknown_block_or_flavour_is_refused_by_name() -> None:
+    with pytest.raises(BuildError, match="no block 'plan'; expected one of plant, controller, allocator"):
+        ensure("plan")
+    with pytest.raises(BuildError, match="no flavour 'cobol'"):
+        ensure("plant", "cobol")
+
+
+def test_a_block_whose_ports_are_not_those_of_its_interface_is_refused_with_the_port_s_name(tmp_path: Path) -> None:
+    block = toy(tmp_path)
+    code = block.folder / "block.py"
+    code.write_text(code.read_text().replace("    order: int\n", "    ordre: int\n"))
+    with pytest.raises(BuildError, match="'order' is missing in the toy_.*Parameters"):
+        build([block], out=tmp_path)

@@ -1,0 +1,128 @@
+"""modelDescription.xml says what the interface says, in the words of FMI 2.0."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+from fmus.description import Capabilities, model_description
+from fmus.interface import BLOCKS, Interface, load
+from fmus.units import UnitError, display_factor, unit
+
+BASE_UNITS = {
+    "1": ({}, 1.0),
+    "N.m": ({"kg": 1, "m": 2, "s": -2}, 1.0),
+    "N.m.s": ({"kg": 1, "m": 2, "s": -1}, 1.0),
+    "J": ({"kg": 1, "m": 2, "s": -2}, 1.0),
+    "T": ({"kg": 1, "s": -2, "A": -1}, 1.0),
+    "uT": ({"kg": 1, "s": -2, "A": -1}, 1e-6),
+    "A.m2": ({"A": 1, "m": 2}, 1.0),
+    "kg.m2": ({"kg": 1, "m": 2}, 1.0),
+    "m3/s2": ({"m": 3, "s": -2}, 1.0),
+    "kg/m3": ({"kg": 1, "m": -3}, 1.0),
+    "m/s": ({"m": 1, "s": -1}, 1.0),
+    "km": ({"m": 1}, 1000.0),
+    "rad": ({"rad": 1}, 1.0),
+    "rad/s": ({"rad": 1, "s": -1}, 1.0),
+    "deg": ({"rad": 1}, math.pi / 180.0),
+    "rpm": ({"rad": 1, "s": -1}, math.pi / 30.0),
+    "mN.m": ({"kg": 1, "m": 2, "s": -2}, 1e-3),
+}
+"""Exponents and factors by hand, from the SI brochure."""
+
+
+@pytest.mark.parametrize("name", BASE_UNITS)
+def test_a_unit_has_the_base_units_of_the_si_brochure(name: str) -> None:
+    exponents, factor = BASE_UNITS[name]
+    assert unit(name).exponents == exponents
+    assert float(unit(name).factor) == pytest.approx(factor, rel=1e-15)
+
+
+def test_a_display_unit_is_reached_by_multiplying_with_its_factor() -> None:
+    assert display_factor("rad", "deg") == 180.0 / math.pi
+    assert display_factor("T", "uT") == 1e6
+    assert display_factor("rad/s", "rpm") == pytest.approx(30.0 / math.pi, rel=1e-15)
+
+
+def test_a_unit_that_is_unknown_or_does_not_fit_is_refused_by_name() -> None:
+    with pytest.raises(UnitError, match="'Nn.m'"):
+        unit("Nn.m")
+    with pytest.raises(UnitError, match="'rad' cannot be shown in 'km'"):
+        display_factor("rad", "km")
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_fmpy_finds_nothing_wrong_with_an_fmu(built_fmus: dict[str, Path], block: str) -> None:
+    assert validate_fmu(str(built_fmus[block])) == []
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], block: str) -> None:
+    interface, read = load(block), fmpy.read_model_description(str(built_fmus[block]))
+    assert [v.name for v in read.modelVariables] == list(interface.elements)
+    for found in read.modelVariables:
+        variable, element = interface.elements[found.name]
+        assert found.type.lower() == variable.type
+        assert found.valueReference == element.value_reference
+        assert (found.causality, found.variability) == (variable.causality, variable.variability)
+        # FMPy fills in the standard's default, "exact", where an input says nothing
+        assert found.initial == {"input": "exact", "output": "calculated", "parameter": "exact"}[variable.causality]
+        assert variable.description in found.description
+        assert variable.frame is None or variable.frame in found.description
+        assert found.unit == ((variable.unit or "1") if variable.type == "real" else None)
+        assert found.displayUnit == variable.display_unit
+        assert [b if b is None else float(b) for b in (found.min, found.max)] == [variable.min, variable.max]
+        if variable.type == "enumeration":
+            assert tuple(item.name for item in found.declaredType.items) == variable.items
+            assert [item.value for item in found.declaredType.items] == [str(i + 1) for i in range(len(variable.items))]
+        if element.start is None:
+            assert found.start is None
+        elif variable.type == "real":
+            assert float(found.start) == element.start
+        else:
+            assert found.start == (str(element.start).lower() if variable.type == "boolean" else str(element.start))
+    assert read.defaultExperiment is not None
+    assert float(read.defaultExperiment.stopTime) == interface.stop
+    assert float(read.defaultExperiment.stepSize) == interface.step
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_outputs_and_initial_unknowns_list_the_interface_s_dependencies(built_fmus: dict[str, Path], block: str) -> None:
+    interface, read = load(block), fmpy.read_model_description(str(built_fmus[block]))
+    for unknowns, resolve in (
+        (read.outputs, interface.feedthrough),
+        (read.initialUnknowns, interface.initial_dependencies),
+    ):
+        found = {u.variable.name: {d.name for d in u.dependencies} for u in unknowns}
+        expected = {
+            element.name: {e.name for e in resolve(variable, i)}
+            for variable in interface.of("output")
+            for i, element in enumerate(variable.elements)
+        }
+        assert found == expected
+        assert all(set(u.dependenciesKind) <= {"dependent"} for u in unknowns)
+
+
+def test_the_plant_has_no_feedthrough_to_what_the_laws_see(built_fmus: dict[str, Path]) -> None:
+    """This is what makes the loop free of algebraic loops."""
+    read = fmpy.read_model_description(str(built_fmus["plant"]))
+    free = {u.variable.name.partition("[")[0] for u in read.outputs if not u.dependencies}
+    assert {"R_NB", "omega_B", "r_N", "v_N", "b_B", "h_w"} <= free
+
+
+@pytest.mark.parametrize("capable", [True, False])
+def test_the_capabilities_are_those_of_the_flavour(capable: bool, plant: Interface) -> None:
+    chosen = Capabilities(needsExecutionTool=not capable, canSerializeFMUstate=capable)
+    text = model_description(plant, "{0}", chosen, "tool").decode()
+    for name, value in asdict(chosen).items():
+        assert f'{name}="{str(value).lower()}"' in text
+
+
+@pytest.fixture
+def plant() -> Interface:
+    return load("plant")
