@@ -42,11 +42,9 @@ def sort(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring, feedth
     direct, initial = graphs
     blocks, late = _blocks(models, direct, _all_edges(models, sources, feedthrough))
     warnings += late if scenario.exchange == "sequential" else []
-    used = set(sources.values()) | {node for link in wiring.links if link.delayed for node in link.source}
     levels: dict[int, list[Node]] = {}
     for node, level in _levels(initial).items():
-        if node in used:
-            levels.setdefault(level, []).append(node)
+        levels.setdefault(level, []).append(node)
     return Order(blocks, [levels[level] for level in sorted(levels)], list(dict.fromkeys(warnings)))
 
 

@@ -1,0 +1,30 @@
+"""Runs FMI 2.0 co-simulation FMUs from a scenario file.
+
+    from orchestration import run
+
+    result = run("scenarios/minimal.yaml", {"plant.inclination": "51.6 deg", "duration": "60 s"})
+    result.time, result["plant.omega_B"]
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .errors import BlockError, InputError
+
+if TYPE_CHECKING:
+    from .result import Result
+    from .runner import run
+    from .scenario import Scenario, load
+
+__all__ = ["BlockError", "InputError", "Result", "Scenario", "load", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    # Imported when asked for, so that a small use of the package stays quick.
+    if name in ("run", "Result", "Scenario", "load"):
+        from importlib import import_module
+
+        module = {"run": "runner", "Result": "result"}.get(name, "scenario")
+        return getattr(import_module(f".{module}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,212 @@
+"""What a scenario expects of its run, and what the run shows of it.
+
+Looked at are the recorded samples, those of the window `after` to `before` at which `when` is true.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import signals
+from .block import Floats
+from .errors import InputError
+from .model import Model, Variable
+from .quantities import ONE, QuantityError, Unit, parse
+from .scenario import Bound, Expectation, Scenario
+from .source import Key
+from .starts import item
+from .wiring import Node
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was found. `margin` is positive where the bound is met; both are in `unit`."""
+
+    name: str
+    signal: str
+    expected: str
+    passed: bool
+    found: float | None
+    """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample."""
+    unit: str
+    margin: float | None
+    time: float | None
+    """When it was found, s."""
+    samples: int
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Check:
+    """An expectation that fits the blocks: signals found, units converted."""
+
+    expectation: Expectation
+    nodes: list[Node]
+    when: Node | None
+    unit: Unit
+    """That of the bound, in which it is judged and told."""
+    factor: float
+    offset: float
+    low: float
+    high: float
+    strict: bool
+    expected: str
+
+    @property
+    def needed(self) -> list[Node]:
+        return [*self.nodes, self.when] if self.when else self.nodes
+
+
+# ---------------------------------------------------------------- before the run
+
+
+def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Check]:
+    """Checks expectations against the blocks. Raises InputError with every fault."""
+    checks, faults = [], []
+    for number, expectation in enumerate(scenario.expect):
+        try:
+            checks.append(_check(scenario, ("expect", number), expectation, models))
+        except InputError as error:
+            faults += error.messages
+    if faults:
+        raise InputError(*faults)
+    return checks
+
+
+def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mapping[str, Model]) -> Check:
+    variable, nodes = signals.find(scenario, (*key, "signal"), expectation.signal, models)
+    when = None
+    if expectation.when is not None:
+        condition, found = signals.find(scenario, (*key, "when"), expectation.when, models)
+        if condition.type != "boolean" or len(found) != 1:
+            message = f"expected one boolean, but {expectation.when} is a {condition.kind}"
+            raise InputError(scenario.error((*key, "when"), message))
+        when = found[0]
+    for name in ("after", "before"):
+        time = getattr(expectation, name)
+        if time is not None and name == "after" and time > scenario.duration:
+            message = f"{time:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
+            raise InputError(scenario.error((*key, name), message))
+    if expectation.measure == "norm" and variable.type != "real":
+        raise InputError(scenario.error((*key, "measure"), f"{expectation.signal} is {variable.type} and has no norm"))
+    if expectation.zeros is not None:
+        if len(nodes) != 1 or variable.type == "boolean" or expectation.measure == "norm":
+            message = f"zeros are counted of one number; {expectation.signal} is a {variable.kind}"
+            raise InputError(scenario.error((*key, "zeros"), message))
+        unit = variable.unit or ONE
+        return Check(expectation, nodes, when, unit, 1.0, 0.0, 0.0, 0.0, False, _times(expectation.zeros))
+    how = "always" if expectation.always else "ever"
+    bound: Bound = getattr(expectation, how)
+    try:
+        return _bounded(expectation, nodes, when, variable, bound, how)
+    except QuantityError as error:
+        raise InputError(scenario.error((*key, how, bound.kind), str(error))) from None
+
+
+def _times(count: int) -> str:
+    return "no change of sign" if count == 0 else f"{count} change{'s' if count > 1 else ''} of sign"
+
+
+def _bounded(
+    expectation: Expectation, nodes: list[Node], when: Node | None, variable: Variable, bound: Bound, how: str
+) -> Check:
+    value = getattr(bound, bound.kind)
+    if variable.type == "boolean":
+        if bound.kind != "equals" or not isinstance(value, bool):
+            raise QuantityError(f"{expectation.signal} is boolean; expected 'equals: true' or 'equals: false'")
+        number = float(value)
+        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {str(value).lower()}")
+    if variable.type == "enumeration" and bound.kind == "equals":
+        number = float(item(variable, value))
+        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {value}")
+    if isinstance(value, bool):
+        raise QuantityError(f"{expectation.signal} is {variable.type}; expected a number, found {str(value).lower()}")
+    ends = [_end(end, variable) for end in (value if isinstance(value, list) else [value])]
+    units = {unit for _, unit in ends if unit is not None}
+    unit = ends[0][1] or next(iter(units), None) or variable.unit or ONE
+    numbers = []
+    for number, own in ends:
+        factor, offset = (own or variable.unit or ONE).conversion(unit)
+        numbers.append(factor * number + offset)
+    factor, offset = (variable.unit or ONE).conversion(unit) if units else (1.0, 0.0)
+    suffix = f" {unit}" if str(unit) != "1" else ""
+    low, high = {
+        "below": (-math.inf, numbers[0]),
+        "above": (numbers[0], math.inf),
+        "within": (numbers[0], numbers[1]) if len(numbers) == 2 else (-numbers[0], numbers[0]),
+        "equals": (numbers[0], numbers[0]),
+    }[bound.kind]
+    if low > high:
+        raise QuantityError(f"expected [low, high], found {value!r}")
+    words = {"below": "<", "above": ">", "within": "within", "equals": "="}[bound.kind]
+    span = f"{low:g} .. {high:g}" if len(numbers) == 2 else f"{numbers[0]:g}"
+    strict = bound.kind in ("below", "above")
+    return Check(expectation, nodes, when, unit, factor, offset, low, high, strict, f"{how} {words} {span}{suffix}")
+
+
+def _end(end: Any, variable: Variable) -> tuple[float, Unit | None]:
+    number, unit = parse(end) if isinstance(end, str) else (float(end), None)
+    if unit is not None and not unit.fits(variable.unit or ONE):
+        if variable.unit is None:
+            raise QuantityError(f"{variable.name} has no unit, so expected a bare number, found {end!r}")
+        raise QuantityError(f"the unit {str(unit)!r} does not fit that of {variable.name}, {variable.unit}")
+    return number, unit
+
+
+# ---------------------------------------------------------------- after the run
+
+
+def judge(check: Check, time: Floats, columns: Mapping[Node, Floats]) -> Outcome:
+    """What the recorded samples show."""
+    expectation = check.expectation
+    chosen = np.ones(len(time), bool)
+    slack = 1e-9 * max(1.0, abs(time[-1])) if len(time) else 0.0
+    if expectation.after is not None:
+        chosen &= time >= expectation.after - slack
+    if expectation.before is not None:
+        chosen &= time <= expectation.before + slack
+    note = ""
+    if check.when is not None and chosen.any():
+        chosen &= columns[check.when] != 0.0
+        if not chosen.any():
+            note = f"{expectation.when} is never true"
+    samples = int(chosen.sum())
+    if not samples:
+        return _outcome(check, False, None, None, None, 0, note or "no sample lies in this span of time")
+    times = time[chosen]
+    values = np.column_stack([columns[node][chosen] for node in check.nodes])
+    if expectation.zeros is not None:
+        return _zeros(check, expectation.zeros, times, values[:, 0])
+    if expectation.measure == "norm":
+        values = np.sqrt((values * values).sum(axis=1, keepdims=True))
+    if (check.factor, check.offset) != (1.0, 0.0):
+        values = values * check.factor + check.offset
+    margins = np.minimum(values - check.low, check.high - values)
+    worst = margins.argmin(axis=1)
+    of_sample = margins[np.arange(samples), worst]  # a sample is as good as its worst element
+    sample = int(of_sample.argmin() if expectation.always else of_sample.argmax())
+    margin, found = float(of_sample[sample]), float(values[sample, worst[sample]])
+    passed = margin > 0.0 if check.strict else margin >= 0.0
+    return _outcome(check, passed, found, margin if check.low != check.high else None, float(times[sample]), samples)
+
+
+def _zeros(check: Check, wanted: int, times: Floats, values: Floats) -> Outcome:
+    signs = np.sign(values)
+    some = signs != 0.0
+    changes = np.flatnonzero(np.diff(signs[some]) != 0.0)
+    when = float(times[some][changes[0] + 1]) if len(changes) else None
+    return _outcome(check, len(changes) == wanted, float(len(changes)), None, when, len(values))
+
+
+def _outcome(
+    check: Check, passed: bool, found: float | None, margin: float | None, time: float | None, samples: int, note: str = ""
+) -> Outcome:
+    expectation = check.expectation
+    unit = "" if expectation.zeros is not None or str(check.unit) == "1" else str(check.unit)
+    signal = f"|{expectation.signal}|" if expectation.measure == "norm" else expectation.signal
+    return Outcome(expectation.name, signal, check.expected, passed, found, unit, margin, time, samples, note)

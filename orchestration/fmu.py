@@ -1,0 +1,110 @@
+"""Opening an FMU: what can be checked of it before any of its code runs, and its unpacking.
+
+FMPy reads and validates modelDescription.xml.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy.model_description import ValidationError, read_model_description
+
+from .errors import InputError, nearest
+from .model import Model, describe
+
+_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
+"""What zipfile raises for a damaged archive, or one that it cannot read."""
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU that can run here."""
+
+    path: Path
+    sha256: str
+    description: Any
+    """FMPy's ModelDescription."""
+    model: Model
+
+    @property
+    def library(self) -> str:
+        return _library(self.description.coSimulation.modelIdentifier)
+
+    def extract(self, folder: Path) -> None:
+        """Unpacks it into an empty folder."""
+        try:
+            fmpy.extract(self.path, folder)
+        except _DAMAGED as error:
+            raise InputError(f"{self.path} is a damaged zip archive: {error}") from None
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be unpacked: {error.strerror}") from None
+
+
+def _library(identifier: str) -> str:
+    return f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+
+
+def open_fmu(path: Path) -> Fmu:
+    """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line."""
+    if not path.exists():
+        near = nearest(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
+        raise InputError(f"there is no FMU {path}{near}")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; expected an .fmu file")
+    names = _names(path)
+    description = _description(path)
+    identifier = description.coSimulation.modelIdentifier
+    if _library(identifier) not in names:
+        offered = sorted({name.split("/")[1] for name in names if re.match(r"binaries/[^/]+/[^/]+", name)})
+        raise InputError(
+            f"{path} has no binary for this platform: expected {_library(identifier)}, found binaries for {', '.join(offered) or 'none'}"
+        )
+    return Fmu(path, hashlib.sha256(path.read_bytes()).hexdigest(), description, describe(description))
+
+
+def _names(path: Path) -> set[str]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except zipfile.BadZipFile:
+        with path.open("rb") as file:
+            truncated = file.read(2) == b"PK"
+        what = "is a damaged or truncated zip archive" if truncated else "is no FMU: an FMU is a zip archive"
+        raise InputError(f"{path} {what}") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    if outside := next((n for n in names if n.startswith("/") or "\\" in n or ":" in n or ".." in n.split("/")), None):
+        raise InputError(f"{path} would unpack to a place outside its folder: {outside}")
+    if "modelDescription.xml" not in names:
+        raise InputError(f"{path} is no FMU: it holds no modelDescription.xml")
+    return set(names)
+
+
+def _description(path: Path) -> Any:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            head = archive.read("modelDescription.xml")
+    except _DAMAGED as error:
+        raise InputError(f"{path} is a damaged zip archive: {error}") from None
+    # The version decides first: the schema's complaints about another version would only confuse.
+    version = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", head)
+    if version is not None and version[1] != b"2.0":
+        raise InputError(f"{path} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation")
+    try:
+        description = read_model_description(str(path))
+    except ValidationError as error:
+        shown = [f"  {problem}" for problem in error.problems[:5]]
+        more = [f"  and {len(error.problems) - 5} more"] if len(error.problems) > 5 else []
+        raise InputError("\n".join([f"{path}: modelDescription.xml is not valid:", *shown, *more])) from None
+    except Exception as error:  # FMPy and lxml raise what they please
+        raise InputError(f"{path}: modelDescription.xml cannot be read: {' '.join(str(error).split())}") from None
+    if description.coSimulation is None:
+        raise InputError(f"{path} is for model exchange only; expected an FMU for co-simulation")
+    return description

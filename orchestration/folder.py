@@ -1,0 +1,105 @@
+"""The folder of a run: signals, manifest, expectations.
+
+It is written over what an earlier run left in it; files that are not a run's own are not touched.
+
+`signals.csv` has `time` as its first column and then `block.variable`, with `[i]` for an element of a
+vector and `[i][j]` for one of a matrix, since common readers split at commas even between quotes.
+Numbers are the shortest decimals that read back as the same doubles; booleans are 0 and 1.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from .result import Result
+
+_ROWS = 4096
+"""Rows of CSV that are made at a time."""
+
+
+def write(result: Result, folder: Path, format: str = "csv") -> Path:
+    """Writes the folder and returns it. Raises InputError where it cannot be written."""
+    check(format)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in FORMATS:
+            (folder / f"signals.{name}").unlink(missing_ok=True)
+        FORMATS[format][0](result, folder / f"signals.{format}")
+        outcomes = [asdict(outcome) for outcome in result.outcomes]
+        _json(folder / "expectations.json", {"complete": _complete(result), "passed": result.passed, "expectations": outcomes})
+        _json(folder / "manifest.json", result.manifest)
+    except OSError as error:
+        raise InputError(f"the results cannot be written: {error.filename or folder}: {error.strerror}") from None
+    return folder
+
+
+def check(format: str) -> None:
+    """Refuses a format that is unknown, or whose package is not installed."""
+    from importlib.util import find_spec
+
+    if format not in FORMATS:
+        raise InputError(f"there is no format {format!r}; expected one of {', '.join(FORMATS)}")
+    package = FORMATS[format][1]
+    if package and find_spec(package) is None:
+        raise InputError(f"--format {format} needs the package {package}: pip install {package}")
+
+
+def _complete(result: Result) -> bool:
+    return result.failure is None and not result.interrupted
+
+
+def _json(path: Path, data: object) -> None:
+    text = json.dumps(data, indent=2, ensure_ascii=False, default=_plain)
+    path.write_text(text + "\n", "utf-8")
+
+
+def _plain(value: object) -> object:
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
+
+
+def _csv(result: Result, path: Path) -> None:
+    from pydantic_core import to_json  # the fastest writer of shortest decimals at hand
+
+    with path.open("wb") as file:
+        file.write(",".join(["time", *result.labels]).encode() + b"\n")
+        for first in range(0, len(result.time), _ROWS):
+            part = slice(first, first + _ROWS)
+            rows = np.column_stack([result.time[part], result.samples[part]]).tolist()
+            file.write(to_json(rows)[2:-2].replace(b"],[", b"\n") + b"\n")
+
+
+def _parquet(result: Result, path: Path) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    arrays = [result.time] + [np.ascontiguousarray(column) for column in result.samples.T]
+    pyarrow.parquet.write_table(pyarrow.table(arrays, names=["time", *result.labels]), path)
+
+
+def _mat(result: Result, path: Path) -> None:
+    """A struct for each block, with whole vectors and matrices as fields; `time` beside them."""
+    from scipy.io import savemat
+
+    blocks: dict[str, dict[str, object]] = {}
+    for name in result:
+        block, _, variable = name.partition(".")
+        field = "".join(c if c.isalnum() else "_" for c in variable).strip("_")
+        blocks.setdefault(block, {})[field] = result[name]
+    savemat(path, {"time": result.time, **blocks}, oned_as="column", long_field_names=True, do_compression=True)
+
+
+FORMATS: dict[str, tuple[Callable[[Result, Path], None], str]] = {
+    "csv": (_csv, ""),
+    "parquet": (_parquet, "pyarrow"),
+    "mat": (_mat, "scipy"),
+}
+"""How each format is written, and the package that it needs."""

@@ -1,0 +1,64 @@
+"""The last log messages of each FMU, kept for the moment when they are wanted."""
+
+from __future__ import annotations
+
+import ctypes as c
+import sys
+from collections import deque
+from typing import Any
+
+from fmpy import calloc, free
+from fmpy.fmi2 import (
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+_LINES_MAX = 20
+_STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
+_logs: dict[int, Log] = {}
+
+
+class Log:
+    """An FMU's callbacks and what it has logged through them.
+
+    FMPy's proxy in C puts the message's arguments in their places and passes it on to one function
+    for all FMUs, which finds the right log by the component's environment.
+    """
+
+    def __init__(self, name: str, echo: bool = False) -> None:
+        self.name, self.echo = name, echo
+        self.lines: deque[str] = deque(maxlen=_LINES_MAX)
+        self.key = max(_logs, default=0) + 1
+        _logs[self.key] = self
+        self.callbacks = fmi2CallbackFunctions()
+        self.callbacks.logger = _logger
+        self.callbacks.allocateMemory = _allocate
+        self.callbacks.freeMemory = _free
+        self.callbacks.componentEnvironment = c.c_void_p(self.key)
+        addLoggerProxy(c.byref(self.callbacks))
+
+    def close(self) -> None:
+        _logs.pop(self.key, None)
+
+    def add(self, status: int, message: str) -> None:
+        for line in message.rstrip().splitlines():
+            self.lines.append(line if status == 0 else f"[{_STATUS[status] if status in range(6) else status}] {line}")
+            if self.echo:
+                print(f"{self.name}: {self.lines[-1]}", file=sys.stderr)
+
+
+def _receive(environment: Any, instance: bytes | None, status: int, category: Any, message: bytes | None) -> None:
+    log = _logs.get(environment or 0)
+    if log is None:  # an FMU that does not hand the environment back
+        name = (instance or b"").decode("utf-8", "replace")
+        log = next((log for log in _logs.values() if log.name == name), None)
+    if log is not None:
+        log.add(status, (message or b"").decode("utf-8", "replace"))
+
+
+_logger = fmi2CallbackLoggerTYPE(_receive)
+_allocate = fmi2CallbackAllocateMemoryTYPE(calloc)
+_free = fmi2CallbackFreeMemoryTYPE(free)

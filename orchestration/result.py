@@ -1,0 +1,96 @@
+"""The result of a run: arrays by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import signals
+from .block import Floats
+from .errors import BlockError, nearest
+from .expectations import Outcome
+from .model import Element, Model, Variable
+from .scenario import Scenario, split
+from .wiring import Node
+
+
+@dataclass
+class Result(Mapping[str, NDArray[Any]]):
+    """What a run recorded.
+
+    `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
+    `result["plant.omega_B[2]"]` (n,); `result.time` (n,). Booleans and whole numbers come as such.
+    """
+
+    scenario: Scenario
+    models: Mapping[str, Model]
+    time: Floats
+    samples: Floats
+    """A row for each instant, a column for each of `columns`."""
+    columns: list[Node]
+    outcomes: list[Outcome] = field(default_factory=list)
+    manifest: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    steps: int = 0
+    wall: float = 0.0
+    failure: BlockError | None = None
+    interrupted: bool = False
+
+    @property
+    def labels(self) -> list[str]:
+        """The name of each recorded element, free of commas: `plant.R_NB[1][2]`."""
+        return [signals.label(node, self.models) for node in self.columns]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the run came to its end and every expectation is met."""
+        return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
+
+    def column(self, node: Node) -> Floats:
+        return self.samples[:, self._place[node]]
+
+    def variable(self, name: str) -> Variable:
+        """The variable that a name means: its unit, shape and description."""
+        block, variable, _ = split(name) or ("", "", ())
+        return self.models[block].variables[variable]
+
+    @property
+    def _place(self) -> dict[Node, int]:
+        places = self.__dict__.get("_places")
+        if places is None:
+            places = self.__dict__["_places"] = {node: i for i, node in enumerate(self.columns)}
+        return places
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        try:
+            block, variable_name, index = split(name) or ("", "", ())
+            variable, positions = self.models[block].find(block, variable_name, index)
+            places = [self._place[Node(block, Element(variable.name, p))] for p in positions]
+        except (KeyError, ValueError):
+            raise KeyError(f"{name!r} was not recorded{nearest(name, self)}") from None
+        dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)
+        shape = variable.shape if len(positions) == variable.size and not index else ()
+        return self.samples[:, places].astype(dtype).reshape(len(self.time), *shape)
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the variables of which every element was recorded, and of single elements of the others."""
+        whole: dict[str, None] = {}
+        for node in self.columns:
+            variable = self.models[node.block].variables[node.element.variable]
+            complete = all(Node(node.block, element) in self._place for element in variable.elements)
+            whole[f"{node.block}.{variable.name}" if complete else signals.label(node, self.models)] = None
+        return iter(whole)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def save(self, folder: str | Path | None = None, format: str = "csv") -> Path:
+        """Writes the run's folder, by default `results/<name of the scenario>`, and returns it."""
+        from . import folder as folders
+
+        return folders.write(self, Path(folder) if folder else Path("results") / self.scenario.name, format)

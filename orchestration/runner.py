@@ -1,0 +1,173 @@
+"""From a scenario to a result: opens the FMUs, checks everything, runs, judges."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import expectations, order, signals, starts, wiring
+from .block import Block
+from .clock import Clock, clock
+from .errors import BlockError, InputError, nearest
+from .expectations import Check
+from .manifest import manifest
+from .master import Master, Progress
+from .model import Model
+from .order import Hook, Order
+from .result import Result
+from .scenario import Scenario, load
+from .starts import Start
+from .wiring import Node, Wiring
+
+if TYPE_CHECKING:
+    from .fmu import Fmu
+
+
+@dataclass
+class Plan:
+    """A scenario that has been checked against its blocks and can run."""
+
+    scenario: Scenario
+    models: Mapping[str, Model]
+    clock: Clock
+    wiring: Wiring
+    starts: dict[str, list[Start]]
+    order: Order
+    checks: list[Check]
+    columns: list[Node]
+    notes: list[str]
+    """Warnings and remarks, for the user to see."""
+
+
+def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
+    """Checks a scenario against what its blocks offer. Raises InputError; what several checks find comes together."""
+    faults: list[str] = []
+
+    def checked(check: Callable[[], Any]) -> Any:
+        try:
+            return check()
+        except InputError as error:
+            faults.extend(error.messages)
+            return None
+
+    times = checked(lambda: clock(scenario))
+    values = checked(lambda: starts.resolve(scenario, models))
+    wired = checked(lambda: wiring.connect(scenario, models))
+    sequence = checked(lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
+    columns = checked(lambda: signals.recorded(scenario, models))
+    checks = checked(lambda: expectations.prepare(scenario, models))
+    if faults:
+        raise InputError(*faults)
+    needed = dict.fromkeys([*columns, *(node for check in checks for node in check.needed)])
+    notes = [*times[1], *wired.warnings, *sequence.warnings]
+    return Plan(scenario, models, times[0], wired, values, sequence, checks, list(needed), notes)
+
+
+def run(
+    scenario: str | Path | Mapping[str, Any] | Scenario,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    verbose: bool = False,
+) -> Result:
+    """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
+
+    `overrides` are start values by name, `{"plant.inclination": "98 deg"}`, and `step` and `duration`.
+    `out` is a folder to write the results to; without it nothing is written.
+    Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
+    to then is its `result`. Ctrl-C ends the run, and the result is marked as interrupted.
+    """
+    loaded = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
+    result = execute(loaded, progress, verbose)
+    if out is not None:
+        result.save(out)
+    if result.failure is not None:
+        result.failure.result = result
+        raise result.failure
+    return result
+
+
+def execute(scenario: Scenario, progress: Progress | None = None, verbose: bool = False) -> Result:
+    """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so."""
+    from .fmu import open_fmu
+
+    fmus: dict[str, Fmu] = {}
+    faults: list[str] = []
+    paths: dict[Path, Fmu] = {}
+    for name, entry in scenario.blocks.items():
+        key = ("blocks", name, "fmu")
+        try:
+            path = locate(entry.fmu, scenario.source.folder)
+            fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
+        except InputError as error:
+            faults += [scenario.error(key, message) for message in error.messages]
+    if faults:
+        raise InputError(*faults)
+    ready = plan(scenario, {name: fmu.model for name, fmu in fmus.items()})
+    with ExitStack() as stack:
+        blocks = _instantiate(ready, fmus, stack, verbose)
+        result = run_blocks(ready, blocks, progress)
+    result.manifest = manifest(ready, fmus, result)
+    return result
+
+
+def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
+    from .slave import Slave
+
+    work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)))
+    blocks: dict[str, Block] = {}
+    for name, fmu in fmus.items():
+        folder = work / name
+        try:
+            fmu.extract(folder)
+            slave = Slave(name, fmu, folder, verbose)
+        except InputError as error:
+            raise InputError(ready.scenario.error(("blocks", name, "fmu"), str(error))) from None
+        except BlockError as error:
+            raise InputError(ready.scenario.error(("blocks", name, "fmu"), f"{fmu.path}: {error}")) from None
+        stack.callback(slave.close)
+        blocks[name] = slave
+    return blocks
+
+
+def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | None = None) -> Result:
+    """Runs a plan on any blocks, and judges its expectations."""
+    scenario = ready.scenario
+    every = {name: entry.every for name, entry in scenario.blocks.items()}
+    parallel = scenario.exchange == "parallel"
+    master = Master(blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel)
+    recording = master.run(ready.starts, progress)
+    columns = {node: recording.values[:, i] for i, node in enumerate(recording.columns)}
+    return Result(
+        scenario=scenario,
+        models=ready.models,
+        time=recording.time,
+        samples=recording.values,
+        columns=recording.columns,
+        outcomes=[expectations.judge(check, recording.time, columns) for check in ready.checks],
+        warnings=ready.notes,
+        steps=recording.steps,
+        wall=recording.wall,
+        failure=recording.failure,
+        interrupted=recording.interrupted,
+    )
+
+
+def locate(fmu: str, folder: Path) -> Path:
+    """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
+    if fmu.endswith(".fmu") or "/" in fmu or "\\" in fmu:
+        return (folder / Path(fmu).expanduser()).resolve()
+    from fmus.build import BLOCKS, BuildError, ensure
+
+    if fmu not in BLOCKS:
+        hint = nearest(fmu, BLOCKS)
+        raise InputError(f"this project has no block {fmu!r}{hint}; the path of an FMU ends in .fmu")
+    try:
+        return ensure(fmu)
+    except BuildError as error:
+        raise InputError(f"the block {fmu!r} cannot be built: {error}") from None

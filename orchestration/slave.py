@@ -1,0 +1,229 @@
+"""An FMU loaded into this process, as a block of the master.
+
+FMPy loads and instantiates it. The step loop then calls its functions through their pointers, on
+buffers and arguments that are made once.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+from .block import TYPES, Floats
+from .errors import BlockError
+from .fmu import Fmu
+from .log import Log
+from .model import Element, Model
+
+_STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
+_WARNING, _FATAL = 1, 4
+_FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
+_C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
+_STOP_TIME_DEFINED = 1
+_NO_RESTORE = c.c_int(1)
+"""noSetFMUStatePriorToCurrentPoint: the master never goes back."""
+
+Call = Callable[[], None]
+
+
+class Slave:
+    """One instance of an FMU. See `block.Block`."""
+
+    def __init__(self, name: str, fmu: Fmu, folder: Path, verbose: bool = False) -> None:
+        """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it."""
+        self.name: str = name
+        self.model: Model = fmu.model
+        self._log = Log(name, echo=verbose)
+        self._initialized = self._dead = False
+        self._fmu = self._load(fmu, folder)
+        try:
+            self._fmu.instantiate(callbacks=self._log.callbacks, loggingOn=True)
+        except Exception:
+            self._fmu.freeLibrary()
+            hint = "" if self._log.lines else "; it gives no reason, but often the GUID is not that of the binary"
+            if fmu.description.coSimulation.needsExecutionTool:
+                hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
+            raise self._error("fmi2Instantiate", f"gave no instance{hint}") from None
+        self._component = c.c_void_p(self._fmu.component)
+
+    def _load(self, fmu: Fmu, folder: Path) -> FMU2Slave:
+        here = os.getcwd()
+        try:
+            return FMU2Slave(
+                guid=fmu.description.guid,
+                modelIdentifier=fmu.description.coSimulation.modelIdentifier,
+                unzipDirectory=str(folder),
+                instanceName=self.name,
+            )
+        except Exception as error:
+            reason = str(error).replace(f"{folder}{os.sep}", "")
+            raise self._error("loading its library", reason) from None
+        finally:
+            os.chdir(here)  # FMPy leaves the folder changed where loading fails
+
+    @property
+    def log(self) -> Sequence[str]:
+        return tuple(self._log.lines)
+
+    # ------------------------------------------------------------ initialization
+
+    def set(self, values: Iterable[tuple[Element, Any]]) -> None:
+        for kind, pairs in self._by_type(values):
+            numbers = [value.encode() if kind == "String" else value for _, value in pairs]
+            buffer = (_C[kind] * len(pairs))(*(numbers if kind in ("Real", "String") else map(int, numbers)))
+            self._exchange("Set", kind, [element for element, _ in pairs], buffer)
+
+    def get(self, elements: Sequence[Element]) -> list[float]:
+        found: dict[Element, float] = {}
+        for kind, pairs in self._by_type((element, None) for element in elements):
+            buffer = (_C[kind] * len(pairs))()
+            self._exchange("Get", kind, [element for element, _ in pairs], buffer)
+            found.update((element, float(value)) for (element, _), value in zip(pairs, buffer, strict=True))
+        return [found[element] for element in elements]
+
+    def _by_type(self, values: Iterable[tuple[Element, Any]]) -> Iterator[tuple[str, list[tuple[Element, Any]]]]:
+        groups: dict[str, list[tuple[Element, Any]]] = {}
+        for element, value in values:
+            groups.setdefault(_FMI[self.model.variables[element.variable].type], []).append((element, value))
+        yield from groups.items()
+
+    def _exchange(self, verb: str, kind: str, elements: list[Element], buffer: Any) -> None:
+        references = (c.c_uint * len(elements))(*map(self._reference, elements))
+        status = self._function(f"fmi2{verb}{kind}")(self._component, references, c.c_size_t(len(elements)), buffer)
+        if status > _WARNING:
+            names = ", ".join(dict.fromkeys(element.variable for element in elements))
+            raise self._failed(f"fmi2{verb}{kind} of {names}", status)
+
+    def enter(self, stop: float) -> None:
+        setup = self._function("fmi2SetupExperiment")
+        status = setup(self._component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
+        if status > _WARNING:
+            raise self._failed("fmi2SetupExperiment", status)
+        self._plain("fmi2EnterInitializationMode")
+
+    def leave(self) -> None:
+        self._plain("fmi2ExitInitializationMode")
+        self._initialized = True
+
+    def _plain(self, call: str) -> None:
+        status = self._function(call)(self._component)
+        if status > _WARNING:
+            raise self._failed(call, status)
+
+    # ------------------------------------------------------------ steps
+
+    def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
+        values = np.zeros(len(inputs))
+        setters = self._calls("Set", inputs, [0] * len(TYPES), values)
+        getters = self._calls("Get", outputs, live, into)
+        self.set_inputs = _one_after_the_other([all_ for all_, _ in setters])
+        self.get_all = _one_after_the_other([all_ for all_, _ in getters])
+        self.get_live = _one_after_the_other([live_ for _, live_ in getters])
+        self.do_step = self._stepper()
+        return values
+
+    set_inputs: Call
+    get_all: Call
+    get_live: Call
+    do_step: Callable[[float, float], None]
+
+    def _calls(
+        self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats
+    ) -> list[tuple[Call | None, Call | None]]:
+        """For each type that occurs, the call for all elements and that for the live ones, which stand first."""
+        calls, first = [], 0
+        for kind, count in zip(TYPES, live, strict=True):
+            members = [e for e in elements if self.model.variables[e.variable].type == kind]
+            if members:
+                part = values[first : first + len(members)]
+                all_ = self._call(verb, _FMI[kind], members, part)
+                few = all_ if count == len(members) else self._call(verb, _FMI[kind], members[:count], part[:count])
+                calls.append((all_, few if count else None))
+            first += len(members)
+        return calls
+
+    def _call(self, verb: str, kind: str, elements: Sequence[Element], values: Floats) -> Call:
+        """A call of fmi2Get<kind> or fmi2Set<kind> on `values`, which are copied where C has them otherwise."""
+        name = f"fmi2{verb}{kind}"
+        function, failed, component, count = self._function(name), self._failed, self._component, c.c_size_t(len(elements))
+        references = np.array(list(map(self._reference, elements)), np.uint32)
+        buffer = values if kind == "Real" else np.zeros(len(elements), np.int32)
+        at, data = c.c_void_p(references.ctypes.data), c.c_void_p(buffer.ctypes.data)
+        self._kept = [*getattr(self, "_kept", ()), references, buffer]  # the pointers do not keep them
+
+        def real() -> None:
+            status = function(component, at, count, data)
+            if status > _WARNING:
+                raise failed(name, status)
+
+        def whole_set() -> None:
+            buffer[:] = values
+            real()
+
+        def whole_get() -> None:
+            real()
+            values[:] = buffer
+
+        return real if kind == "Real" else whole_set if verb == "Set" else whole_get
+
+    def _stepper(self) -> Callable[[float, float], None]:
+        function, failed, component = self._function("fmi2DoStep"), self._failed, self._component
+        at, length = c.c_double(), c.c_double()
+
+        def do_step(time: float, step: float) -> None:
+            at.value, length.value = time, step
+            status = function(component, at, length, _NO_RESTORE)
+            if status > _WARNING:
+                raise failed("fmi2DoStep", status)
+
+        return do_step
+
+    # ------------------------------------------------------------ end
+
+    def close(self) -> None:
+        """Terminates and frees the instance. After a fatal status nothing of it is called any more."""
+        self._log.close()
+        if self._dead:
+            return
+        if self._initialized:
+            self._function("fmi2Terminate")(self._component)
+        self._dead = True
+        self._fmu.freeInstance()
+
+    # ------------------------------------------------------------ helpers
+
+    def _function(self, name: str) -> Any:
+        try:
+            function = self._fmu.dll[name]
+        except AttributeError:
+            raise self._error(name, "is missing in its library") from None
+        function.restype = c.c_int
+        return function
+
+    def _reference(self, element: Element) -> int:
+        return self.model.variables[element.variable].references[element.position]
+
+    def _failed(self, call: str, status: int) -> BlockError:
+        self._dead = self._dead or status == _FATAL
+        return self._error(call, f"gave status {_STATUS[status] if status in range(6) else status}")
+
+    def _error(self, call: str, problem: str) -> BlockError:
+        return BlockError(self.name, call, problem, log=self.log)
+
+
+def _one_after_the_other(calls: Sequence[Call | None]) -> Call:
+    wanted = [call for call in calls if call is not None]
+    if len(wanted) == 1:
+        return wanted[0]
+
+    def run() -> None:
+        for call in wanted:
+            call()
+
+    return run
