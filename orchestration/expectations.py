@@ -42,6 +42,18 @@ class Outcome:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """A signal in two numbers: its value at the end and that of largest magnitude; of a vector, by its largest element."""
+
+    signal: str
+    unit: str
+    final: float
+    peak: float
+    time: float
+    """When the peak is, s."""
+
+
+@dataclass(frozen=True)
 class Check:
     """An expectation that fits the blocks: signals found, units converted."""
 
@@ -56,6 +68,8 @@ class Check:
     high: float
     strict: bool
     expected: str
+    number: bool = True
+    """Whether the signal is a number, and no boolean or item of an enumeration."""
 
     @property
     def needed(self) -> list[Node]:
@@ -120,10 +134,10 @@ def _bounded(
         if bound.kind != "equals" or not isinstance(value, bool):
             raise QuantityError(f"{expectation.signal} is boolean; expected 'equals: true' or 'equals: false'")
         number = float(value)
-        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {str(value).lower()}")
+        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {str(value).lower()}", False)
     if variable.type == "enumeration" and bound.kind == "equals":
         number = float(item(variable, value))
-        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {value}")
+        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {value}", False)
     if isinstance(value, bool):
         raise QuantityError(f"{expectation.signal} is {variable.type}; expected a number, found {str(value).lower()}")
     ends = [_end(end, variable) for end in (value if isinstance(value, list) else [value])]
@@ -208,5 +222,27 @@ def _outcome(
 ) -> Outcome:
     expectation = check.expectation
     unit = "" if expectation.zeros is not None or str(check.unit) == "1" else str(check.unit)
-    signal = f"|{expectation.signal}|" if expectation.measure == "norm" else expectation.signal
-    return Outcome(expectation.name, signal, check.expected, passed, found, unit, margin, time, samples, note)
+    return Outcome(expectation.name, _signal(expectation), check.expected, passed, found, unit, margin, time, samples, note)
+
+
+def figures(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -> list[Figure]:
+    """Final and peak values of the numbers that the expectations look at."""
+    found: dict[tuple[str, str], Figure] = {}
+    for check in checks if len(time) else ():
+        expectation = check.expectation
+        key = (expectation.signal, expectation.measure)
+        if key in found or not check.number:
+            continue
+        values = np.column_stack([columns[node] for node in check.nodes])
+        if expectation.measure == "norm":
+            values = np.sqrt((values * values).sum(axis=1, keepdims=True))
+        values = values * check.factor + check.offset
+        largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
+        peak = int(np.abs(largest).argmax())
+        unit = "" if str(check.unit) == "1" else str(check.unit)
+        found[key] = Figure(_signal(expectation), unit, float(largest[-1]), float(largest[peak]), float(time[peak]))
+    return list(found.values())
+
+
+def _signal(expectation: Expectation) -> str:
+    return f"|{expectation.signal}|" if expectation.measure == "norm" else expectation.signal

@@ -10,6 +10,7 @@ Numbers are the shortest decimals that read back as the same doubles; booleans a
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -51,6 +52,15 @@ def check(format: str) -> None:
     package = FORMATS[format][1]
     if package and find_spec(package) is None:
         raise InputError(f"--format {format} needs the package {package}: pip install {package}")
+
+
+def check_writable(folder: Path) -> None:
+    """Refuses a folder that could not be written, before a run is spent on it."""
+    existing = next((p for p in (folder, *folder.absolute().parents) if p.exists()), folder)
+    if not existing.is_dir():
+        raise InputError(f"the results cannot be written to {folder}: {existing} is a file")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"the results cannot be written to {folder}: {existing} is not writable")
 
 
 def _complete(result: Result) -> bool:

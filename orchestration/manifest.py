@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import platform
 import sys
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
+
+from .model import Model
+from .signals import label
+from .starts import Start
 
 if TYPE_CHECKING:
     from .fmu import Fmu
@@ -51,17 +56,45 @@ def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, A
 
 
 def _resolved(plan: Plan) -> dict[str, Any]:
-    """The scenario with all defaults filled in, and its start values as the FMUs received them."""
+    """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
     data = plan.scenario.model_dump(exclude_none=True)
-    data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": _recorded(plan)}
-    for name, values in plan.starts.items():
-        variables = plan.models[name].variables
-        data["blocks"][name]["start"] = {variables[s.element.variable].label(s.element.position): s.value for s in values}
+    whole = {(node.block, node.element.variable): None for node in plan.columns}
+    signals = [plan.models[block].variables[name] for block, name in whole]
+    counts = Counter((node.block, node.element.variable) for node in plan.columns)
+    data["record"] = {
+        "interval": plan.clock.time(plan.clock.interval),
+        "signals": [
+            name
+            for (block, _), variable in zip(whole, signals, strict=True)
+            for name in (
+                [f"{block}.{variable.name}"]
+                if counts[block, variable.name] == variable.size
+                else [label(node, plan.models) for node in plan.columns if node[:1] + node.element[:1] == (block, variable.name)]
+            )
+        ],
+    }
+    for block, values in plan.starts.items():
+        data["blocks"][block]["start"] = _starts(plan.models[block], values)
     return data
 
 
-def _recorded(plan: Plan) -> list[str]:
-    return list(dict.fromkeys(f"{node.block}.{node.element.variable}" for node in plan.columns))
+def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
+    found: dict[str, dict[int, Any]] = {}
+    for start in values:
+        found.setdefault(start.element.variable, {})[start.element.position] = start.value
+    starts: dict[str, Any] = {}
+    for name, by_position in found.items():
+        variable = model.variables[name]
+        names = {number: item for item, number in variable.items}
+        spelt = {position: names.get(value, value) for position, value in by_position.items()}
+        if len(spelt) == variable.size:
+            flat = [spelt[position] for position in range(variable.size)]
+            for length in reversed(variable.shape):
+                flat = [flat[i : i + length] for i in range(0, len(flat), length)]
+            starts[name] = flat[0]
+        else:
+            starts.update((variable.label(position), value) for position, value in spelt.items())
+    return starts
 
 
 def _version(package: str) -> str | None:

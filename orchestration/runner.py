@@ -150,6 +150,7 @@ def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | No
         samples=recording.values,
         columns=recording.columns,
         outcomes=[expectations.judge(check, recording.time, columns) for check in ready.checks],
+        figures=expectations.figures(ready.checks, recording.time, columns),
         warnings=ready.notes,
         steps=recording.steps,
         wall=recording.wall,

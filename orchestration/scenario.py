@@ -175,7 +175,7 @@ class Scenario(Model):
 def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
     """A scenario from a YAML file, or from the same data as a dictionary. Raises InputError.
 
-    `overrides` are start values by `block.parameter`.
+    `overrides` are start values by `block.parameter`, and `step` and `duration`.
     """
     from . import complaints, source
 
@@ -183,7 +183,12 @@ def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[s
         scenario = Source(dict(scenario))
     elif not isinstance(scenario, Source):
         scenario = source.read(Path(scenario))
-    return complaints.validated(Scenario, scenario.with_starts(overrides) if overrides else scenario)
+    for name, value in (overrides or {}).items():
+        if name in ("step", "duration"):
+            scenario = scenario.with_value(name, value, name)
+        else:
+            scenario = scenario.with_start(name, value)
+    return complaints.validated(Scenario, scenario)
 
 
 def split(reference: str) -> tuple[str, str, tuple[int, ...]] | None:

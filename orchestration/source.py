@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -39,23 +38,22 @@ class Source:
     def error(self, key: Key, message: str) -> str:
         return f"{self.where(key)}: {message}"
 
-    def with_starts(self, values: Mapping[str, Any], option: str = "--set ") -> Source:
-        """A copy in which `values`, by `block.parameter`, take the place of start values."""
+    def with_start(self, name: str, value: Any, option: str = "") -> Source:
+        """A copy in which `value` takes the place of the start value of `block.parameter`."""
         copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
         blocks = copy.data.get("blocks") if isinstance(copy.data, dict) else None
-        for name, value in values.items():
-            said = f"{option}{name}={value}"
-            block, dot, variable = name.partition(".")
-            if not dot or not variable:
-                raise InputError(f"{said}: expected block.parameter=value")
-            if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
-                raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
-            starts = blocks[block].get("start")
-            if not isinstance(starts, dict):
-                blocks[block]["start"] = starts = {}
-            starts.pop(variable, None)  # the last one counts, also over elements
-            starts[variable] = value
-            copy.options["blocks", block, "start", variable] = said
+        said = f"{option}{name}={value}"
+        block, dot, variable = name.partition(".")
+        if not dot or not variable:
+            raise InputError(f"{said}: expected block.parameter=value")
+        if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
+            raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+        starts = blocks[block].get("start")
+        if not isinstance(starts, dict):
+            blocks[block]["start"] = starts = {}
+        starts.pop(variable, None)  # the last one counts, also over elements
+        starts[variable] = value
+        copy.options["blocks", block, "start", variable] = said
         return copy
 
     def with_value(self, key: str, value: Any, option: str) -> Source:

@@ -1,0 +1,152 @@
+"""The command `orchestrate`.
+
+Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, nothing was run; 3 an FMU failed;
+130 interrupted by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .console import Progress, complain, say, summary
+from .errors import BlockError, InputError, nearest
+
+EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, INTERNAL, INTERRUPTED = 1, 2, 3, 70, 130
+
+
+class _Commands(click.Group):
+    """`orchestrate x.yaml` is `orchestrate run x.yaml`; errors are told in a line, without a traceback."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if args and args[0] not in self.commands and args[0] not in ("--help", "--version"):
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            for message in error.messages:
+                complain(message)
+            ctx.exit(WRONG_INPUT)
+        except BlockError as error:
+            complain(str(error))
+            ctx.exit(BLOCK_FAILED)
+        except (click.exceptions.Exit, click.ClickException, click.Abort, KeyboardInterrupt):
+            raise
+        except Exception as error:
+            if os.environ.get("ORCHESTRATE_TRACEBACK"):
+                raise
+            complain(f"internal error: {type(error).__name__}: {error} (ORCHESTRATE_TRACEBACK=1 shows where)")
+            ctx.exit(INTERNAL)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["--help"], "max_content_width": 100})
+@click.version_option(package_name="attitude-cosim")
+def main() -> None:
+    """Runs FMI 2.0 co-simulation FMUs from a scenario file: orchestrate SCENARIO.yaml
+
+    Exit status: 0 all well, 1 an expectation failed, 2 wrong input and nothing run, 3 an FMU failed.
+    """
+
+
+@main.command()
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, such as plant.inclination='51.6 deg' or plant.x=[1,2,3]; may be repeated.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the results; default: results/NAME, NAME being the scenario's.")
+@click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
+@click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
+@click.option("--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals.")
+@click.option("--log", is_flag=True, help="Print what the FMUs log as it comes.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.pass_context
+def run(ctx: click.Context, scenario: Path, sets: tuple[str, ...], out: Path | None, step: str | None, duration: str | None, format_: str, log: bool, quiet: bool) -> None:
+    """Run a scenario (the default command)."""
+    from . import folder, runner
+    from .scenario import load
+    from .source import read
+
+    folder.check(format_)
+    if not scenario.suffix and not scenario.exists() and "did you mean" in nearest(str(scenario), main.commands):
+        raise InputError(f"{scenario}: there is no such file or command{nearest(str(scenario), main.commands)}")
+    source = read(scenario)
+    for text in sets:
+        source = source.with_start(*_assignment(text), option="--set ")
+    for key, value in (("step", step), ("duration", duration)):
+        if value is not None:
+            source = source.with_value(key, value, f"--{key}")
+    loaded = load(source)
+    target = out or Path("results") / loaded.name
+    folder.check_writable(target)
+    progress = Progress(loaded.duration, not quiet)
+    try:
+        result = runner.execute(loaded, progress, log)
+    finally:
+        progress.close()
+    written = bool(len(result.time))
+    if written:
+        result.save(target, format_)
+    for warning in result.warnings:
+        if not quiet:
+            say(f"note: {warning}", error=True, fg="yellow")
+    if not quiet and written:
+        summary(result, str(target))
+    if result.failure is not None:
+        complain(str(result.failure))
+        ctx.exit(BLOCK_FAILED)
+    if result.interrupted:
+        ctx.exit(INTERRUPTED)
+    for outcome in result.outcomes:
+        if quiet and not outcome.passed:
+            complain(f"expectation failed: {outcome.name}")
+    ctx.exit(0 if result.passed else EXPECTATION_FAILED)
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    from .source import parse
+
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip() or not value.strip():
+        raise InputError(f"--set {text}: expected block.parameter=value")
+    return name.strip(), parse(value, f"--set {text}").data
+
+
+@main.command()
+@click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the FMUs; default: build/fmus.")
+def build(blocks: tuple[str, ...], out: Path | None) -> None:
+    """Build the project's own blocks as FMUs."""
+    from fmus.build import BLOCKS, BuildError
+    from fmus.build import build as build_fmus
+
+    for block in blocks:
+        if block not in BLOCKS:
+            raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
+    try:
+        paths = build_fmus(blocks or BLOCKS, out=out)
+    except BuildError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(f"{error.filename}: {error.strerror}") from None
+    for path in paths.values():
+        say(f"{_shown(path)}  {path.stat().st_size / 1000:.0f} kB")
+
+
+@main.command()
+def schema() -> None:
+    """Print the JSON Schema of scenario files."""
+    from .schema import text
+
+    click.echo(text(), nl=False)
+
+
+def _shown(path: Path) -> Path:
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""What a user sees of a run: its progress, and a short table at the end."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from .result import Result
+
+_PATIENCE = 0.3
+"""Seconds that a run may last without a progress bar."""
+
+
+def say(text: str = "", error: bool = False, **style: Any) -> None:
+    """Prints a line; colours only on a terminal, and not where NO_COLOR is set."""
+    click.echo(click.style(text, **style) if style else text, err=error, color=False if os.environ.get("NO_COLOR") else None)
+
+
+def complain(message: str) -> None:
+    say(message, error=True, fg="red")
+
+
+class Progress:
+    """A bar with the simulated time, for runs that last long enough. Rich is imported only then."""
+
+    def __init__(self, duration: float, wanted: bool) -> None:
+        self.duration, self.wanted = duration, wanted and sys.stdout.isatty()
+        self._begun, self._bar, self._task = perf_counter(), None, None  # type: ignore[var-annotated]
+
+    def __call__(self, time: float) -> None:
+        if not self.wanted or perf_counter() - self._begun < _PATIENCE:
+            return
+        if self._bar is None:
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            text = TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
+            self._bar = Progress(text, BarColumn(), TextColumn("{task.percentage:.0f}%"), TimeRemainingColumn(), transient=True)
+            self._task = self._bar.add_task("run", total=self.duration)
+            self._bar.start()
+        self._bar.update(self._task, completed=time)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+
+def summary(result: Result, folder: str | None) -> None:
+    """The figures that matter, what was expected and found, and where the results are."""
+    reached = result.time[-1] if len(result.time) else 0.0
+    speed = f"{result.steps / result.wall:,.0f} steps/s" if result.wall > 0.0 else ""
+    how = "interrupted after" if result.interrupted else "failed after" if result.failure else "ran"
+    say(f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}", bold=True)
+    if result.figures:
+        rows = [(f.signal, _number(f.final, f.unit), f"{_number(f.peak, f.unit)} at {f.time:.5g} s") for f in result.figures]
+        say()
+        for line in _table(("signal", "at the end", "largest"), rows):
+            say(line)
+    if result.outcomes:
+        rows = [
+            (o.name, _found(o), o.expected, "" if o.margin is None else _number(o.margin, o.unit)) for o in result.outcomes
+        ]
+        header, *lines = _table(("expectation", "found", "expected", "margin"), rows)
+        say(f"\n        {header}")
+        for outcome, line in zip(result.outcomes, lines, strict=True):
+            verdict = click.style("ok    ", fg="green") if outcome.passed else click.style("FAILED", fg="red", bold=True)
+            say(f"{verdict}  {line}")
+    if folder:
+        say(f"\nresults in {folder}")
+
+
+def _found(outcome: Any) -> str:
+    if outcome.found is None:
+        return outcome.note
+    if outcome.expected.endswith((" true", " false")):
+        value = "true" if outcome.found else "false"
+    else:
+        value = _number(outcome.found, outcome.unit)
+    return value if outcome.time is None else f"{value} at {outcome.time:.5g} s"
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in [header, *rows]]
