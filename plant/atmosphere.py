@@ -54,11 +54,14 @@ ACTIVITY = ("1", "x", "x2", "y", "y2", "xy", "ap")
 """x = (F10.7 - its 81-day mean)/100, y = (81-day mean - 150)/100, ap: `DensityModel.ap_shape`'s function."""
 DEGREE, ORDER = 7, 3
 
+Places = float | Array
+"""A value, or an array of values at several places."""
+
 _MASSES = np.array((28.0, 32.0, 16.0, 4.0, 1.0, 40.0, 14.0, 16.0))
 _THERMAL_DIFFUSION = np.array((0.0, 0.0, 0.0, -0.38, -0.38, 0.17, 0.0))
 _AMU = 1.66e-27
 _GAS_CONSTANT = 831.4
-"""1e-4 J/(mol K): NRLMSISE-00 counts in cm and g."""
+"""1e-2 J/(mol K), for gravity in cm/s2, masses in g/mol and heights in km, as NRLMSISE-00 has them."""
 _BASE = 120.0
 _HOT_TEMPERATURE, _HOT_BASE, _HOT_SCALE = 4000.0, 550.0, 76.0
 """K, km, km: profile of hot oxygen."""
@@ -132,7 +135,7 @@ def activity(f107: float, f107_average: float, ap: float, ap_shape: Array) -> Ar
     return np.vstack((np.tile(common[:, None], len(QUANTITIES)), d + (b - 1.0) * (d + np.expm1(-a * d) / a)))
 
 
-def harmonics(latitude, longitude, day) -> tuple[Array, Array, Array]:  # type: ignore[no-untyped-def]
+def harmonics(latitude: Places, longitude: Places, day: Places) -> tuple[Array, Array, Array]:
     """P_nm (8, 4, ...), AZIMUTH (13, ...) and DAY (5, ...) at places and days (...): floats or arrays of one shape."""
     universal = 2.0 * np.pi * (day % 1.0)
     local = universal + longitude
@@ -145,7 +148,7 @@ def harmonics(latitude, longitude, day) -> tuple[Array, Array, Array]:  # type: 
     return legendre(latitude), np.array([one, *(f for pair in cs for f in pair)]), season
 
 
-def legendre(latitude) -> Array:  # type: ignore[no-untyped-def]
+def legendre(latitude: Places) -> Array:
     """P_nm(sin latitude) (8, 4, ...), unnormalised, without Condon and Shortley's sign."""
     s, c = np.sin(latitude), np.cos(latitude)
     P = np.zeros((DEGREE + 1, ORDER + 1, *np.shape(latitude)))
@@ -159,7 +162,7 @@ def legendre(latitude) -> Array:  # type: ignore[no-untyped-def]
     return P
 
 
-def profile(latitude, height, temperatures: Array) -> Array:  # type: ignore[no-untyped-def]
+def profile(latitude: Places, height: Places, temperatures: Array) -> Array:
     """ln of each species' density over that at 120 km, (8, ...), at a height, m, from TEMPERATURES (3, ...)."""
     T_inf, T_base, gradient = temperatures
     z = 1e-3 * height

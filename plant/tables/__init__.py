@@ -1,9 +1,9 @@
 """Numbers from outside that the plant needs at run time: read from PyPI packages, carried by a built FMU.
 
-In a source tree they are read from the packages that maintain them, but for the density's table, which is
-kept beside this module. `dump` gives the same numbers as
-files; the build places these beside this module inside the FMU, where they are preferred, so that a
-running FMU needs none of the packages. This is the one place of the plant that reads files.
+In a source tree the field's are read from the packages that maintain them; the density's table, which takes
+a fit to make, is kept beside this module. `dump` gives all of them as files; the build places these beside
+this module inside the FMU, where they are preferred, so that a running FMU needs none of the packages.
+This is the one place of the plant that reads files.
 """
 
 from __future__ import annotations
@@ -14,6 +14,9 @@ from pathlib import Path
 from ..atmosphere import DensityModel
 from ..geomagnetic import FieldModel
 from . import density, field_models
+
+PACKAGES = ("pygeomag", "ppigrf")
+"""The packages whose numbers a built FMU carries."""
 
 _HERE = Path(__file__).parent
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from .. import atmosphere
 from ..atmosphere import ACTIVITY, AZIMUTH, DAY, QUANTITIES, DensityModel
+from ..so3 import Array
 
 FILE = "density.csv"
 
@@ -93,7 +94,7 @@ class _Samples:
     """Places, days and activities, and what NRLMSISE-00 gives there."""
 
     def __init__(self, random: np.random.Generator, n: int, ap: float | np.ndarray) -> None:
-        self.day = random.integers(1, 366, n) + 0.5  # noon's season, see atmosphere.harmonics
+        self.day: Array = random.integers(1, 366, n).astype(np.float64) + 0.5  # noon's season, see atmosphere.harmonics
         self.seconds = np.floor(random.uniform(0.0, 86400.0, n))
         self.latitude = np.arcsin(random.uniform(-1.0, 1.0, n))
         self.longitude = random.uniform(0.0, 2.0 * np.pi, n)
