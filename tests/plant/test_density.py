@@ -14,6 +14,7 @@ import plant
 from plant import tables
 from plant.atmosphere import Atmosphere
 from plant.tables import density as table
+from plant.tables import density_fit
 from tests.blocks import parameters
 
 pytest.importorskip("pymsis")
@@ -53,7 +54,7 @@ def deviation_along_orbit(f107, date, ap, altitude, f107_average=None):
     moments = [epoch + timedelta(seconds=t) for t in times]
     day = np.array([m.timetuple().tm_yday for m in moments])
     seconds = np.array([3600.0 * m.hour + 60.0 * m.minute + m.second for m in moments])
-    theirs = table.run(day, seconds, places[:, 0], places[:, 1], places[:, 2] / 1e3, f107, mean, ap)[:, 0]
+    theirs = density_fit.run(day, seconds, places[:, 0], places[:, 1], places[:, 2] / 1e3, f107, mean, ap)[:, 0]
     ours = np.array([p.air.flow(t)[1] for t in times])
     return np.abs(np.log(ours / theirs)).max()
 
@@ -75,7 +76,7 @@ def sampled_deviation(height, seed, f107, f107_average, ap, n=250, noon=False):
     day = random.integers(1, 366, n)
     seconds = np.full(n, 43200.0) if noon else np.floor(random.uniform(0.0, 86400.0, n))
     latitude, longitude = np.arcsin(random.uniform(-1.0, 1.0, n)), random.uniform(0.0, 2.0 * math.pi, n)
-    theirs = table.run(day, seconds, latitude, longitude, height / 1e3, f107, f107_average, ap)[:, 0]
+    theirs = density_fit.run(day, seconds, latitude, longitude, height / 1e3, f107, f107_average, ap)[:, 0]
     air = Atmosphere(tables.density_model(), f107, f107_average, ap)
     places = zip(latitude, longitude, day + seconds / 86400.0, strict=True)
     return np.log([air.density(lat, lon, height, d) for lat, lon, d in places] / theirs)
@@ -96,7 +97,7 @@ def test_above_500_km_the_table_is_the_model_to_rounding(f107, f107_average, ap)
 
 
 def test_the_committed_table_is_what_pymsis_gives():
-    made = table.from_package(samples=4000, seed=3)
+    made = density_fit.fit(samples=4000, seed=3)
     committed = tables.density_model()
     rng = np.random.default_rng(4)
     for _ in range(100):
