@@ -1,9 +1,9 @@
 """Runs FMI 2.0 co-simulation FMUs from a scenario file.
 
-    from orchestration import run
+from orchestration import run
 
-    result = run("scenarios/minimal.yaml", {"plant.inclination": "51.6 deg", "duration": "60 s"})
-    result.time, result["plant.omega_B"]
+result = run("scenarios/minimal.yaml", {"plant.inclination": "51.6 deg", "duration": "60 s"})
+result.time, result["plant.omega_B"]
 """
 
 from __future__ import annotations

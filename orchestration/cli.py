@@ -56,15 +56,38 @@ def main() -> None:
 
 @main.command()
 @click.argument("scenario", type=click.Path(path_type=Path))
-@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, such as plant.inclination='51.6 deg' or plant.x=[1,2,3]; may be repeated.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the results; default: results/NAME, NAME being the scenario's.")
+@click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="BLOCK.PARAMETER=VALUE",
+    help="A start value, such as plant.inclination='51.6 deg' or plant.x=[1,2,3]; may be repeated.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the results; default: results/NAME, NAME being the scenario's.",
+)
 @click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
 @click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
-@click.option("--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals.")
+@click.option(
+    "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
+)
 @click.option("--log", is_flag=True, help="Print what the FMUs log as it comes.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
-def run(ctx: click.Context, scenario: Path, sets: tuple[str, ...], out: Path | None, step: str | None, duration: str | None, format_: str, log: bool, quiet: bool) -> None:
+def run(
+    ctx: click.Context,
+    scenario: Path,
+    sets: tuple[str, ...],
+    out: Path | None,
+    step: str | None,
+    duration: str | None,
+    format_: str,
+    log: bool,
+    quiet: bool,
+) -> None:
     """Run a scenario (the default command)."""
     from . import folder, runner
     from .scenario import load

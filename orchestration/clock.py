@@ -49,14 +49,18 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     if steps is None:
         steps = math.ceil(Fraction(repr(scenario.duration)) / step)
         end = float(steps * step)
-        notes.append(f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at {end:.10g} s")
+        notes.append(
+            f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at {end:.10g} s"
+        )
     interval = scenario.record.interval or scenario.step
     every = _whole(Fraction(repr(interval)) / step)
     if not every:
         low = max(1, math.floor(Fraction(repr(interval)) / step))
         near = " or ".join(f"{float(n * step):.10g} s" for n in (low, low + 1))
         key = ("record", "interval")
-        message = f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s; nearest: {near}"
+        message = (
+            f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s; nearest: {near}"
+        )
         raise InputError(scenario.error(key, message))
     if every > steps:
         message = f"expected at most the duration, {scenario.duration:.10g} s, found {interval:.10g} s"

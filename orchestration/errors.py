@@ -39,7 +39,7 @@ class BlockError(RuntimeError):
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """"; did you mean 'x'?" where one of the names is near, or "; there are a, b" where they are few."""
+    """ "; did you mean 'x'?" where one of the names is near, or "; there are a, b" where they are few."""
     from difflib import get_close_matches
 
     names = list(names)

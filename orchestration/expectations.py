@@ -81,7 +81,8 @@ class Check:
 
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Check]:
     """Checks expectations against the blocks. Raises InputError with every fault."""
-    checks, faults = [], []
+    checks: list[Check] = []
+    faults: list[str] = []
     for number, expectation in enumerate(scenario.expect):
         try:
             checks.append(_check(scenario, ("expect", number), expectation, models))
@@ -134,7 +135,9 @@ def _bounded(
         if bound.kind != "equals" or not isinstance(value, bool):
             raise QuantityError(f"{expectation.signal} is boolean; expected 'equals: true' or 'equals: false'")
         number = float(value)
-        return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {str(value).lower()}", False)
+        return Check(
+            expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {str(value).lower()}", False
+        )
     if variable.type == "enumeration" and bound.kind == "equals":
         number = float(item(variable, value))
         return Check(expectation, nodes, when, ONE, 1.0, 0.0, number, number, False, f"{how} {value}", False)
@@ -218,11 +221,19 @@ def _zeros(check: Check, wanted: int, times: Floats, values: Floats) -> Outcome:
 
 
 def _outcome(
-    check: Check, passed: bool, found: float | None, margin: float | None, time: float | None, samples: int, note: str = ""
+    check: Check,
+    passed: bool,
+    found: float | None,
+    margin: float | None,
+    time: float | None,
+    samples: int,
+    note: str = "",
 ) -> Outcome:
     expectation = check.expectation
     unit = "" if expectation.zeros is not None or str(check.unit) == "1" else str(check.unit)
-    return Outcome(expectation.name, _signal(expectation), check.expected, passed, found, unit, margin, time, samples, note)
+    return Outcome(
+        expectation.name, _signal(expectation), check.expected, passed, found, unit, margin, time, samples, note
+    )
 
 
 def figures(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -> list[Figure]:

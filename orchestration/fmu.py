@@ -96,7 +96,9 @@ def _description(path: Path) -> Any:
     # The version decides first: the schema's complaints about another version would only confuse.
     version = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", head)
     if version is not None and version[1] != b"2.0":
-        raise InputError(f"{path} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation")
+        raise InputError(
+            f"{path} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
+        )
     try:
         description = read_model_description(str(path))
     except ValidationError as error:

@@ -36,7 +36,10 @@ def write(result: Result, folder: Path, format: str = "csv") -> Path:
             (folder / f"signals.{name}").unlink(missing_ok=True)
         FORMATS[format][0](result, folder / f"signals.{format}")
         outcomes = [asdict(outcome) for outcome in result.outcomes]
-        _json(folder / "expectations.json", {"complete": _complete(result), "passed": result.passed, "expectations": outcomes})
+        _json(
+            folder / "expectations.json",
+            {"complete": _complete(result), "passed": result.passed, "expectations": outcomes},
+        )
         _json(folder / "manifest.json", result.manifest)
     except OSError as error:
         raise InputError(f"the results cannot be written: {error.filename or folder}: {error.strerror}") from None

@@ -69,7 +69,11 @@ def _resolved(plan: Plan) -> dict[str, Any]:
             for name in (
                 [f"{block}.{variable.name}"]
                 if counts[block, variable.name] == variable.size
-                else [label(node, plan.models) for node in plan.columns if node[:1] + node.element[:1] == (block, variable.name)]
+                else [
+                    label(node, plan.models)
+                    for node in plan.columns
+                    if node[:1] + node.element[:1] == (block, variable.name)
+                ]
             )
         ],
     }

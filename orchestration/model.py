@@ -96,7 +96,9 @@ class Model:
     def inputs(self) -> list[Element]:
         return [element for variable in self.of("input") for element in variable.elements]
 
-    def find(self, block: str, name: str, index: tuple[int, ...] = (), of: Iterable[str] = ()) -> tuple[Variable, list[int]]:
+    def find(
+        self, block: str, name: str, index: tuple[int, ...] = (), of: Iterable[str] = ()
+    ) -> tuple[Variable, list[int]]:
         """The variable and the positions that a reference means. Raises NameUnknown, which names the nearest."""
         exact = name + "".join(f"[{i}]" for i in index)
         if index and exact in self.variables:
@@ -111,11 +113,15 @@ class Model:
             return variable, list(range(variable.size))
         first = variable.first_index or (1,) * len(variable.shape)
         if len(index) != len(variable.shape):
-            raise NameUnknown(f"{block}.{name} is a {variable.kind}; an element of it has {len(variable.shape)} indices")
+            raise NameUnknown(
+                f"{block}.{name} is a {variable.kind}; an element of it has {len(variable.shape)} indices"
+            )
         position = 0
         for i, one, length in zip(index, first, variable.shape, strict=True):
             if not one <= i < one + length:
-                raise NameUnknown(f"{block}.{name} is a {variable.kind}; index {i} is outside {one} to {one + length - 1}")
+                raise NameUnknown(
+                    f"{block}.{name} is a {variable.kind}; index {i} is outside {one} to {one + length - 1}"
+                )
             position = position * length + i - one
         return variable, [position]
 
@@ -195,7 +201,13 @@ def _whole(members: dict[tuple[int, ...], Any]) -> _Group | None:
 
 
 def _nature(scalar: Any) -> tuple[Any, ...]:
-    return scalar.causality, scalar.type, scalar.variability, scalar.unit, scalar.declaredType and scalar.declaredType.name
+    return (
+        scalar.causality,
+        scalar.type,
+        scalar.variability,
+        scalar.unit,
+        scalar.declaredType and scalar.declaredType.name,
+    )
 
 
 def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any, displays: Any) -> Variable:

@@ -182,11 +182,7 @@ def _blocks(models: Mapping[str, Model], graph: Graph, soft: set[tuple[str, str]
     rank = {block: min((lv for n, lv in levels.items() if n.block == block), default=len(levels)) for block in models}
     left, order, warnings = list(models), [], []
     while left:
-
-        def ready(edges: set[tuple[str, str]]) -> list[str]:
-            return [b for b in left if not any(a in left and a != b for a, after in edges if after == b)]  # noqa: B023
-
-        candidates = ready(hard | soft)[:1] or sorted(ready(hard), key=rank.__getitem__)
+        candidates = _ready(left, hard | soft)[:1] or sorted(_ready(left, hard), key=rank.__getitem__)
         if not candidates:
             candidates = sorted(left, key=rank.__getitem__)
             late = sorted({a for a, b in hard if b == candidates[0] and a in left})
@@ -197,3 +193,8 @@ def _blocks(models: Mapping[str, Model], graph: Graph, soft: set[tuple[str, str]
         order.append(candidates[0])
         left.remove(candidates[0])
     return order, warnings
+
+
+def _ready(blocks: list[str], edges: set[tuple[str, str]]) -> list[str]:
+    """Those that wait for none of the others."""
+    return [b for b in blocks if not any(before in blocks and before != b for before, after in edges if after == b)]

@@ -15,6 +15,7 @@ import math
 import re
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 Exponents = tuple[int, ...]
@@ -123,10 +124,8 @@ _PREFIXABLE = {
     "T": _unit("kg s-2 A-1"),
     "H": _unit("kg m2 s-2 A-2"),
 }
-_PREFIXES = {
-    **{"p": 1e-12, "n": 1e-9, "u": 1e-6, "\N{MICRO SIGN}": 1e-6, "\N{GREEK SMALL LETTER MU}": 1e-6, "m": 1e-3},
-    **{"c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12},
-}
+_PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6}
+_PREFIXES |= {"G": 1e9, "T": 1e12, "\N{MICRO SIGN}": 1e-6, "\N{GREEK SMALL LETTER MU}": 1e-6}
 _UNITS = {
     **{prefix + name: (e, p * f, o) for prefix, p in _PREFIXES.items() for name, (e, f, o) in _PREFIXABLE.items()},
     **_PREFIXABLE,
@@ -180,7 +179,7 @@ def _factors(text: str) -> list[tuple[str, int]] | None:
 
 
 @lru_cache(maxsize=1)
-def _registry():  # type: ignore[no-untyped-def]  # Pint is imported late
+def _registry() -> Any:
     import pint
 
     try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import expectations, order, signals, starts, wiring
 from .block import Block
@@ -25,6 +25,8 @@ from .wiring import Node, Wiring
 
 if TYPE_CHECKING:
     from .fmu import Fmu
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -46,25 +48,32 @@ class Plan:
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
     """Checks a scenario against what its blocks offer. Raises InputError; what several checks find comes together."""
     faults: list[str] = []
-
-    def checked(check: Callable[[], Any]) -> Any:
-        try:
-            return check()
-        except InputError as error:
-            faults.extend(error.messages)
-            return None
-
-    times = checked(lambda: clock(scenario))
-    values = checked(lambda: starts.resolve(scenario, models))
-    wired = checked(lambda: wiring.connect(scenario, models))
-    sequence = checked(lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
-    columns = checked(lambda: signals.recorded(scenario, models))
-    checks = checked(lambda: expectations.prepare(scenario, models))
+    times = _checked(faults, lambda: clock(scenario))
+    values = _checked(faults, lambda: starts.resolve(scenario, models))
+    wired = _checked(faults, lambda: wiring.connect(scenario, models))
+    sequence = _checked(faults, lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
+    columns = _checked(faults, lambda: signals.recorded(scenario, models))
+    checks = _checked(faults, lambda: expectations.prepare(scenario, models))
     if faults:
         raise InputError(*faults)
+    assert times is not None
+    assert values is not None
+    assert wired is not None
+    assert sequence is not None
+    assert columns is not None
+    assert checks is not None
     needed = dict.fromkeys([*columns, *(node for check in checks for node in check.needed)])
     notes = [*times[1], *wired.warnings, *sequence.warnings]
     return Plan(scenario, models, times[0], wired, values, sequence, checks, list(needed), notes)
+
+
+def _checked(faults: list[str], check: Callable[[], T]) -> T | None:
+    """What the check returns, or None with its faults collected."""
+    try:
+        return check()
+    except InputError as error:
+        faults.extend(error.messages)
+        return None
 
 
 def run(
@@ -82,7 +91,7 @@ def run(
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
     to then is its `result`. Ctrl-C ends the run, and the result is marked as interrupted.
     """
-    loaded = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
+    loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, overrides)
     result = execute(loaded, progress, verbose)
     if out is not None:
         result.save(out)

@@ -10,8 +10,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, WithJsonSchema
-from pydantic import model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    WithJsonSchema,
+    model_validator,
+)
 
 from .quantities import SECOND, QuantityError, parse, value_in
 from .source import Key, Source
@@ -93,7 +101,9 @@ class Bound(Model):
     def _one(self) -> Bound:
         given = [name for name in type(self).model_fields if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(f"expected exactly one of below, above, within, equals; found {' and '.join(given) or 'none'}")
+            raise ValueError(
+                f"expected exactly one of below, above, within, equals; found {' and '.join(given) or 'none'}"
+            )
         if isinstance(self.within, list):
             if len(self.within) != 2:
                 raise ValueError(f"within: expected one number or [low, high], found {self.within!r}")

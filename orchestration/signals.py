@@ -37,11 +37,15 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     if scenario.record.signals is None:
         for block, model in models.items():
             nodes.update((Node(block, e), None) for v in model.of("output") if v.type in TYPES for e in v.elements)
-    faults = []
+    faults: list[str] = []
     for number, reference in enumerate(scenario.record.signals or ()):
         key: Key = ("record", "signals", number)
         try:
-            found = _matching(scenario, key, reference, models) if "*" in reference else find(scenario, key, reference, models)[1]
+            found = (
+                _matching(scenario, key, reference, models)
+                if "*" in reference
+                else find(scenario, key, reference, models)[1]
+            )
         except InputError as error:
             faults += error.messages
         else:

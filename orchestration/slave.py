@@ -137,7 +137,8 @@ class Slave:
         self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats
     ) -> list[tuple[Call | None, Call | None]]:
         """For each type that occurs, the call for all elements and that for the live ones, which stand first."""
-        calls, first = [], 0
+        calls: list[tuple[Call | None, Call | None]] = []
+        first = 0
         for kind, count in zip(TYPES, live, strict=True):
             members = [e for e in elements if self.model.variables[e.variable].type == kind]
             if members:
@@ -151,7 +152,12 @@ class Slave:
     def _call(self, verb: str, kind: str, elements: Sequence[Element], values: Floats) -> Call:
         """A call of fmi2Get<kind> or fmi2Set<kind> on `values`, which are copied where C has them otherwise."""
         name = f"fmi2{verb}{kind}"
-        function, failed, component, count = self._function(name), self._failed, self._component, c.c_size_t(len(elements))
+        function, failed, component, count = (
+            self._function(name),
+            self._failed,
+            self._component,
+            c.c_size_t(len(elements)),
+        )
         references = np.array(list(map(self._reference, elements)), np.uint32)
         buffer = values if kind == "Real" else np.zeros(len(elements), np.int32)
         at, data = c.c_void_p(references.ctypes.data), c.c_void_p(buffer.ctypes.data)

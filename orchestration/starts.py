@@ -58,12 +58,12 @@ def _starts(block: str, model: Model, name: str, value: Any) -> dict[Element, Sc
     if variable.causality not in ("parameter", "input"):
         near = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
         hint = near if "did you mean" in near else ""
-        raise QuantityError(f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts{hint}")
+        raise QuantityError(
+            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts{hint}"
+        )
     shape = variable.shape if len(positions) == variable.size else ()
     values = _leaves(value, shape, variable)
-    return {
-        Element(variable.name, p): _scalar(variable, p, leaf) for p, leaf in zip(positions, values, strict=True)
-    }
+    return {Element(variable.name, p): _scalar(variable, p, leaf) for p, leaf in zip(positions, values, strict=True)}
 
 
 def _leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
@@ -122,7 +122,9 @@ def item(variable: Variable, value: Any) -> int:
     items = dict(variable.items)
     if isinstance(value, bool) or str(value) not in items:
         near = nearest(str(value), items)
-        raise QuantityError(f"expected one of {', '.join(items)}, found {value!r}{near if 'did you mean' in near else ''}")
+        raise QuantityError(
+            f"expected one of {', '.join(items)}, found {value!r}{near if 'did you mean' in near else ''}"
+        )
     return items[str(value)]
 
 
@@ -130,7 +132,11 @@ def _real(variable: Variable, value: Any) -> float:
     unit = unit_of(variable)
     if isinstance(value, str) and unit.exponents is None:
         # The FMU names its unit without defining it: only the same name, or no unit, will do.
-        number, own = parse(value) if not value.strip().endswith(unit.name) else (*parse(value.strip()[: -len(unit.name)])[:1], None)
+        number, own = (
+            parse(value)
+            if not value.strip().endswith(unit.name)
+            else (*parse(value.strip()[: -len(unit.name)])[:1], None)
+        )
         return convert(number, own, unit) if own is not None else number
     try:
         return value_in(value, unit)

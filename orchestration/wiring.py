@@ -61,7 +61,8 @@ class _End(NamedTuple):
 
 def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     """All connections of the scenario. Raises InputError with every fault that it finds."""
-    wiring, faults = Wiring(), []
+    wiring = Wiring()
+    faults: list[str] = []
     taken: dict[Node, str] = {}
     delays = _delays(scenario, models, faults)
     for number, text in enumerate(scenario.connections):
@@ -138,8 +139,12 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
         unknown = given if given.exponents is None else wanted
         if given.name == wanted.name:
             return 1.0, 0.0, ""
-        return 1.0, 0.0, (
-            f"{source.name} in {given} feeds {target.name} in {wanted} as it is, since the FMU does not define the unit {unknown}"
+        return (
+            1.0,
+            0.0,
+            (
+                f"{source.name} in {given} feeds {target.name} in {wanted} as it is, since the FMU does not define the unit {unknown}"
+            ),
         )
     if not given.fits(wanted):
         raise _Fault(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
@@ -160,7 +165,8 @@ def _delays(scenario: Scenario, models: Mapping[str, Model], faults: list[str]) 
 def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[Node, str]) -> list[str]:
     idle = {number for node, number in delays.items() if node not in taken}
     return [
-        scenario.error(("delays", n), f"{scenario.delays[n]} is fed by no connection that could be delayed") for n in sorted(idle)
+        scenario.error(("delays", n), f"{scenario.delays[n]} is fed by no connection that could be delayed")
+        for n in sorted(idle)
     ]
 
 

@@ -1,0 +1,122 @@
+"""The bus: one array that holds all values that pass between blocks and all that are recorded.
+
+Each block writes its outputs into its own stretch of it, and its inputs are gathered from all over it.
+At its end stand the values of the step before, for connections that pass them with a delay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .block import TYPES, Block, Floats
+from .model import Element
+from .order import Order
+from .wiring import Node, Wiring
+
+
+@dataclass
+class Seat:
+    """A block with its place on the bus."""
+
+    block: Block
+    outputs: list[Element]
+    view: Floats
+    """Its outputs on the bus."""
+    gather: Callable[[], None]
+    """Takes its inputs from the bus into its own array, with the change of unit."""
+
+
+@dataclass
+class Bus:
+    values: Floats
+    seats: list[Seat]
+    """In the order in which they are stepped."""
+    columns: NDArray[np.intp]
+    """Where the recorded elements lie."""
+    delay: Callable[[], None] | None
+    """Keeps the values of the step before; None where no connection is delayed."""
+
+
+@dataclass
+class _Layout:
+    blocks: Mapping[str, Block]
+    wiring: Wiring
+    live: set[Node] = field(default_factory=set)
+    """What other blocks need in every step."""
+    place: dict[Node, int] = field(default_factory=dict)
+    held: dict[Node, int] = field(default_factory=dict)
+
+    def type(self, name: str, element: Element) -> str:
+        return self.blocks[name].model.variables[element.variable].type
+
+    def outputs(self, name: str, columns: Sequence[Node]) -> list[Element]:
+        """All that is fetched of a block: by type, and within a type what others need first."""
+        wanted = {node.element for node in [*self.live, *columns] if node.block == name}
+        return sorted(wanted, key=lambda e: (TYPES.index(self.type(name, e)), Node(name, e) not in self.live, e))
+
+    def inputs(self, name: str) -> list[tuple[Element, int, float, float]]:
+        """Each connected input of a block: its source on the bus, factor and offset."""
+        found = [
+            (target.element, (self.held if link.delayed else self.place)[source], link.factor, link.offset)
+            for link in self.wiring.links
+            for source, target in zip(link.source, link.target, strict=True)
+            if target.block == name
+        ]
+        return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[0]))
+
+
+def lay_out(blocks: Mapping[str, Block], wiring: Wiring, order: Order, columns: Sequence[Node]) -> Bus:
+    """Gives every value its place and wires the blocks to it."""
+    layout = _Layout(blocks, wiring, {node for link in wiring.links for node in link.source})
+    outputs = {name: layout.outputs(name, columns) for name in blocks}
+    for name, elements in outputs.items():
+        for element in elements:
+            layout.place[Node(name, element)] = len(layout.place)
+    delayed = list(dict.fromkeys(node for link in wiring.links if link.delayed for node in link.source))
+    first_held = len(layout.place)
+    layout.held.update((node, first_held + i) for i, node in enumerate(delayed))
+    values = np.zeros(first_held + len(delayed))
+    seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
+    delay = _delay(values, [layout.place[node] for node in delayed], first_held) if delayed else None
+    return Bus(values, seats, np.array([layout.place[node] for node in columns], np.intp), delay)
+
+
+def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) -> Seat:
+    first = layout.place[Node(name, outputs[0])] if outputs else 0
+    view = values[first : first + len(outputs)]
+    inputs = layout.inputs(name)
+    live = [sum(Node(name, e) in layout.live for e in outputs if layout.type(name, e) == kind) for kind in TYPES]
+    buffer = layout.blocks[name].wire([element for element, *_ in inputs], outputs, live, view)
+    return Seat(layout.blocks[name], outputs, view, _gather(values, inputs, buffer))
+
+
+def _gather(bus: Floats, inputs: Sequence[tuple[Element, int, float, float]], into: Floats) -> Callable[[], None]:
+    if not inputs:
+        return lambda: None
+    places = np.array([place for _, place, _, _ in inputs], np.intp)
+    factors = np.array([factor for _, _, factor, _ in inputs])
+    offsets = np.array([offset for _, _, _, offset in inputs])
+    take = bus.take
+
+    def gather() -> None:
+        take(places, 0, into, "clip")  # the places are in range; other modes copy once more
+
+    def gather_and_convert() -> None:
+        take(places, 0, into, "clip")
+        np.multiply(into, factors, out=into)
+        np.add(into, offsets, out=into)
+
+    return gather if (factors == 1.0).all() and not offsets.any() else gather_and_convert
+
+
+def _delay(bus: Floats, places: Sequence[int], first: int) -> Callable[[], None]:
+    sources, held = np.array(places, np.intp), bus[first:]
+
+    def delay() -> None:
+        bus.take(sources, 0, held, "clip")
+
+    return delay
