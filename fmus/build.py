@@ -1,7 +1,8 @@
 """Builds blocks as FMUs, and rebuilds them when what they are made of has changed.
 
-    build()                      # all blocks, into build/fmus/python/
-    ensure("plant")              # the path of plant.fmu, built when missing or out of date
+build()                      # all blocks, into build/fmus/python/
+build(flavour="native")      # in C, into build/fmus/native/
+ensure("plant")              # the path of plant.fmu, built when missing or out of date
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import hashlib
 import os
 import tempfile
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -20,11 +21,12 @@ from pathlib import Path
 from .interface import BLOCKS, Interface, load
 
 ROOT = Path(__file__).parents[1]
-FLAVOURS = ("python",)
+FLAVOURS = ("python", "native")
 
 _HERE = Path(__file__).parent
-_MAKERS = ("build.py", "description.py", "documentation.py", "interface.py", "memory.py", "packaging.py", "shell.c")
-_MAKERS += ("shell.py", "slave.py", "units.py", "native/fmi2.h")
+_MAKERS = (
+    "build.py description.py documentation.py interface.py memory.py packaging.py shell.c shell.py slave.py units.py"
+)
 
 
 class BuildError(RuntimeError):
@@ -53,17 +55,14 @@ class Block:
         return cls(load(name), Path(spec.submodule_search_locations[0]))
 
 
-def build(
-    blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: Path | None = None
-) -> dict[str, Path]:
+def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: Path | None = None) -> dict[str, Path]:
     """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError."""
     _check(flavour)
-    from .packaging import package  # here, since it takes long to import and `ensure` seldom needs it
-
+    package = _packager(flavour)
     paths = {}
     for block in [Block.named(b) if isinstance(b, str) else b for b in blocks]:
         path = _path(block.name, flavour, out)
-        stamp = _fingerprint(block).encode()
+        stamp = _fingerprint(block, flavour).encode()
         try:
             data = package(block.interface, block.folder, ROOT / "LICENSE")
         except Exception as error:
@@ -83,9 +82,16 @@ def ensure(block: str | Block, flavour: str = "python", out: Path | None = None)
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
     path = _path(chosen.name, flavour, out)
-    if _stamp(path) != _fingerprint(chosen).encode():
+    if _stamp(path) != _fingerprint(chosen, flavour).encode():
         build([chosen], flavour, out)
     return path
+
+
+def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
+    """Imported here, since it takes long and `ensure` seldom needs it."""
+    from . import native, packaging
+
+    return native.package if flavour == "native" else packaging.package
 
 
 def _path(name: str, flavour: str, out: Path | None) -> Path:
@@ -106,17 +112,24 @@ def _stamp(path: Path) -> bytes | None:
         return None
 
 
-def _fingerprint(block: Block) -> str:
+def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
-    paths = [_HERE / name for name in _MAKERS]
-    paths += [path for path in sorted(block.folder.rglob("*")) if path.suffix == ".py" and "native" not in path.parts[-2:]]
-    paths.append(ROOT / "LICENSE")
+    paths = [ROOT / "LICENSE", *(_HERE / name for name in _MAKERS.split()), *_files(block.folder)]
+    paths += _files(_HERE / "native")
+    if flavour == "native":
+        paths += _files(block.folder / "native")
     for path in paths:
         digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
     for name in ("pythonfmu", "ziglang", "pint", *_data_packages(block.folder)):
         digest.update(f"\n{name} {_version(name)}".encode())
     return digest.hexdigest()
+
+
+def _files(folder: Path) -> list[Path]:
+    """All files in a folder, but not those of its `native`."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
+    return sorted(path for path in files if path.relative_to(folder).parts[0] != "native")
 
 
 def _data_packages(folder: Path) -> list[str]:

@@ -58,7 +58,7 @@ def model_description(
         variableNamingConvention="structured",
     )
     flags = {name: _text(value) for name, value in vars(capabilities).items()}
-    ET.SubElement(root, "CoSimulation", modelIdentifier=interface.name, **flags)
+    ET.SubElement(root, "CoSimulation", {"modelIdentifier": interface.name, **flags})
     _unit_definitions(root, interface)
     _type_definitions(root, interface)
     categories = ET.SubElement(root, "LogCategories")

@@ -37,7 +37,12 @@ def _table(variables: list[Variable], causality: str) -> str:
     columns += ["Variability", "Description"] if causality == "parameter" else ["Description"]
     rows = [_row("th", columns)]
     for v in variables:
-        cells = [f"<code>{escape(v.name)}</code>", " × ".join(map(str, v.shape)), escape(_unit(v)), escape(v.frame or "")]
+        cells = [
+            f"<code>{escape(v.name)}</code>",
+            " × ".join(map(str, v.shape)),
+            escape(_unit(v)),
+            escape(v.frame or ""),
+        ]
         if causality == "output":
             cells.append(escape(", ".join(v.depends_on)))
         else:

@@ -55,7 +55,9 @@ class Layout:
         self.settable = self.parameter_references | _references(v for v in variables if v.causality == "input")
         self.tunable = self.settable - _references(v for v in variables if v.variability == "fixed")
         self.bounds = {r: bounds for v in variables if (bounds := _bounds(v)) for r in v.value_references}
-        self._get = attrgetter(*(v.name for v in outputs)) if len(outputs) > 1 else lambda out: (getattr(out, outputs[0].name),)
+        self._get = (
+            attrgetter(*(v.name for v in outputs)) if len(outputs) > 1 else lambda out: (getattr(out, outputs[0].name),)
+        )
         self._places = [(v, v.value_references[0], len(v.elements)) for v in outputs]
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
 
@@ -104,8 +106,7 @@ _SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boo
 def _start(variable: Variable, start: Any) -> Any:
     if variable.type == "enumeration":
         return 1 if start is None else int(start)
-    convert = _SCALARS[variable.type]
-    return convert() if start is None else convert(start)
+    return _SCALARS[variable.type](start or "") if variable.type == "string" else _SCALARS[variable.type](start or 0)
 
 
 def _fields(interface: Interface, block: ModuleType, causality: str, record: str) -> list[str]:
@@ -139,7 +140,9 @@ def _field_reader(variable: Variable) -> Callable[[Values], Any]:
 def to_bytes(snapshot: Snapshot, identity: str) -> bytes:
     """A snapshot as JSON. Exact: Python writes a float's shortest digits that read back as the same bits."""
     state = snapshot.state
-    fields = None if state is None else {f.name: _encode(getattr(state, f.name), f.name) for f in dataclasses.fields(state)}
+    fields = (
+        None if state is None else {f.name: _encode(getattr(state, f.name), f.name) for f in dataclasses.fields(state)}
+    )
     return json.dumps({"identity": identity, **vars(snapshot), "state": fields}, separators=(",", ":")).encode()
 
 
@@ -151,7 +154,8 @@ def from_bytes(data: bytes, identity: str, block: ModuleType) -> Snapshot:
             raise ValueError(f"it was saved by another build, {found}; this is {identity}")
         fields = entries.pop("state")
         state = None if fields is None else block.State(**{name: _decode(value) for name, value in fields.items()})
-        return Snapshot(**{**entries, "values": tuple(entries["values"]), "state": state})
+        entries |= {"values": tuple(entries["values"]), "state": state}
+        return Snapshot(**entries)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         return Snapshot((), "", math.nan, True, None, f"the serialized FMU state cannot be restored: {error}")
 
@@ -161,14 +165,21 @@ def _encode(value: Any, name: str) -> Any:
         return value
     if isinstance(value, (np.ndarray, np.generic)) and value.dtype.kind in "biuf":
         bits = base64.b64encode(np.ascontiguousarray(value).tobytes()).decode()
-        return {"dtype": value.dtype.str, "shape": list(value.shape), "scalar": isinstance(value, np.generic), "bits": bits}
+        return {
+            "dtype": value.dtype.str,
+            "shape": list(value.shape),
+            "scalar": isinstance(value, np.generic),
+            "bits": bits,
+        }
     raise ContractError(f"State.{name} is a {type(value).__name__}; expected a float, bool, int, array or None")
 
 
 def _decode(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
-    array = np.frombuffer(base64.b64decode(value["bits"]), dtype=np.dtype(value["dtype"])).reshape(value["shape"]).copy()
+    array = (
+        np.frombuffer(base64.b64decode(value["bits"]), dtype=np.dtype(value["dtype"])).reshape(value["shape"]).copy()
+    )
     return array[()] if value["scalar"] else array
 
 

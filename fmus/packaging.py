@@ -70,12 +70,15 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
         with zipfile.ZipFile(built) as archive:
             files = {name: archive.read(name) for name in archive.namelist()}
     guid = guid_from(identity)
-    return _zip(_finish(files, entry, interface.name, guid) | {
-        "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool),
-        "resources/requirements.txt": REQUIREMENTS.encode(),
-        "documentation/index.html": index_html(interface),
-        **_licences(licence),
-    })
+    return _zip(
+        _finish(files, entry, interface.name, guid)
+        | {
+            "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool),
+            "resources/requirements.txt": REQUIREMENTS.encode(),
+            "documentation/index.html": index_html(interface),
+            **_licences(licence),
+        }
+    )
 
 
 def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
@@ -94,10 +97,16 @@ def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
 def sources(folder: Path) -> dict[str, bytes]:
     """The Python files of a block's package, by their paths in it."""
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*.py")}
-    return {name: path.read_bytes().replace(b"\r\n", b"\n") for name, path in sorted(files.items()) if not name.startswith("native/")}
+    return {
+        name: path.read_bytes().replace(b"\r\n", b"\n")
+        for name, path in sorted(files.items())
+        if not name.startswith("native/")
+    }
 
 
-def _build(temporary: Path, entry: str, identity: str, interface: Interface, block: str, content: dict[str, bytes]) -> Path:
+def _build(
+    temporary: Path, entry: str, identity: str, interface: Interface, block: str, content: dict[str, bytes]
+) -> Path:
     """Lays the project out and lets PythonFMU package it."""
     code = temporary / "project" / f"{entry}_code"
     for name, data in content.items():

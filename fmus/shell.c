@@ -6,18 +6,16 @@
 #if !defined(_WIN32)
 #define _GNU_SOURCE
 #include <dlfcn.h>
-#else
-#include <windows.h>
+#include <stdlib.h>
 #endif
 
 #include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include <stddef.h>
 
 #include "fmi2.h"
 
-#define PATH_SIZE 4096
+#define PATH_SIZE 1024
+#define TEXT_SIZE 1024
 
 typedef struct {
     fmi2Component inner;
@@ -26,41 +24,100 @@ typedef struct {
     bool log_all;
 } Shell;
 
+/* Appends text to a buffer that holds `used` characters, as far as there is room; returns how many it holds then. */
+static size_t append(char *buffer, size_t size, size_t used, const char *text)
+{
+    while (*text != '\0' && used + 1 < size) {
+        buffer[used++] = *text++;
+    }
+    buffer[used] = '\0';
+    return used;
+}
+
+/* Whether a text begins with another, or is the same if `whole`. */
+static bool begins(const char *text, const char *with, bool whole)
+{
+    while (*with != '\0') {
+        if (*text++ != *with++) {
+            return false;
+        }
+    }
+    return !whole || *text == '\0';
+}
+
+/* The library beside this one, by the system's own means, so that no C runtime is needed where the system has none. */
 #if defined(_WIN32)
 
-typedef HMODULE Library;
+/* What is needed of <windows.h>, so that a build needs no Windows headers. */
+typedef struct Module *Library;
+typedef unsigned long Dword;
+#define FROM(library) __declspec(dllimport) library __stdcall
+FROM(int) GetModuleHandleExW(Dword flags, const void *address, Library *);
+FROM(Dword) GetModuleFileNameW(Library, wchar_t *path, Dword size);
+FROM(Library) LoadLibraryExW(const wchar_t *path, void *reserved, Dword flags);
+FROM(void *) GetProcAddress(Library, const char *name);
+FROM(Dword) GetLastError(void);
+FROM(Dword) FormatMessageA(Dword flags, const void *, Dword error, Dword language, char *text, Dword size, void *);
+FROM(void *) GetProcessHeap(void);
+FROM(void *) HeapAlloc(void *heap, Dword flags, size_t size);
+FROM(int) HeapFree(void *heap, Dword flags, void *memory);
+enum {
+    FROM_ADDRESS_UNCHANGED_REFERENCES = 0x4 | 0x2, /* of GetModuleHandleExW */
+    ALTERED_SEARCH_PATH = 0x8,                     /* of LoadLibraryExW */
+    FROM_SYSTEM_IGNORE_INSERTS = 0x1000 | 0x200,   /* of FormatMessageA */
+    ZERO_MEMORY = 0x8                              /* of HeapAlloc */
+};
+
+/* What Windows calls when it loads and unloads the library, in place of a C runtime's. */
+int __stdcall DllMainCRTStartup(void *library, Dword why, void *reserved)
+{
+    (void)library;
+    (void)why;
+    (void)reserved;
+    return 1;
+}
 
 static Library open_library(void)
 {
+    static const wchar_t name[] = L"pythonfmu-export.dll";
     wchar_t path[PATH_SIZE];
-    HMODULE self = NULL;
-    const DWORD flags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT;
-    if (!GetModuleHandleExW(flags, (LPCWSTR)(const void *)&open_library, &self)) {
+    Library self = NULL;
+    if (!GetModuleHandleExW(FROM_ADDRESS_UNCHANGED_REFERENCES, name, &self)) {
         return NULL;
     }
-    const DWORD length = GetModuleFileNameW(self, path, PATH_SIZE);
-    wchar_t *name = length > 0 && length < PATH_SIZE ? wcsrchr(path, L'\\') : NULL;
-    static const wchar_t inner[] = L"\\pythonfmu-export.dll";
-    if (name == NULL || (size_t)(name - path) + sizeof inner / sizeof *inner > PATH_SIZE) {
-        return NULL;
+    size_t length = GetModuleFileNameW(self, path, PATH_SIZE);
+    while (length > 0 && path[length - 1] != L'\\' && path[length - 1] != L'/') {
+        length--;
     }
-    memcpy(name, inner, sizeof inner);
-    return LoadLibraryExW(path, NULL, LOAD_WITH_ALTERED_SEARCH_PATH);
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+        if (length + i >= PATH_SIZE) {
+            return NULL;
+        }
+        path[length + i] = name[i];
+    }
+    return LoadLibraryExW(path, NULL, ALTERED_SEARCH_PATH);
 }
 
 static void *find(Library library, const char *name)
 {
-    const FARPROC function = GetProcAddress(library, name);
-    void *pointer = NULL;
-    memcpy(&pointer, &function, sizeof pointer);
-    return pointer;
+    return GetProcAddress(library, name);
 }
 
-static const char *reason(void)
+static void reason(char *text, size_t size)
 {
-    static char text[64];
-    (void)snprintf(text, sizeof text, "Windows error %lu", GetLastError());
-    return text;
+    if (FormatMessageA(FROM_SYSTEM_IGNORE_INSERTS, NULL, GetLastError(), 0, text, (Dword)size, NULL) == 0) {
+        (void)append(text, size, 0, "unknown error");
+    }
+}
+
+static void *allocate(size_t size)
+{
+    return HeapAlloc(GetProcessHeap(), ZERO_MEMORY, size);
+}
+
+static void release(void *memory)
+{
+    (void)HeapFree(GetProcessHeap(), 0, memory);
 }
 
 #else
@@ -73,15 +130,14 @@ static Library open_library(void)
 {
     char path[PATH_SIZE];
     Dl_info self;
-    if (dladdr((const void *)&fmi2GetVersion, &self) == 0 || self.dli_fname == NULL) {
+    if (dladdr((const void *)&library_opened, &self) == 0 || self.dli_fname == NULL) {
         return NULL;
     }
-    const char *end = strrchr(self.dli_fname, '/');
-    const int folder = end == NULL ? 0 : (int)(end - self.dli_fname + 1);
-    const int length = snprintf(path, sizeof path, "%.*slibpythonfmu-export.so", folder, self.dli_fname);
-    if (length < 0 || length >= PATH_SIZE) {
-        return NULL;
+    size_t length = append(path, sizeof path, 0, self.dli_fname);
+    while (length > 0 && path[length - 1] != '/') {
+        length--;
     }
+    (void)append(path, sizeof path, length, "libpythonfmu-export.so");
     library_opened = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     return library_opened;
 }
@@ -98,10 +154,20 @@ static void *find(Library library, const char *name)
     return dlsym(library, name);
 }
 
-static const char *reason(void)
+static void reason(char *text, size_t size)
 {
-    const char *text = dlerror();
-    return text != NULL ? text : "its path is too long";
+    const char *const found = dlerror();
+    (void)append(text, size, 0, found != NULL ? found : "unknown error");
+}
+
+static void *allocate(size_t size)
+{
+    return calloc(1, size);
+}
+
+static void release(void *memory)
+{
+    free(memory);
 }
 
 #endif
@@ -150,33 +216,40 @@ static struct {
     HANDED_THROUGH(POINTER)
 } inner;
 
-/* Copies a function's address without a cast between data and function pointers, which ISO C does not have. */
-#define FETCH(target, name) \
+/* Fetches a function's address; ISO C has no cast between pointers to data and to functions. */
+#define FETCH(member, name) \
     { \
-        void *address = find(library, name); \
-        memcpy(&(target), &address, sizeof address); \
-        complete = complete && address != NULL; \
+        union { \
+            void *pointer; \
+            __typeof__(inner.member) function; \
+        } address = {.pointer = find(library, name)}; \
+        inner.member = address.function; \
+        complete = complete && address.pointer != NULL; \
     }
-#define FETCH_NAMED(name, parameters, arguments) FETCH(inner.name, #name)
+#define FETCH_NAMED(name, parameters, arguments) FETCH(name, #name)
 
-/* Opens PythonFMU's library once for all instances; returns what went wrong, or NULL. */
-static const char *connect_inner(void)
+/* Opens PythonFMU's library once for all instances. Where that fails, returns false and says why. */
+static bool connect_inner(char *text, size_t size)
 {
     static bool connected = false;
     if (connected) {
-        return NULL;
+        return true;
     }
     const Library library = open_library();
     if (library == NULL) {
-        return reason();
+        reason(text, size);
+        return false;
     }
     bool complete = true;
-    FETCH(inner.instantiate, "fmi2Instantiate")
-    FETCH(inner.free_instance, "fmi2FreeInstance")
-    FETCH(inner.free_state, "fmi2FreeFMUstate")
+    FETCH(instantiate, "fmi2Instantiate")
+    FETCH(free_instance, "fmi2FreeInstance")
+    FETCH(free_state, "fmi2FreeFMUstate")
     HANDED_THROUGH(FETCH_NAMED)
     connected = complete;
-    return complete ? NULL : "it lacks a function of FMI 2.0";
+    if (!complete) {
+        (void)append(text, size, 0, "it lacks a function of FMI 2.0");
+    }
+    return complete;
 }
 
 /* Hands a message to the host. Its text is a format already (fmus/slave.py doubles each '%'). */
@@ -188,9 +261,12 @@ static void forward(fmi2ComponentEnvironment environment, fmi2String name, fmi2S
         return;
     }
     static const char marker[] = "Fatal py exception encountered: ";
-    if (strncmp(message, marker, sizeof marker - 1) == 0) {
-        const char *const line = strchr(message, '\n');
-        message = line != NULL ? line + 1 : message;
+    if (begins(message, marker, false)) { /* a line that names PythonFMU's function, then the message */
+        const char *line = message;
+        while (*line != '\0' && *line != '\n') {
+            line++;
+        }
+        message = *line == '\n' ? line + 1 : message;
     }
     shell->host->logger(shell->host->componentEnvironment, name, status == fmi2Fatal ? fmi2Error : status,
                         category != NULL && *category != '\0' ? category : "logStatusError", message);
@@ -217,21 +293,26 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (name == NULL || host == NULL || host->logger == NULL) {
         return NULL;
     }
-    const char *const fault = type != fmi2CoSimulation ? "this FMU is for co-simulation only"
-                            : strcmp(guid, BLOCK_GUID) != 0 ? "the GUID differs from this FMU's " BLOCK_GUID
-                            : resources == NULL ? "the location of the resources is missing" : NULL;
-    if (fault != NULL) {
-        host->logger(host->componentEnvironment, name, fmi2Error, "logStatusError", fault);
-        return NULL;
+    char text[TEXT_SIZE];
+    text[0] = '\0';
+    if (type != fmi2CoSimulation) {
+        (void)append(text, sizeof text, 0, "this FMU is for co-simulation only");
+    } else if (guid == NULL || !begins(guid, BLOCK_GUID, true)) {
+        (void)append(text, sizeof text, 0, "the GUID differs from this FMU's " BLOCK_GUID);
+    } else if (resources == NULL) {
+        (void)append(text, sizeof text, 0, "the location of the resources is missing");
+    } else {
+        static const char about[] = "this FMU needs a process that holds Python; PythonFMU's library cannot be loaded: ";
+        const size_t used = append(text, sizeof text, 0, about);
+        if (connect_inner(text + used, sizeof text - used)) {
+            text[0] = '\0';
+        }
     }
-    const char *const cause = connect_inner();
-    if (cause != NULL) {
-        char text[512];
-        (void)snprintf(text, sizeof text, "this FMU runs in a process that holds Python; PythonFMU's library cannot be loaded: %s", cause);
+    if (text[0] != '\0') {
         host->logger(host->componentEnvironment, name, fmi2Error, "logStatusError", text);
         return NULL;
     }
-    Shell *const shell = calloc(1, sizeof *shell);
+    Shell *const shell = allocate(sizeof *shell);
     if (shell == NULL) {
         return NULL;
     }
@@ -242,7 +323,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     shell->log_all = log != fmi2False;
     shell->inner = inner.instantiate(name, type, guid, resources, &shell->callbacks, visible, fmi2True);
     if (shell->inner == NULL) {
-        free(shell);
+        release(shell);
         return NULL;
     }
     return shell;
@@ -252,7 +333,7 @@ void fmi2FreeInstance(fmi2Component c)
 {
     if (c != NULL) {
         inner.free_instance(((Shell *)c)->inner);
-        free(c);
+        release(c);
     }
 }
 

@@ -12,12 +12,13 @@ from pathlib import Path
 
 SOURCES = (Path(__file__).with_name("shell.c"), Path(__file__).parent / "native" / "fmi2.h")
 PLATFORMS = {
-    "linux64": ("x86_64-linux-gnu.2.17", ".so", ["-fPIC", "-ldl"]),
-    "win64": ("x86_64-windows-gnu", ".dll", []),
+    "linux64": ("x86_64-linux-gnu.2.17", ".so", ["-ldl", "-Wl,--build-id=none"]),
+    "win64": ("x86_64-windows-gnu", ".dll", ["-ffreestanding", "-nostdlib", "-lkernel32"]),
 }
 """FMI's platforms for which PythonFMU brings a library: zig's target, the library's suffix, further arguments."""
 
-_FLAGS = ["-std=c11", "-O2", "-g0", "-shared", "-s", "-fvisibility=hidden", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+_FLAGS = ["-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-fno-stack-protector"]
+_FLAGS += ["-Wall", "-Wextra", "-Wpedantic", "-Wno-language-extension-token", "-Wno-gnu-alignof-expression", "-Werror"]
 
 
 class CompilerError(RuntimeError):

@@ -21,7 +21,7 @@ from .interface import Interface, parse
 from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
 
 try:
-    from .pythonfmu.fmi2slave import Fmi2Slave  # inside an FMU: the copy that it carries
+    from .pythonfmu.fmi2slave import Fmi2Slave  # type: ignore[import-not-found]  # the copy that an FMU carries
 except ModuleNotFoundError:
     from pythonfmu.fmi2slave import Fmi2Slave
 
@@ -179,7 +179,9 @@ class BlockSlave(Fmi2Slave):
     def _set(self, kind: str, references: list[int], values: Sequence[Any]) -> None:
         allowed = self.layout.tunable if self._state is not None else self.layout.settable
         if not (allowed.issuperset(references) and self.layout.of_type[kind].issuperset(references)):
-            self._refuse_set(kind, next(r for r in references if r not in allowed or r not in self.layout.of_type[kind]))
+            self._refuse_set(
+                kind, next(r for r in references if r not in allowed or r not in self.layout.of_type[kind])
+            )
         if not self.layout.bounds.keys().isdisjoint(references):
             for r, value in zip(references, values, strict=True):
                 low, high = self.layout.bounds.get(r, (-math.inf, math.inf))
@@ -218,9 +220,9 @@ class BlockSlave(Fmi2Slave):
 
     @guarded
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        if not math.isfinite(sum(values)) and (i := first_not_finite(values)) is not None:
-            if vrs[i] in self.layout.of_type["Real"]:
-                raise Refused(f"setReal: {self.layout.names[vrs[i]]} = {values[i]}; expected a finite number")
+        i = None if math.isfinite(sum(values)) else first_not_finite(values)
+        if i is not None and vrs[i] in self.layout.of_type["Real"]:
+            raise Refused(f"setReal: {self.layout.names[vrs[i]]} = {values[i]}; expected a finite number")
         self._set("Real", vrs, values)
 
     @guarded
@@ -251,10 +253,9 @@ class BlockSlave(Fmi2Slave):
         self._p = self._u = None
 
     @classmethod
-    def _fmu_state_to_bytes(cls, state: Snapshot) -> bytes:  # type: ignore[override]
+    def _fmu_state_to_bytes(cls, state: Snapshot) -> bytes:
         return to_bytes(state, cls.identity)
 
     @classmethod
-    def _fmu_state_from_bytes(cls, state: bytes) -> Snapshot:  # type: ignore[override]
+    def _fmu_state_from_bytes(cls, state: bytes) -> Snapshot:
         return from_bytes(state, cls.identity, cls.block)
-

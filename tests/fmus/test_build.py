@@ -43,7 +43,9 @@ def test_the_guid_follows_the_content(tmp_path: Path) -> None:
 def test_two_versions_of_one_fmu_in_one_process_run_their_own_code(tmp_path: Path) -> None:
     speeds = []
     hosts = [
-        Host(build([toy(tmp_path / f"v{version}", version)], out=tmp_path / f"out{version}")["toy"]).started(rate=[3.0, 4.0])
+        Host(build([toy(tmp_path / f"v{version}", version)], out=tmp_path / f"out{version}")["toy"]).started(
+            rate=[3.0, 4.0]
+        )
         for version in (1, 2)
     ]
     for host in hosts:
@@ -85,7 +87,9 @@ foreign = {{n.partition(".")[0] for n in set(sys.modules) - before if getattr(sy
 print("foreign:", sorted(foreign - {{"numpy", "fmpy", "lxml"}}))
 """
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    run = subprocess.run([sys.executable, "-P", "-c", drive], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    run = subprocess.run(
+        [sys.executable, "-P", "-c", drive], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip() == "foreign: []"
 
@@ -115,7 +119,10 @@ def _exports(library: bytes) -> set[str]:
         return struct.unpack_from(f"<{count}I", library, at)
 
     header = numbers(0x3C)[0]
-    count, optional = struct.unpack_from("<H", library, header + 6)[0], struct.unpack_from("<H", library, header + 20)[0]
+    count, optional = (
+        struct.unpack_from("<H", library, header + 6)[0],
+        struct.unpack_from("<H", library, header + 20)[0],
+    )
     sections = [numbers(header + 24 + optional + 40 * i + 8, 4) for i in range(count)]
 
     def offset(address: int) -> int:
@@ -159,5 +166,5 @@ def test_a_block_whose_ports_are_not_those_of_its_interface_is_refused_with_the_
     block = toy(tmp_path)
     code = block.folder / "block.py"
     code.write_text(code.read_text().replace("    order: int\n", "    ordre: int\n"))
-    with pytest.raises(BuildError, match="'order' is missing in the toy_.*Parameters"):
+    with pytest.raises(BuildError, match=r"'order' is missing in the toy_.*Parameters"):
         build([block], out=tmp_path)

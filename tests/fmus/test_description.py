@@ -50,7 +50,7 @@ def test_a_display_unit_is_reached_by_multiplying_with_its_factor() -> None:
 
 
 def test_a_unit_that_is_unknown_or_does_not_fit_is_refused_by_name() -> None:
-    with pytest.raises(UnitError, match="'Nn.m'"):
+    with pytest.raises(UnitError, match=r"'Nn\.m'"):
         unit("Nn.m")
     with pytest.raises(UnitError, match="'rad' cannot be shown in 'km'"):
         display_factor("rad", "km")
@@ -92,7 +92,9 @@ def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], b
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_outputs_and_initial_unknowns_list_the_interface_s_dependencies(built_fmus: dict[str, Path], block: str) -> None:
+def test_outputs_and_initial_unknowns_list_the_interface_s_dependencies(
+    built_fmus: dict[str, Path], block: str
+) -> None:
     interface, read = load(block), fmpy.read_model_description(str(built_fmus[block]))
     for unknowns, resolve in (
         (read.outputs, interface.feedthrough),

@@ -43,7 +43,8 @@ def test_an_exception_in_a_step_is_logged_with_its_traceback_and_ends_as_an_erro
         host.started(label="fail")
         message = _fails(host, lambda: host.step(0))
         assert message.startswith("toy: ValueError: rate: 100 %% wrong \\udc80\nTraceback")
-        assert "block.py" in message and "in step" in message
+        assert "block.py" in message
+        assert "in step" in message
 
 
 def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_safe(path: Path) -> None:
@@ -95,7 +96,8 @@ def test_a_step_from_another_time_than_the_block_s_is_refused(path: Path) -> Non
     with Host(path) as host:
         host.started().step(0, count=2)
         message = _fails(host, lambda: host.step(3))
-        assert "the step starts at 0.3" in message and "the block stands at 0.2 s" in message
+        assert "the step starts at 0.3" in message
+        assert "the block stands at 0.2 s" in message
         assert "nan" in _fails(host, lambda: host.fmu.doStep(math.nan, 0.1))
 
 

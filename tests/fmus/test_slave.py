@@ -83,7 +83,9 @@ def test_a_block_sees_the_inputs_last_set_under_sequential_exchange_and_those_of
                     first.step(k)
                 second.step(k)
             sums[exchange] = second.get("sum")[0] / 0.01
-    assert sums == pytest.approx({"sequential": 1 + 2 + 3 + 4, "parallel": 0 + 1 + 2 + 3, "two steps late": 0 + 0 + 0 + 1})
+    assert sums == pytest.approx(
+        {"sequential": 1 + 2 + 3 + 4, "parallel": 0 + 1 + 2 + 3, "two steps late": 0 + 0 + 0 + 1}
+    )
 
 
 def test_a_tunable_parameter_may_change_between_steps_and_a_fixed_one_may_not(path: Path) -> None:
@@ -159,14 +161,19 @@ def test_a_run_restored_at_half_time_ends_in_the_same_bits(
         (other if "bytes" in way else host).fmu.freeFMUstate(state)
 
 
-def test_a_saved_state_is_not_touched_by_later_steps_or_sets(path: Path) -> None:
-    with Host(path) as host:
-        host.started()
+def test_a_saved_state_brings_back_inputs_parameters_and_memory_whatever_came_after(path: Path) -> None:
+    with Host(path) as host, Host(path) as undisturbed:
+        for h in (host, undisturbed):
+            h.started().step(0)
         before, state = host.serialized(), host.fmu.getFMUstate()
         host.set("rate", [7.0, 7.0])
-        host.step(0, count=3)
+        host.set("gain", 9.0)
+        host.step(1, count=3)
         host.fmu.setFMUstate(state)
         assert host.serialized() == before
+        for h in (host, undisturbed):
+            h.step(1, count=2)
+        assert host.serialized() == undisturbed.serialized()
         host.fmu.freeFMUstate(state)
         host.fmu.freeFMUstate(state)  # of nothing: allowed
 

@@ -118,7 +118,7 @@ min = 1
 max = 6
 """
 
-_CODE = '''
+_CODE = """
 import math
 from dataclasses import dataclass
 import numpy as np
@@ -181,7 +181,7 @@ def step(x, u, p, h):
         s = x.sum * math.exp(-h / 3.0) + u.rate * h
     x = State(x.t + h, s, x.first_rate, u.rate / 3.0, x.steps + 1, bool(u.hold))
     return x, outputs(x, u, p)
-'''
+"""
 _TABLES = '''
 from pathlib import Path
 _FILE = Path(__file__).parent / "table.bin"
