@@ -1,5 +1,5 @@
 /* Wheel torque along the field, least-norm dipoles across it, and the hold near saturation [14]-[24].
- * Generated from fmus/interfaces/allocator.toml by python -m fmus.native.generate; do not edit. */
+ * Generated from fmus/interfaces/allocator.toml by python -m fmus.native; do not edit. */
 #ifndef ALLOCATOR_PORTS_H
 #define ALLOCATOR_PORTS_H
 

@@ -1,5 +1,5 @@
 /* Almost-global attitude tracking on SO(3) with gains that follow the errors [8]-[10].
- * Generated from fmus/interfaces/controller.toml by python -m fmus.native.generate; do not edit. */
+ * Generated from fmus/interfaces/controller.toml by python -m fmus.native; do not edit. */
 #ifndef CONTROLLER_PORTS_H
 #define CONTROLLER_PORTS_H
 

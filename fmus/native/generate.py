@@ -1,7 +1,7 @@
 """C from an interface: the structures that the laws see, and the table of ports that the shell reads.
 
 `ports_header(interface)` is `<block>/native/ports.h`, which is kept in the repository so that a block's C can be
-lifted out as it stands; a test fails when it drifts from the TOML. `python -m fmus.native.generate` rewrites all.
+lifted out as it stands; a test fails when it drifts from the TOML. `python -m fmus.native` rewrites all.
 `block_header` and `table` are written anew by every build.
 """
 
@@ -12,7 +12,7 @@ import math
 import textwrap
 from pathlib import Path
 
-from ..interface import BLOCKS, Element, Interface, Variable, load
+from ..interface import Element, Interface, Variable
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 64
@@ -31,7 +31,7 @@ def ports_header(interface: Interface) -> str:
     """A C header with the block's parameters, inputs and outputs as structures and its enumerations."""
     name = interface.name
     parts = [
-        f"/* {interface.description}.\n * Generated from fmus/interfaces/{name}.toml by python -m fmus.native.generate; do not edit. */",
+        f"/* {interface.description}.\n * Generated from fmus/interfaces/{name}.toml by python -m fmus.native; do not edit. */",
         f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
         "#include <stdbool.h>\n#include <stdint.h>\n",
     ]
@@ -116,15 +116,3 @@ def _number(x: float | bool | str) -> str:
 
 def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def main() -> None:
-    """Rewrites `ports.h` of every block."""
-    for block in BLOCKS:
-        path = ports_path(block)
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(ports_header(load(block)), "utf-8", newline="\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -65,43 +65,49 @@ void restore_starts(Instance *c)
     c->law_current = false;
 }
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean log)
+/* Notes the name; tells what is wrong where something is. */
+static bool may_instantiate(Instance *c, fmi2String name, fmi2Type type, fmi2String guid)
 {
-    (void)resources, (void)visible;
-    if (callbacks == NULL) {
-        return NULL;
-    }
-    /* Until there is an instance, a temporary one speaks. */
-    Instance speaker;
-    memset(&speaker, 0, sizeof speaker);
-    speaker.callbacks = *callbacks;
     if (name == NULL || name[0] == '\0') {
-        refuse_text(&speaker, "fmi2Instantiate", "expected an instance name, found none");
-        return NULL;
+        refuse_text(c, "fmi2Instantiate", "expected an instance name, found none");
+        return false;
     }
-    memcpy(speaker.name, name, strlen(name) < sizeof speaker.name ? strlen(name) : sizeof speaker.name - 1);
+    memcpy(c->name, name, strlen(name) < sizeof c->name ? strlen(name) : sizeof c->name - 1);
     if (type != fmi2CoSimulation) {
-        refuse_text(&speaker, "fmi2Instantiate", "expected fmi2CoSimulation, the only type of this FMU");
-        return NULL;
+        refuse_text(c, "fmi2Instantiate", "expected fmi2CoSimulation, the only type of this FMU");
+        return false;
     }
     if (guid == NULL || strcmp(guid, BLOCK_GUID) != 0) {
         Message m = message("fmi2Instantiate: GUID: expected " BLOCK_GUID ", found ");
         put(&m, guid == NULL ? "none" : guid);
         put(&m, "; the modelDescription.xml is not of this binary");
-        refuse(&speaker, &m);
-        return NULL;
+        refuse(c, &m);
+        return false;
     }
-    if (callbacks->allocateMemory == NULL || callbacks->freeMemory == NULL) {
-        refuse_text(&speaker, "fmi2Instantiate", "expected the callbacks allocateMemory and freeMemory, found NULL");
+    return true;
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean log)
+{
+    (void)resources, (void)visible;
+    if (callbacks == NULL || callbacks->allocateMemory == NULL || callbacks->freeMemory == NULL) {
+        if (callbacks != NULL && callbacks->logger != NULL) {
+            callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError",
+                              "fmi2Instantiate: expected the callbacks allocateMemory and freeMemory, found NULL");
+        }
         return NULL;
     }
     Instance *c = callbacks->allocateMemory(1, sizeof *c);
     if (c == NULL) {
-        refuse_text(&speaker, "fmi2Instantiate", "allocateMemory gave no memory");
         return NULL;
     }
-    memcpy(c, &speaker, sizeof *c);
+    memset(c, 0, sizeof *c);
+    c->callbacks = *callbacks;
+    if (!may_instantiate(c, name, type, guid)) {
+        callbacks->freeMemory(c);
+        return NULL;
+    }
     c->log_events = log != fmi2False;
     restore_starts(c);
     log_event(c, "instantiated");

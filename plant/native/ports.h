@@ -1,5 +1,5 @@
 /* Rigid satellite with one reaction wheel and three magnetic torquers on a low Earth orbit.
- * Generated from fmus/interfaces/plant.toml by python -m fmus.native.generate; do not edit. */
+ * Generated from fmus/interfaces/plant.toml by python -m fmus.native; do not edit. */
 #ifndef PLANT_PORTS_H
 #define PLANT_PORTS_H
 
@@ -9,6 +9,12 @@
 enum {
     PLANT_ORBIT_START_CIRCULAR = 1,
     PLANT_ORBIT_START_POSITION_VELOCITY = 2
+};
+
+enum {
+    PLANT_BODY_AXIS_X = 1,
+    PLANT_BODY_AXIS_Y = 2,
+    PLANT_BODY_AXIS_Z = 3
 };
 
 enum {
@@ -73,6 +79,26 @@ typedef struct {
     double gravitational_parameter;
     /* Whether the gravity-gradient moment acts */
     bool gravity_gradient;
+    /* Whether the aerodynamic moment acts; it needs an orbit between 150 and 2000 km */
+    bool drag;
+    /* Factor on the aerodynamic moment */
+    double drag_factor;
+    /* C_d of each plate */
+    double drag_coefficient;
+    /* m; Width of the octagonal cylinder across its flats */
+    double body_width;
+    /* m; Length of the octagonal cylinder */
+    double body_length;
+    /* Body axis along which the octagonal cylinder lies; four of its sides face the two others */
+    int32_t body_axis;
+    /* m; frame B; Centre of mass from the cylinder's geometric centre */
+    double center_of_mass_B[3];
+    /* Solar radio flux F10.7 of the day before, 1e-22 W/(m2 Hz) */
+    double f107;
+    /* Mean of F10.7 over 81 days, 1e-22 W/(m2 Hz) */
+    double f107_average;
+    /* Planetary geomagnetic index Ap, the day's mean */
+    double ap;
     /* Geomagnetic field model; its years must cover the epoch */
     int32_t field_model;
     /* Highest degree of the field's expansion that is used (WMM has 12, IGRF 13) */
@@ -122,6 +148,9 @@ typedef struct {
     double q_NB[4];
     /* N.m; frame B; Gravity-gradient moment M_g [2] */
     double tau_gg_B[3];
+    /* N.m; frame B; Aerodynamic moment M_ad on the body's plates, drag_factor included; zero with drag false
+     * [2] */
+    double tau_drag_B[3];
     /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
     double tau_mag_B[3];
     /* A.m2; frame rods; Dipole that each rod gives: the command within dipole_max */
@@ -138,6 +167,8 @@ typedef struct {
      * alone with constant h_w; with gravity_gradient false it is 1/2 Omega.J Omega, conserved without moments
      * and with constant h_w */
     double energy;
+    /* kg/m3; Density of the air at the satellite (NRLMSISE-00, hot oxygen included); zero with drag false */
+    double density;
     /* A demanded dipole is beyond dipole_max and is clipped */
     bool dipole_saturated;
     /* The demanded wheel torque is beyond wheel_torque_max and is clipped */

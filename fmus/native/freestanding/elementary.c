@@ -1,4 +1,4 @@
-/* sin, cos, atan2, log1p and expm1, so that an FMU needs no library at all and gives the same bits on Linux, Windows and
+/* sin, cos, atan2, log, log1p, exp and expm1, so that an FMU needs no library at all and gives the same bits on Linux, Windows and
  * macOS, whose own elementary functions differ in the last place. Each is within 2 units in the last place (tests/native/test_elementary.py).
  * Only the FMUs are linked with this file; a law that is lifted out uses its own platform's <math.h>. */
 #include <math.h>
@@ -145,35 +145,68 @@ double log1p(double x)
         const double one_plus = 1.0 + x;
         lost = (x > 1.0 ? 1.0 - (one_plus - x) : x - (one_plus - 1.0)) / one_plus;
         k = exponent(one_plus * 0.70710678118654752440) + 1;
-        f = one_plus / 2.0 * power_of_two(1 - k) - 1.0;
+        f = (k > 0 ? one_plus * power_of_two(-k) : one_plus / 2.0 * power_of_two(1 - k)) - 1.0;
     }
     const double s = f / (2.0 + f), z = s * s, half_square = 0.5 * f * f;
     const double series = s * (half_square + z * horner(z, c, 10));
     return k * ln2_high + (f - (half_square - (series + (lost + k * ln2_low))));
 }
 
-/* exp(x) - 1: x = k ln 2 + r, |r| <= 0.35, and a series for exp(r) - 1. */
-double expm1(double x)
+/* ln(x) of a normal x; the smallest numbers of all, below 2^-1022, count as zero. */
+double log(double x)
+{
+    static const double c[] = {2.0 / 3.0,  2.0 / 5.0,  2.0 / 7.0,  2.0 / 9.0,  2.0 / 11.0,
+                               2.0 / 13.0, 2.0 / 15.0, 2.0 / 17.0, 2.0 / 19.0, 2.0 / 21.0};
+    if (!(x >= 2.2250738585072014e-308)) {
+        return x >= 0.0 ? -INFINITY : NAN;
+    }
+    if (isinf(x)) {
+        return x;
+    }
+    const int k = exponent(x * 0.70710678118654752440 * 2.0);
+    const double f = (k > 0 ? x * power_of_two(-k) : x / 2.0 * power_of_two(1 - k)) - 1.0;
+    const double s = f / (2.0 + f), z = s * s, half_square = 0.5 * f * f;
+    const double series = s * (half_square + z * horner(z, c, 10));
+    return k * ln2_high + (f - (half_square - (series + k * ln2_low)));
+}
+
+/* x = k ln 2 + r, |r| <= 0.35; returns exp(r) - 1 and k. */
+static double reduced_expm1(double x, int *k)
 {
     static const double c[] = {1.0 / 6.0,        1.0 / 24.0,        1.0 / 120.0,        1.0 / 720.0,
                                1.0 / 5040.0,     1.0 / 40320.0,     1.0 / 362880.0,     1.0 / 3628800.0,
                                1.0 / 39916800.0, 1.0 / 479001600.0, 1.0 / 6227020800.0, 1.0 / 87178291200.0};
-    if (isnan(x)) {
-        return x;
-    }
-    if (x > 709.782712893384) {
-        return INFINITY;
-    }
-    if (x < -40.0) {
-        return -1.0;
-    }
     const double n = (x * 1.44269504088896338700 + shift) - shift;
     const double high = x - n * ln2_high, low = n * ln2_low;
     const double r = high - low, lost = (high - r) - low;
-    const double e = r + (0.5 * r * r + (r * r * r * horner(r, c, 12) + lost * (1.0 + r))); /* exp(r + lost) - 1 */
-    if (n == 0.0) {
-        return e;
+    *k = (int)n;
+    return r + (0.5 * r * r + (r * r * r * horner(r, c, 12) + lost * (1.0 + r)));
+}
+
+/* Results below 2^-1022 count as zero. */
+double exp(double x)
+{
+    int k;
+    if (isnan(x)) {
+        return x;
     }
-    const double half = power_of_two((int)n - 1);
-    return 2.0 * (half * e + (half - 0.5));
+    if (x > 709.782712893384 || x < -708.39) {
+        return x > 0.0 ? INFINITY : 0.0;
+    }
+    const double e = reduced_expm1(x, &k);
+    return 2.0 * (power_of_two(k - 1) * (1.0 + e));
+}
+
+double expm1(double x)
+{
+    int k;
+    if (isnan(x)) {
+        return x;
+    }
+    if (x > 709.782712893384 || x < -40.0) {
+        return x > 0.0 ? INFINITY : -1.0;
+    }
+    const double e = reduced_expm1(x, &k);
+    const double half = power_of_two(k - 1);
+    return k == 0 ? e : 2.0 * (half * e + (half - 0.5));
 }

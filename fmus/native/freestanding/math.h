@@ -16,7 +16,9 @@
 double sin(double x);
 double cos(double x);
 double atan2(double y, double x);
+double log(double x);
 double log1p(double x);
+double exp(double x);
 double expm1(double x);
 
 #endif

@@ -1,0 +1,182 @@
+/* The plant's parameters: their check, and what follows from them alone. */
+#include "plant.h"
+#include "rotation.h"
+#include "time_scales.h"
+
+static const double LOWEST_PERIGEE = WGS84_RADIUS + 100e3; /* m; below it the orbit is no orbit */
+
+static Matrix inertia(const PlantParameters *p)
+{
+    const Matrix J = matrix(p->J_B), error = matrix(p->J_error_B);
+    return (Matrix){add(J.a, error.a), add(J.b, error.b), add(J.c, error.c)};
+}
+
+static bool is_date(const PlantParameters *p, Date *date, Fault *f)
+{
+    if (!parse_date(p->epoch, date)) {
+        f->text = p->epoch;
+        f->name = "epoch";
+        f->expected = "UTC in ISO 8601, such as 2009-08-10T12:00:00Z";
+        return false;
+    }
+    return true;
+}
+
+/* The orbit, its node's drift left out. */
+static bool orbit_of(const PlantParameters *p, const Date *date, Orbit *orbit, Fault *f)
+{
+    const double mu = p->gravitational_parameter;
+    if (p->orbit_start == PLANT_ORBIT_START_POSITION_VELOCITY) {
+        return orbit_through(vector(p->r_N0), vector(p->v_N0), mu, orbit) ||
+               fault(f, "v_N0", norm(vector(p->v_N0)), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
+    }
+    *orbit = circular_orbit(p->orbit_radius, p->inclination, gmst(date) + p->node_longitude, p->argument_of_latitude, mu);
+    return true;
+}
+
+static bool is_above_ground(const PlantParameters *p, const Orbit *orbit, Fault *f)
+{
+    const char *name = p->orbit_start == PLANT_ORBIT_START_CIRCULAR ? "orbit_radius" : "r_N0, v_N0";
+    const double a = orbit->semi_major_axis, e = orbit->eccentricity;
+    if (!(a * (1.0 - e) >= LOWEST_PERIGEE)) {
+        return fault(f, name, a * (1.0 - e), "a perigee of at least 6478137 m, 100 km above the equator");
+    }
+    if (p->drag) {
+        const double lowest = a * (1.0 - e) - WGS84_RADIUS;
+        const double highest = a * (1.0 + e) - WGS84_RADIUS * (1.0 - WGS84_FLATTENING);
+        static const char *const expected = "heights of 150 km to 2000 km, where the density is known, or drag false";
+        if (!(lowest >= AIR_LOWEST)) {
+            return fault(f, name, lowest, expected);
+        }
+        if (!(highest <= AIR_HIGHEST)) {
+            return fault(f, name, highest, expected);
+        }
+    }
+    return true;
+}
+
+static bool is_attitude(const PlantParameters *p, Fault *f)
+{
+    if (p->initial_attitude == PLANT_INITIAL_ATTITUDE_Q0) {
+        return is_rotation(matrix(p->Q0), 1e-3, "Q0", "a rotation matrix, max |Q0^T Q0 - I| at most 0.001", f);
+    }
+    const double *q = p->q_NB0;
+    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    return fabs(length - 1.0) <= 1e-3 || fault(f, "q_NB0", length, "a quaternion of unit length, to 0.001");
+}
+
+static bool is_inside(const PlantParameters *p, Fault *f)
+{
+    static const char *const names[] = {"center_of_mass_B[1]", "center_of_mass_B[2]", "center_of_mass_B[3]"};
+    for (int i = 0; i < 3; ++i) {
+        const double size = p->body_axis == i + 1 ? p->body_length : p->body_width;
+        if (!(fabs(p->center_of_mass_B[i]) <= 0.5 * size)) {
+            return fault(f, names[i], p->center_of_mass_B[i], "inside the body, within half of body_length or body_width");
+        }
+    }
+    return true;
+}
+
+static bool field_covers(const PlantParameters *p, const Date *date, Fault *f)
+{
+    const FieldModel *model = &field_models[p->field_model - 1];
+    const double year = decimal_year(date);
+    if (p->field_degree < 1 || p->field_degree > model->degree) {
+        return fault(f, "field_degree", p->field_degree, "1 to the degree of the field_model");
+    }
+    if (!p->field_extrapolate && !(year >= model->years[0] && year <= model->valid_until)) {
+        return fault(f, "epoch", year, "a date within the years that field_model covers, or field_extrapolate");
+    }
+    return true;
+}
+
+bool plant_check(const PlantParameters *p, Fault *f)
+{
+    Date date;
+    Orbit orbit;
+    const Matrix U = matrix(p->rod_axes);
+    const double lengths[3] = {norm(U.a), norm(U.b), norm(U.c)};
+    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_inertia(inertia(p), "J_B + J_error_B", f)) {
+        return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(fabs(lengths[i] - 1.0) <= 1e-6)) {
+            return fault(f, "rod_axes", lengths[i], "rows of unit length, to 1e-06");
+        }
+    }
+    if (!(fabs(p->h_w0) <= p->wheel_momentum_max)) {
+        return fault(f, "h_w0", p->h_w0, "within wheel_momentum_max");
+    }
+    if (p->integrator_order != 2 && p->integrator_order != 4 && p->integrator_order != 6) {
+        return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
+    }
+    return is_attitude(p, f) && is_date(p, &date, f) && orbit_of(p, &date, &orbit, f) && is_above_ground(p, &orbit, f) &&
+           (!p->drag || is_inside(p, f)) && field_covers(p, &date, f);
+}
+
+/* An octagonal cylinder: eight sides and two ends, width across the flats. The normals of four sides lie along the two
+ * axes across; from (along, across, across) to body axes in their cyclic order. */
+static void lay_plates(const PlantParameters *p, Plate plates[PLATES])
+{
+    static const double half_root = 0.70710678118654752440; /* of two: cos 45 deg */
+    static const double c[8] = {1.0, half_root, 0.0, -half_root, -1.0, -half_root, 0.0, half_root};
+    const double edge = (2.0 * half_root - 1.0) * p->body_width;
+    const double coefficient = 0.5 * p->drag_factor * p->drag_coefficient;
+    for (int i = 0; i < PLATES; ++i) {
+        const bool side = i < 8;
+        const double along = side ? 0.0 : i == 8 ? 1.0 : -1.0;
+        const double across = side ? c[i] : 0.0, other = side ? c[(i + 6) % 8] : 0.0;
+        const Vector normal = p->body_axis == PLANT_BODY_AXIS_X   ? (Vector){along, across, other}
+                              : p->body_axis == PLANT_BODY_AXIS_Y ? (Vector){other, along, across}
+                                                                  : (Vector){across, other, along};
+        const double area = side ? edge * p->body_length : 2.0 * edge * p->body_width;
+        const double distance = 0.5 * (side ? p->body_width : p->body_length);
+        plates[i].normal = normal;
+        plates[i].arm = scale(coefficient * area, subtract(scale(distance, normal), vector(p->center_of_mass_B)));
+    }
+}
+
+/* The rotation of a quaternion, scalar first. */
+static Matrix from_quaternion(const double q[4])
+{
+    const double s = 2.0 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    return (Matrix){{1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
+                    {s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)},
+                    {s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)}};
+}
+
+void plant_prepare(const PlantParameters *p, PlantLaw *plant)
+{
+    Date date = {0, 0, 0, 1};
+    Fault unused;
+    Environment *environment = &plant->environment;
+    const Matrix U = matrix(p->rod_axes);
+
+    plant->p = *p;
+    plant->body.J = inertia(p);
+    plant->body.J_inverse = inverse(plant->body.J);
+    plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
+                           p->wheel_coulomb_friction};
+    plant->rods_to_body =
+        transposed((Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)});
+    lay_plates(p, plant->plates);
+
+    (void)is_date(p, &date, &unused);
+    (void)orbit_of(p, &date, &environment->orbit, &unused);
+    if (p->j2_node_drift) {
+        environment->orbit.node_rate = j2_node_rate(&environment->orbit, p->gravitational_parameter);
+    }
+    environment->gmst0 = gmst(&date);
+    environment->day0 = day_of_year(&date);
+    environment->field = field_of(&field_models[p->field_model - 1], decimal_year(&date), p->field_degree);
+    environment->has_air = p->drag;
+    environment->activity = activity_of(p->f107, p->f107_average, p->ap);
+    for (int i = 0; i < NODES; ++i) {
+        environment->nodes[i].known = false;
+    }
+
+    plant->R_NB0 = p->initial_attitude == PLANT_INITIAL_ATTITUDE_Q_NB0
+                       ? from_quaternion(p->q_NB0)
+                       : multiply(lvlh(motion_at(&environment->orbit, 0.0)), nearest_rotation(matrix(p->Q0)));
+}

@@ -1,0 +1,172 @@
+#include "plant.h"
+
+#include "rotation.h"
+#include "time_scales.h"
+
+static const double INTERNAL_STEPS_MAX = 1e6; /* in one communication step */
+
+/* What acts on the satellite over a step. */
+typedef struct {
+    PlantLaw *plant;
+    Vector dipole_B;
+} Acting;
+
+bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fault *f)
+{
+    (void)u, (void)f;
+    const double l_w = plant->p.h_w0;
+    x->t = 0.0;
+    x->l_w = l_w;
+    store_matrix(plant->R_NB0, x->R);
+    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), (Vector){l_w, 0.0, 0.0}), x->Pi);
+    return true;
+}
+
+static double clip(double x, double limit)
+{
+    return larger(smaller(x, limit), -limit);
+}
+
+static Vector rods(const PlantLaw *plant, const PlantInputs *u)
+{
+    const double limit = plant->p.dipole_max;
+    return (Vector){clip(u->dipole_cmd[0], limit), clip(u->dipole_cmd[1], limit), clip(u->dipole_cmd[2], limit)};
+}
+
+static Vector dipole_B(const PlantLaw *plant, Vector dipole)
+{
+    return add(apply(plant->rods_to_body, dipole), vector(plant->p.residual_dipole_B));
+}
+
+/* M_g = 3 mu/r^3 r_hat x J r_hat [2], of the position in body axes. */
+static Vector gravity_gradient(const PlantLaw *plant, Vector r_hat_B, double rate_squared)
+{
+    return scale(3.0 * rate_squared, cross(r_hat_B, apply(plant->body.J, r_hat_B)));
+}
+
+/* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i,
+ * F_i = -1/2 rho C_d A_i max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500. */
+static Vector drag(const PlantLaw *plant, Vector v_B, double density)
+{
+    Vector arms = {0.0, 0.0, 0.0};
+    for (int i = 0; i < PLATES; ++i) {
+        arms = add(arms, scale(larger(dot(plant->plates[i].normal, v_B), 0.0), plant->plates[i].arm));
+    }
+    return cross(arms, scale(-density, v_B));
+}
+
+static Vector external_moment(void *context, Matrix R, double t)
+{
+    const Acting *acting = context;
+    PlantLaw *plant = acting->plant;
+    const Surroundings around = surroundings_at(&plant->environment, t);
+    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around.b_N)), vector(plant->p.disturbance_torque_B));
+    if (plant->p.gravity_gradient) {
+        const Vector r_N = motion_at(&plant->environment.orbit, t).r;
+        const double r = norm(r_N);
+        const double rate_squared = plant->p.gravitational_parameter / (r * r * r);
+        tau = add(tau, gravity_gradient(plant, scale(1.0 / r, apply_transposed(R, r_N)), rate_squared));
+    }
+    if (plant->p.drag) {
+        tau = add(tau, drag(plant, apply_transposed(R, around.flow_N), around.density));
+    }
+    return tau;
+}
+
+bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, PlantOutputs *y, Fault *f)
+{
+    const double ratio = h / plant->p.step_max * (1.0 - 1e-12);
+    if (!(ratio <= INTERNAL_STEPS_MAX)) {
+        return fault(f, "step_max", plant->p.step_max, "at least a millionth of the communication step");
+    }
+    int n = (int)ratio;
+    n += (double)n < ratio || n == 0 ? 1 : 0;
+
+    Acting acting = {plant, dipole_B(plant, rods(plant, u))};
+    Attitude attitude = {matrix(x->R), vector(x->Pi)};
+    double l_w = x->l_w;
+    for (int i = 0; i < n; ++i) {
+        Segment parts[SEGMENTS_MAX];
+        const int count = wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, h / n, parts);
+        double t = x->t + i * (h / n);
+        for (int k = 0; k < count; ++k) {
+            if (!advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
+                return false;
+            }
+            t += parts[k].duration;
+            l_w = parts[k].l_end;
+        }
+    }
+    PlantState next;
+    next.t = x->t + h;
+    next.l_w = l_w;
+    store_matrix(attitude.R, next.R);
+    store(attitude.Pi, next.Pi);
+    if (!plant_outputs(plant, &next, u, y, f)) {
+        return false;
+    }
+    *x = next;
+    return true;
+}
+
+/* Scalar first and not negative. Shepperd's method: the largest component is the pivot, so that nothing cancels. */
+static void quaternion(Matrix R, double q[4])
+{
+    const double s[4] = {1.0 + R.a.x + R.b.y + R.c.z, 1.0 + R.a.x - R.b.y - R.c.z, 1.0 - R.a.x + R.b.y - R.c.z,
+                         1.0 - R.a.x - R.b.y + R.c.z};
+    const double x = R.c.y - R.b.z, y = R.a.z - R.c.x, z = R.b.x - R.a.y;
+    const double xy = R.a.y + R.b.x, yz = R.b.z + R.c.y, zx = R.c.x + R.a.z;
+    const double candidates[4][4] = {{s[0], x, y, z}, {x, s[1], xy, zx}, {y, xy, s[2], yz}, {z, zx, yz, s[3]}};
+    int pivot = 0;
+    for (int i = 1; i < 4; ++i) {
+        pivot = s[i] > s[pivot] ? i : pivot;
+    }
+    const double *c = candidates[pivot];
+    const double length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]);
+    const double factor = c[0] >= 0.0 ? 1.0 / length : -1.0 / length;
+    for (int i = 0; i < 4; ++i) {
+        q[i] = factor * c[i];
+    }
+}
+
+bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, PlantOutputs *y, Fault *f)
+{
+    (void)f;
+    const PlantParameters *p = &plant->p;
+    const Matrix R = matrix(x->R), J = plant->body.J;
+    const Vector Pi = vector(x->Pi);
+    const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
+    const Motion motion = motion_at(&plant->environment.orbit, x->t);
+    const Surroundings around = surroundings_at(&plant->environment, x->t);
+    const Vector dipole = rods(plant, u), b_B = apply_transposed(R, around.b_N), H_N = apply(R, Pi);
+    const Vector flow_B = apply_transposed(R, around.flow_N);
+
+    store_matrix(R, y->R_NB);
+    store(Omega, y->omega_B);
+    store(motion.r, y->r_N);
+    store(motion.v, y->v_N);
+    store(b_B, y->b_B);
+    y->h_w = x->l_w;
+    quaternion(R, y->q_NB);
+    store(H_N, y->H_N);
+    y->energy = 0.5 * dot(Omega, apply(J, Omega));
+    store((Vector){0.0, 0.0, 0.0}, y->tau_gg_B);
+    if (p->gravity_gradient) {
+        /* With U and the turning of the orbit, which is conserved on a circle. */
+        const double r = norm(motion.r);
+        const double rate_squared = p->gravitational_parameter / (r * r * r);
+        const Vector r_hat_B = scale(1.0 / r, apply_transposed(R, motion.r));
+        store(gravity_gradient(plant, r_hat_B, rate_squared), y->tau_gg_B);
+        y->energy += rate_squared * (1.5 * dot(r_hat_B, apply(J, r_hat_B)) - 0.5 * (J.a.x + J.b.y + J.c.z));
+        y->energy -= dot(cross(motion.r, motion.v), H_N) / (r * r);
+    }
+    y->density = p->drag ? around.density : 0.0;
+    store(p->drag ? drag(plant, flow_B, around.density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
+    store(cross(dipole_B(plant, dipole), b_B), y->tau_mag_B);
+    store(dipole, y->dipole);
+    y->wheel_torque = wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
+    y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
+    y->wheel_speed = x->l_w / p->wheel_inertia;
+    y->dipole_saturated = largest(vector(u->dipole_cmd)) > p->dipole_max;
+    return true;
+}

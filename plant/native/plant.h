@@ -1,0 +1,51 @@
+/* The plant: rigid satellite, wheel and rods on an orbit in the geomagnetic field and the upper atmosphere.
+ * It owns the truth: whatever is commanded, rods and wheel stay within their limits here.
+ * SI units and radians; frames as in ports.h. A function that returns false has noted a fault. */
+#ifndef PLANT_H
+#define PLANT_H
+
+#include "attitude.h"
+#include "environment.h"
+#include "fault.h"
+#include "ports.h"
+#include "wheel.h"
+
+typedef struct {
+    double t;        /* s */
+    double R[3][3];  /* N from B */
+    double Pi[3];    /* J Omega + l_w e1 [12], N m s: what is conserved, so that no conversion adds rounding */
+    double l_w;      /* N m s */
+} PlantState;
+
+enum { PLATES = 10 };
+
+/* A flat plate: outward normal, and C_d/2 times area times arm from the centre of mass. */
+typedef struct {
+    Vector normal, arm;
+} Plate;
+
+/* Parameters and what follows from them alone, nodes of the environment included. */
+typedef struct {
+    PlantParameters p;
+    Body body;
+    Wheel wheel;
+    Matrix rods_to_body; /* columns u_i */
+    Matrix R_NB0;
+    Plate plates[PLATES];
+    Environment environment;
+} PlantLaw;
+
+bool plant_check(const PlantParameters *p, Fault *f);
+
+/* p must have passed the check. */
+void plant_prepare(const PlantParameters *p, PlantLaw *plant);
+
+/* The state at t = 0. */
+bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fault *f);
+
+bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, PlantOutputs *y, Fault *f);
+
+/* From t to t + h with the command held over the step. */
+bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, PlantOutputs *y, Fault *f);
+
+#endif

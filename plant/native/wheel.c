@@ -1,0 +1,96 @@
+#include "wheel.h"
+
+#include <math.h>
+
+#include "vector.h"
+
+/* (1 - exp(-x))/x. */
+static double phi1(double x)
+{
+    return x != 0.0 ? -expm1(-x) / x : 1.0;
+}
+
+/* (x - 1 + exp(-x))/x^2; a series where that cancels. */
+static double phi2(double x)
+{
+    if (fabs(x) < 0.05) {
+        return 0.5 - x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0)))));
+    }
+    return (x + expm1(-x)) / (x * x);
+}
+
+double segment_momentum(const Segment *part, double s)
+{
+    return part->l_start + (part->drive - part->decay * part->l_start) * s * phi1(part->decay * s);
+}
+
+double segment_mean(const Segment *part, double s, double duration)
+{
+    const double from = segment_momentum(part, s);
+    return from + (part->drive - part->decay * from) * duration * phi2(part->decay * duration);
+}
+
+/* `drive` on this side of standstill. */
+static double drive_of(const Wheel *wheel, double momentum, double command)
+{
+    const double torque = larger(smaller(command, wheel->torque_max), -wheel->torque_max);
+    if (wheel->coulomb == 0.0) {
+        return torque;
+    }
+    if (momentum == 0.0) {
+        return copysign(larger(fabs(torque) - wheel->coulomb, 0.0), torque);
+    }
+    return torque - copysign(wheel->coulomb, momentum);
+}
+
+static bool is_at_limit(const Wheel *wheel, double momentum, double rate)
+{
+    return fabs(momentum) >= wheel->momentum_max && rate * momentum >= 0.0;
+}
+
+double wheel_net_torque(const Wheel *wheel, double momentum, double command, bool *at_limit)
+{
+    const double rate = drive_of(wheel, momentum, command) - wheel->decay * momentum;
+    const bool stopped = is_at_limit(wheel, momentum, rate);
+    *at_limit = stopped && rate != 0.0;
+    return stopped ? 0.0 : rate;
+}
+
+/* When l_w reaches `target`; infinite where friction stops it before. */
+static double time_to(double target, double momentum, double rate, double decay)
+{
+    const double share = (target - momentum) / rate;
+    if (decay == 0.0) {
+        return share;
+    }
+    return decay * share < 1.0 ? -log1p(-decay * share) / decay : INFINITY;
+}
+
+int wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX])
+{
+    double left = h, now = momentum;
+    int n = 0;
+    for (int i = 0; i < SEGMENTS_MAX && left > 0.0; ++i) {
+        const double drive = drive_of(wheel, now, command), decay = wheel->decay;
+        const double rate = drive - decay * now;
+        if (rate == 0.0 || is_at_limit(wheel, now, rate)) {
+            parts[n++] = (Segment){left, now, now, 0.0, 0.0};
+            break;
+        }
+        const bool to_standstill = wheel->coulomb > 0.0 && now * rate < 0.0;
+        const double target = to_standstill ? 0.0 : copysign(wheel->momentum_max, rate);
+        const double until = time_to(target, now, rate, decay);
+        if (until >= left) {
+            parts[n] = (Segment){left, now, 0.0, drive, decay};
+            parts[n].l_end = segment_momentum(&parts[n], left);
+            ++n;
+            break;
+        }
+        if (until > 0.0) {
+            parts[n++] = (Segment){until, now, target, drive, decay};
+        }
+        left -= until;
+        now = target;
+    }
+    return n;
+}
