@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test fmus bench lint format docs authorities clean
+.PHONY: run test fmus bench figures lint format docs authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -20,6 +20,12 @@ fmus: $(VENV)/run
 
 bench: $(VENV)/run
 	$(BIN)/python -m tests.bench
+
+# The paper's figures, as docs/figures shows them.
+figures: $(VENV)/test
+	for scenario in paper_no_singularity paper_singularity; do \
+	  $(BIN)/orchestrate scenarios/$$scenario.yaml --quiet --figures && cp results/$$scenario/figures/*.png docs/figures/ || exit; \
+	done
 
 # The outside authorities' table, docs/verification.md.
 authorities: $(VENV)/test

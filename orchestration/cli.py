@@ -74,6 +74,7 @@ def main() -> None:
 @click.option(
     "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
 )
+@click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
 @click.option("--log", is_flag=True, help="Print what the FMUs log as it comes.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
@@ -85,6 +86,7 @@ def run(
     step: str | None,
     duration: str | None,
     format_: str,
+    figures: bool,
     log: bool,
     quiet: bool,
 ) -> None:
@@ -113,6 +115,8 @@ def run(
     written = bool(len(result.time))
     if written:
         result.save(target, format_)
+        if figures:
+            result.draw(target / "figures")
     for warning in result.warnings:
         if not quiet:
             say(f"note: {warning}", error=True, fg="yellow")

@@ -95,3 +95,9 @@ class Result(Mapping[str, NDArray[Any]]):
         from . import folder as folders
 
         return folders.write(self, Path(folder) if folder else Path("results") / self.scenario.name, format)
+
+    def draw(self, folder: str | Path, format: str = "png") -> list[Path]:
+        """Draws the scenario's figures into a folder; `format` is one that Matplotlib writes."""
+        from . import figures
+
+        return figures.draw(self, Path(folder), format)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from . import expectations, order, signals, starts, wiring
+from . import expectations, figures, order, signals, starts, wiring
 from .block import Block
 from .clock import Clock, clock
 from .errors import BlockError, InputError, nearest
@@ -54,15 +54,17 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     sequence = _checked(faults, lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
     columns = _checked(faults, lambda: signals.recorded(scenario, models))
     checks = _checked(faults, lambda: expectations.prepare(scenario, models))
+    drawn = _checked(faults, lambda: figures.check(scenario, models))
     if faults:
         raise InputError(*faults)
+    assert drawn is not None
     assert times is not None
     assert values is not None
     assert wired is not None
     assert sequence is not None
     assert columns is not None
     assert checks is not None
-    needed = dict.fromkeys([*columns, *(node for check in checks for node in check.needed)])
+    needed = dict.fromkeys([*columns, *(node for check in checks for node in check.needed), *drawn])
     notes = [*times[1], *wired.warnings, *sequence.warnings]
     return Plan(scenario, models, times[0], wired, values, sequence, checks, list(needed), notes)
 

@@ -148,6 +148,45 @@ class Expectation(Model):
         return self
 
 
+class Panel(Model):
+    """One plot of a figure."""
+
+    signals: list[Annotated[str, Field(strict=True)]] = Field(min_length=1)
+    """Signals of one unit, recorded or not; every element of a vector is a curve."""
+    measure: Literal["element", "norm"] = "element"
+    """Each element for itself, or the Euclidean norm of the vector."""
+    unit: Annotated[str, Field(strict=True)] | None = None
+    """Unit of the axis; default: the FMU's display unit."""
+    label: str = ""
+    """Text at the axis; default: the signal's name."""
+    names: list[str] = []
+    """Names of the curves in the legend; default: those of the signals."""
+    lines: list[Quantity] = []
+    """Limits, drawn across."""
+
+
+class FigureEntry(Model):
+    """A figure: panels side by side over time."""
+
+    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
+    """Name of the file, without its ending."""
+    title: str = ""
+    panels: list[Panel] = Field(min_length=1)
+    shade: Annotated[str, Field(strict=True)] | None = None
+    """A boolean signal; the times at which it is true are shaded."""
+    mark: Annotated[str, Field(strict=True)] | None = None
+    """A scalar signal whose changes of sign are marked."""
+
+
+class Cycle(Model):
+    """A second axis of time in figures, such as orbits."""
+
+    name: str = Field(strict=True, min_length=1)
+    """What is counted: "orbits"."""
+    period: Period
+    """How long one lasts."""
+
+
 class Scenario(Model):
     """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
 
@@ -170,6 +209,10 @@ class Scenario(Model):
     record: Record = Record()
     expect: list[Expectation] = []
     """Expectations, which decide the exit status."""
+    figures: list[FigureEntry] = []
+    """Figures that `--figures` draws."""
+    cycle: Cycle | None = None
+    """A second axis of time in the figures."""
 
     _source: Source = PrivateAttr()
 
