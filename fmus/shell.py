@@ -18,7 +18,16 @@ PLATFORMS = {
 """FMI's platforms for which PythonFMU brings a library: zig's target, the library's suffix, further arguments."""
 
 _FLAGS = ["-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-fno-stack-protector"]
-_FLAGS += ["-Wall", "-Wextra", "-Wpedantic", "-Wno-language-extension-token", "-Wno-gnu-alignof-expression", "-Werror"]
+_FLAGS += [
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wshadow",
+    "-Wno-language-extension-token",
+    "-Wno-gnu-alignof-expression",
+    "-Werror",
+]
 
 
 class CompilerError(RuntimeError):
