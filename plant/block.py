@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import gravity_gradient
-from .attitude import COMPOSITIONS, lgvi_step
+from .attitude import COMPOSITIONS, Moment, lgvi_step
 from .parameters import Parameters
 from .so3 import Array, to_quaternion
 from .wheel import Segment, momentum_saturated, net_torque, segments
@@ -99,7 +99,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     return following, outputs(following, u, p)
 
 
-def _advance(R: Array, Pi: Array, part: Segment, moment, p: Parameters, t: float) -> tuple[Array, Array]:
+def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, t: float) -> tuple[Array, Array]:
     """The composed integrator over a part of a step in which the wheel moves smoothly."""
     s = 0.0
     wheel = np.array((part.l_start, 0.0, 0.0))

@@ -52,7 +52,9 @@ def parse(data: bytes, name: str) -> FieldModel:
 def _package_file(package: str, path: str) -> Path:
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
-        raise ModuleNotFoundError(f"the field models' coefficients come from {package}, which is not installed: pip install {package}")
+        raise ModuleNotFoundError(
+            f"the field models' coefficients come from {package}, which is not installed: pip install {package}"
+        )
     return Path(spec.submodule_search_locations[0], path)
 
 

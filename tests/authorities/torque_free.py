@@ -36,12 +36,20 @@ def worst_over_orderings() -> tuple[float, float]:
     return rate_error, angle_error
 
 
-@authority("Torque-free", "Body rates after 100 s, order 6, 0.25 s, all orderings", source=LANDAU, unit="rad/s", tolerance=1e-10)
+@authority(
+    "Torque-free",
+    "Body rates after 100 s, order 6, 0.25 s, all orderings",
+    source=LANDAU,
+    unit="rad/s",
+    tolerance=1e-10,
+)
 def torque_free_rates() -> float:
     return worst_over_orderings()[0]
 
 
-@authority("Torque-free", "Attitude after 100 s, order 6, 0.25 s, all orderings", source=LANDAU, unit="rad", tolerance=1e-9)
+@authority(
+    "Torque-free", "Attitude after 100 s, order 6, 0.25 s, all orderings", source=LANDAU, unit="rad", tolerance=1e-9
+)
 def torque_free_attitude() -> float:
     return worst_over_orderings()[1]
 

@@ -22,7 +22,7 @@ COMMANDS = (
 
 
 def parameters(order: int, step: float, **changes):
-    start = dict(J_B=FULL_INERTIA, omega_B0=[0.08, -0.1, 0.07], h_w0=0.012, dipole_max=500.0)
+    start = {"J_B": FULL_INERTIA, "omega_B0": [0.08, -0.1, 0.07], "h_w0": 0.012, "dipole_max": 500.0}
     return checked(**{**start, **changes, "integrator_order": order, "step_max": step})
 
 

@@ -36,5 +36,8 @@ def test_the_closed_form_is_what_quadrature_and_dop853_give(Omega):
 def test_the_attitudes_order_shows_against_the_closed_form(order):
     Omega = np.array([0.08, -0.1, 0.07])
     exact = FreeBody(FULL_INERTIA, Omega).attitude(20.0)
-    errors = {h: angle_between(bare(order, h, round(20.0 / h), np.eye(3), Omega, FULL_INERTIA)[0], exact) for h in (2.0, 1.0, 0.5)}
+    errors = {
+        h: angle_between(bare(order, h, round(20.0 / h), np.eye(3), Omega, FULL_INERTIA)[0], exact)
+        for h in (2.0, 1.0, 0.5)
+    }
     assert measured_order(errors) == pytest.approx(order, abs=0.2)

@@ -24,7 +24,9 @@ def test_a_wheel_driven_into_its_limit_inside_a_step_stops_there_and_so_does_the
     x, y = plant.step(plant.start(p, u), u, p, 4.0)
     assert x.l_w == 0.03
     assert y.omega_B[0] == pytest.approx(0.01 - 0.005 / 2.13, rel=1e-14)
-    assert y.wheel_torque == 0.0 and y.wheel_momentum_saturated and not y.wheel_torque_saturated
+    assert y.wheel_torque == 0.0
+    assert y.wheel_momentum_saturated
+    assert not y.wheel_torque_saturated
     # the angle: the torque acts for 5/3 s, then the rate is constant
     angle = 0.01 * 4.0 - 0.5 * 0.003 / 2.13 * (5 / 3) ** 2 - 0.005 / 2.13 * (4.0 - 5 / 3)
     turned = p.R_NB0.T @ x.R
@@ -53,7 +55,9 @@ def test_a_step_with_an_event_has_parts_that_join_and_fill_it():
 
 @pytest.mark.parametrize("viscous", [0.0, 1.47e-8, 1.47e-6, 3e-5])
 @pytest.mark.parametrize("coulomb", [0.0, 4e-4])
-@pytest.mark.parametrize(("start", "torque"), [(0.02, -1.2e-3), (-0.02, -3e-4), (0.004, 0.0), (0.0, 1e-3), (0.0, -3e-4), (0.029, 3e-3)])
+@pytest.mark.parametrize(
+    ("start", "torque"), [(0.02, -1.2e-3), (-0.02, -3e-4), (0.004, 0.0), (0.0, 1e-3), (0.0, -3e-4), (0.029, 3e-3)]
+)
 def test_momentum_under_friction_and_limit_is_what_solve_ivp_gives(viscous, coulomb, start, torque):
     wheel = Wheel(I_W, MAX, 0.003, viscous, coulomb)
     found = start
@@ -120,14 +124,17 @@ def test_a_torque_beyond_the_motors_is_clipped_and_flagged():
         u = command(wheel_torque_cmd=torque)
         x, y = plant.step(plant.start(p, u), u, p, 1.0)
         assert x.l_w == pytest.approx(math.copysign(0.003, torque), rel=1e-14)
-        assert y.wheel_torque == math.copysign(0.003, torque) and y.wheel_torque_saturated
+        assert y.wheel_torque == math.copysign(0.003, torque)
+        assert y.wheel_torque_saturated
     assert not plant.outputs(plant.start(p, command()), command(wheel_torque_cmd=0.003), p).wheel_torque_saturated
 
 
 def test_momentum_saturation_is_flagged_only_where_the_demand_drives_it_further():
     p = checked(h_w0=-0.03)
     x = plant.start(p, command())
-    flags = [plant.outputs(x, command(wheel_torque_cmd=torque), p).wheel_momentum_saturated for torque in (-1e-3, 0.0, 1e-3)]
+    flags = [
+        plant.outputs(x, command(wheel_torque_cmd=torque), p).wheel_momentum_saturated for torque in (-1e-3, 0.0, 1e-3)
+    ]
     assert flags == [True, False, False]
 
 
@@ -143,7 +150,9 @@ def test_a_wheel_without_any_momentum_takes_none():
     p = checked(wheel_momentum_max=0.0)
     u = command(wheel_torque_cmd=1e-3)
     x, y = plant.step(plant.start(p, u), u, p, 1.0)
-    assert x.l_w == 0.0 and y.wheel_torque == 0.0 and y.wheel_momentum_saturated
+    assert x.l_w == 0.0
+    assert y.wheel_torque == 0.0
+    assert y.wheel_momentum_saturated
 
 
 @pytest.mark.parametrize("decay", [0.0, 1e-9, 1e-3, 0.049, 0.051, 0.5, 3.0, -0.5])
@@ -165,14 +174,14 @@ class Case:
 
     def __init__(self, h_w0, torque, events, viscous=0.0, coulomb=0.0):
         self.torque, self.events, self.viscous, self.coulomb = torque, events, viscous, coulomb
-        self.start = dict(
-            J_B=FULL_INERTIA,
-            omega_B0=[0.08, -0.1, 0.07],
-            h_w0=h_w0,
-            dipole_max=500.0,
-            wheel_viscous_friction=viscous,
-            wheel_coulomb_friction=coulomb,
-        )
+        self.start = {
+            "J_B": FULL_INERTIA,
+            "omega_B0": [0.08, -0.1, 0.07],
+            "h_w0": h_w0,
+            "dipole_max": 500.0,
+            "wheel_viscous_friction": viscous,
+            "wheel_coulomb_friction": coulomb,
+        }
 
     def errors(self, order, steps):
         found = {}
@@ -220,7 +229,9 @@ CASES = {"limit": limit_case, "standstill": standstill_case, "viscous": viscous_
 @pytest.mark.parametrize("case", CASES)
 def test_the_order_is_kept_where_the_wheel_clips_stands_still_or_is_braked(case, order):
     """The event falls inside a step, at a place that differs from step to step, so the slope is taken end to end."""
-    errors = CASES[case]().errors(order, {2: (1.0, 0.5, 0.25, 0.125), 4: (2.0, 1.0, 0.5, 0.25), 6: (2.0, 1.0, 0.5)}[order])
+    errors = CASES[case]().errors(
+        order, {2: (1.0, 0.5, 0.25, 0.125), 4: (2.0, 1.0, 0.5, 0.25), 6: (2.0, 1.0, 0.5)}[order]
+    )
     assert measured_order(errors) > order - 0.35
     assert min(errors.values()) < {2: 2e-4, 4: 5e-8, 6: 2e-8}[order]
 
