@@ -15,6 +15,7 @@ from .block import Floats
 from .errors import InputError
 from .quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from .scenario import FigureEntry, Panel, Scenario
+from .source import Key
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,7 +35,7 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     needed: dict[Node, None] = {}
     faults: list[str] = []
     for i, entry in enumerate(scenario.figures):
-        wanted = [(("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)]
+        wanted: list[tuple[Key, str]] = [(("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)]
         for j, panel in enumerate(entry.panels):
             place = ("figures", i, "panels", j)
             wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]
