@@ -150,6 +150,8 @@ def build(blocks: tuple[str, ...], out: Path | None) -> None:
     from fmus.build import BLOCKS, BuildError
     from fmus.build import build as build_fmus
 
+    from .fmu import shown
+
     for block in blocks:
         if block not in BLOCKS:
             raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
@@ -160,7 +162,7 @@ def build(blocks: tuple[str, ...], out: Path | None) -> None:
     except OSError as error:
         raise InputError(f"{error.filename}: {error.strerror}") from None
     for path in paths.values():
-        say(f"{_shown(path)}  {path.stat().st_size / 1000:.0f} kB")
+        say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 
 
 @main.command()
@@ -169,10 +171,6 @@ def schema() -> None:
     from .schema import text
 
     click.echo(text(), nl=False)
-
-
-def _shown(path: Path) -> Path:
-    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
 if __name__ == "__main__":

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from .errors import InputError, nearest
+from .errors import InputError, nearest, said
 from .scenario import Scenario
 from .source import Key, Source
 
@@ -14,11 +15,14 @@ from .source import Key, Source
 def validated(model: type[Scenario], source: Source) -> Scenario:
     """The scenario that the source holds. Raises InputError with a message for each thing that is wrong."""
     if not isinstance(source.data, dict):
-        raise InputError(source.error((), f"expected keys such as 'name' and 'blocks', found {_found(source.data)}"))
+        raise InputError(source.error((), f"expected keys such as 'name' and 'blocks', found {said(source.data)}"))
     try:
         scenario = model.model_validate(source.data)
     except ValidationError as error:
-        messages = [_message(model, source, detail) for detail in error.errors(include_url=False)]
+        details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
+        messages = [_message(model, source, detail) for detail in details]
+        meant = [m for m in messages if "did you mean" in m]  # a misspelt key is not missing as well
+        messages = [m for m in messages if not any(f"mean {_missing(m)!r}" in other for other in meant)]
         raise InputError(*dict.fromkeys(messages)) from None
     scenario._source = source
     return scenario
@@ -46,22 +50,22 @@ def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
         return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{hint}")
     if kind == "missing":
         about = _model_at(model, key[:-1]).model_fields[str(key[-1])].description or ""
-        return source.error(key[:-1], f"{key[-1]!r} is missing: {_first_sentence(about)}")
+        return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
     if kind == "value_error":
         text = str(context["error"])
     elif kind in _EXPECTED:
-        text = f"expected {_EXPECTED[kind]}, found {_found(value)}"
+        text = f"expected {_EXPECTED[kind]}, found {said(value)}"
     elif kind == "literal_error":
-        text = f"expected {context['expected']}, found {value!r}{_hint(value, context['expected'])}"
+        text = f"expected {context['expected']}, found {said(value)}{_hint(value, context['expected'])}"
     elif kind == "greater_than_equal":
         text = f"expected {context['ge']} or more, found {value}"
     elif kind in ("too_short", "string_too_short"):
         text = "must not be empty"
     elif kind == "string_pattern_mismatch":
-        dashes = " . -" if "-" in context["pattern"] else ""
-        text = f"expected a name of letters, digits and _{dashes}, found {value!r}"
+        dashes = " . -" if context["pattern"].endswith(".-]*$") else ""
+        text = f"expected a name of letters, digits and _{dashes}, found {said(value)}"
     else:
-        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {_found(value)}"
+        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {said(value)}"
     return source.error(key, text)
 
 
@@ -95,13 +99,12 @@ def _hint(value: Any, expected: str) -> str:
     return near if "did you mean" in near else ""
 
 
-def _first_sentence(text: str) -> str:
-    return text.split(". ")[0].split("\n")[0].rstrip(".;")
+def _missing(message: str) -> str | None:
+    match = re.search(r"'(\w+)' is missing:", message)
+    return match[1] if match else None
 
 
-def _found(value: Any) -> str:
-    if value is None:
-        return "nothing"
-    if isinstance(value, dict):
-        return "names with values"
-    return "a list" if isinstance(value, list) else repr(value)
+def _begin(text: str) -> str:
+    """The first sentence of a description, to stand within another one."""
+    first = text.split(". ")[0].split("\n")[0].rstrip(".;")
+    return first[:1].lower() + first[1:]

@@ -49,3 +49,14 @@ def nearest(name: str, names: Iterable[str]) -> str:
     if 0 < len(names) <= 8:
         return f"; there {'is only' if len(names) == 1 else 'are'} {', '.join(names)}"
     return ""
+
+
+def said(value: Any) -> str:
+    """A value as the user wrote it, for "found ..."."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "names with values"
+    return "a list" if isinstance(value, (list, tuple)) else repr(value)

@@ -99,7 +99,7 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
     if expectation.when is not None:
         condition, found = signals.find(scenario, (*key, "when"), expectation.when, models)
         if condition.type != "boolean" or len(found) != 1:
-            message = f"expected one boolean, but {expectation.when} is a {condition.kind}"
+            message = f"expected one boolean, but {expectation.when} is {condition.kind}"
             raise InputError(scenario.error((*key, "when"), message))
         when = found[0]
     for name in ("after", "before"):
@@ -111,7 +111,7 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
         raise InputError(scenario.error((*key, "measure"), f"{expectation.signal} is {variable.type} and has no norm"))
     if expectation.zeros is not None:
         if len(nodes) != 1 or variable.type == "boolean" or expectation.measure == "norm":
-            message = f"zeros are counted of one number; {expectation.signal} is a {variable.kind}"
+            message = f"zeros are counted of one number; {expectation.signal} is {variable.kind}"
             raise InputError(scenario.error((*key, "zeros"), message))
         unit = variable.unit or ONE
         return Check(expectation, nodes, when, unit, 1.0, 0.0, 0.0, 0.0, False, _times(expectation.zeros))

@@ -35,7 +35,9 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     needed: dict[Node, None] = {}
     faults: list[str] = []
     for i, entry in enumerate(scenario.figures):
-        wanted: list[tuple[Key, str]] = [(("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)]
+        wanted: list[tuple[Key, str]] = [
+            (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
+        ]
         for j, panel in enumerate(entry.panels):
             place = ("figures", i, "panels", j)
             wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]

@@ -42,9 +42,9 @@ class Fmu:
         try:
             fmpy.extract(self.path, folder)
         except _DAMAGED as error:
-            raise InputError(f"{self.path} is a damaged zip archive: {error}") from None
+            raise InputError(f"{shown(self.path)} is a damaged zip archive: {error}") from None
         except OSError as error:
-            raise InputError(f"{self.path} cannot be unpacked: {error.strerror}") from None
+            raise InputError(f"{shown(self.path)} cannot be unpacked: {error.strerror}") from None
 
 
 def _library(identifier: str) -> str:
@@ -55,18 +55,24 @@ def open_fmu(path: Path) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line."""
     if not path.exists():
         near = nearest(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
-        raise InputError(f"there is no FMU {path}{near}")
+        raise InputError(f"there is no FMU {shown(path)}{near}")
     if path.is_dir():
-        raise InputError(f"{path} is a folder; expected an .fmu file")
+        raise InputError(f"{shown(path)} is a folder; expected an .fmu file")
     names = _names(path)
     description = _description(path)
     identifier = description.coSimulation.modelIdentifier
     if _library(identifier) not in names:
         offered = sorted({name.split("/")[1] for name in names if re.match(r"binaries/[^/]+/[^/]+", name)})
         raise InputError(
-            f"{path} has no binary for this platform: expected {_library(identifier)}, found binaries for {', '.join(offered) or 'none'}"
+            f"{shown(path)} has no binary for this platform: expected {_library(identifier)}, found binaries for {', '.join(offered) or 'none'}"
         )
     return Fmu(path, hashlib.sha256(path.read_bytes()).hexdigest(), description, describe(description))
+
+
+def shown(path: Path) -> Path:
+    """The path as the user knows it: relative to the current folder where it lies in it."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path
 
 
 def _names(path: Path) -> set[str]:
@@ -77,13 +83,13 @@ def _names(path: Path) -> set[str]:
         with path.open("rb") as file:
             truncated = file.read(2) == b"PK"
         what = "is a damaged or truncated zip archive" if truncated else "is no FMU: an FMU is a zip archive"
-        raise InputError(f"{path} {what}") from None
+        raise InputError(f"{shown(path)} {what}") from None
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+        raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
     if outside := next((n for n in names if n.startswith("/") or "\\" in n or ":" in n or ".." in n.split("/")), None):
-        raise InputError(f"{path} would unpack to a place outside its folder: {outside}")
+        raise InputError(f"{shown(path)} would unpack to a place outside its folder: {outside}")
     if "modelDescription.xml" not in names:
-        raise InputError(f"{path} is no FMU: it holds no modelDescription.xml")
+        raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
     return set(names)
 
 
@@ -92,21 +98,23 @@ def _description(path: Path) -> Any:
         with zipfile.ZipFile(path) as archive:
             head = archive.read("modelDescription.xml")
     except _DAMAGED as error:
-        raise InputError(f"{path} is a damaged zip archive: {error}") from None
+        raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
     # The version decides first: the schema's complaints about another version would only confuse.
     version = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", head)
     if version is not None and version[1] != b"2.0":
         raise InputError(
-            f"{path} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
+            f"{shown(path)} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
         )
     try:
         description = read_model_description(str(path))
     except ValidationError as error:
-        shown = [f"  {problem}" for problem in error.problems[:5]]
+        some = [f"  {problem}" for problem in error.problems[:5]]
         more = [f"  and {len(error.problems) - 5} more"] if len(error.problems) > 5 else []
-        raise InputError("\n".join([f"{path}: modelDescription.xml is not valid:", *shown, *more])) from None
+        raise InputError("\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more])) from None
     except Exception as error:  # FMPy and lxml raise what they please
-        raise InputError(f"{path}: modelDescription.xml cannot be read: {' '.join(str(error).split())}") from None
+        raise InputError(
+            f"{shown(path)}: modelDescription.xml cannot be read: {' '.join(str(error).split())}"
+        ) from None
     if description.coSimulation is None:
-        raise InputError(f"{path} is for model exchange only; expected an FMU for co-simulation")
+        raise InputError(f"{shown(path)} is for model exchange only; expected an FMU for co-simulation")
     return description

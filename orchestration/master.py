@@ -134,7 +134,7 @@ class Master:
         count = 0
         begun = perf_counter()
         due = begun + REPORT_EVERY
-        with interruptible() as interrupted:
+        with interruptible() as interrupted, np.errstate(over="ignore"):
             try:
                 while count < steps and not interrupted:
                     if delay is not None:

@@ -66,8 +66,9 @@ class Variable:
 
     @property
     def kind(self) -> str:
-        """Type and shape in words: "real [3, 3]"."""
-        return f"{self.type} {list(self.shape)}" if self.shape else f"{self.type} scalar"
+        """Type and shape in words: "a real [3, 3]"."""
+        article = "an" if self.type[0] in "ie" else "a"
+        return f"{article} {self.type} {list(self.shape) if self.shape else 'scalar'}"
 
 
 class NameUnknown(ValueError):
@@ -113,14 +114,12 @@ class Model:
             return variable, list(range(variable.size))
         first = variable.first_index or (1,) * len(variable.shape)
         if len(index) != len(variable.shape):
-            raise NameUnknown(
-                f"{block}.{name} is a {variable.kind}; an element of it has {len(variable.shape)} indices"
-            )
+            raise NameUnknown(f"{block}.{name} is {variable.kind}; an element of it has {len(variable.shape)} indices")
         position = 0
         for i, one, length in zip(index, first, variable.shape, strict=True):
             if not one <= i < one + length:
                 raise NameUnknown(
-                    f"{block}.{name} is a {variable.kind}; index {i} is outside {one} to {one + length - 1}"
+                    f"{block}.{name} is {variable.kind}; index {i} is outside {one} to {one + length - 1}"
                 )
             position = position * length + i - one
         return variable, [position]

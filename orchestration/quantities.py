@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from .errors import said
+
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 Exponents = tuple[int, ...]
 _ONE: Exponents = (0,) * len(BASES)
@@ -85,7 +87,7 @@ def value_in(value: object, unit: Unit) -> float:
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         number = float(value)
     else:
-        raise QuantityError(f"expected a number or text with a unit, found {value!r}")
+        raise QuantityError(f"expected a number or text with a unit, found {said(value)}")
     if not math.isfinite(number):
         raise QuantityError(f"expected a finite number, found {value}")
     return number

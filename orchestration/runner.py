@@ -128,6 +128,7 @@ def execute(scenario: Scenario, progress: Progress | None = None, verbose: bool 
 
 
 def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
+    from .fmu import shown
     from .slave import Slave
 
     work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)))
@@ -140,7 +141,7 @@ def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose
         except InputError as error:
             raise InputError(ready.scenario.error(("blocks", name, "fmu"), str(error))) from None
         except BlockError as error:
-            raise InputError(ready.scenario.error(("blocks", name, "fmu"), f"{fmu.path}: {error}")) from None
+            raise InputError(ready.scenario.error(("blocks", name, "fmu"), f"{shown(fmu.path)}: {error}")) from None
         stack.callback(slave.close)
         blocks[name] = slave
     return blocks

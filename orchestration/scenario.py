@@ -21,6 +21,7 @@ from pydantic import (
     model_validator,
 )
 
+from .errors import said
 from .quantities import SECOND, QuantityError, parse, value_in
 from .source import Key, Source
 
@@ -45,7 +46,7 @@ def _quantity(value: Any) -> Any:
         except QuantityError as error:
             raise ValueError(str(error)) from None
     elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
-        raise ValueError(f"expected a number or text with a unit, found {value!r}")
+        raise ValueError(f"expected a number or text with a unit, found {said(value)}")
     return value
 
 

@@ -97,8 +97,10 @@ def parse(text: str, file: str | None = None) -> Source:
         node = YAML(typ="safe", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        line = f":{mark.line + 1}" if mark else ""
+        line = f":{mark.line + 1}" if mark and "\n" in text.rstrip("\n") else ""
         what = " ".join(filter(None, (error.context, error.problem)))
+        if error.context_mark and mark and error.context_mark.line != mark.line:
+            what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
         raise InputError(f"{file or 'text'}{line}: no valid YAML: {what}") from None
     except (YAMLError, RecursionError) as error:
         raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .errors import InputError, nearest
+from .errors import InputError, nearest, said
 from .model import Element, Model, NameUnknown, Variable, unit_of
 from .quantities import QuantityError, convert, parse, value_in
 from .scenario import Scenario, split
@@ -88,7 +88,7 @@ def _shape_in_words(shape: tuple[int, ...]) -> str:
 
 def _shape_found(value: Any) -> str:
     if not isinstance(value, (list, tuple)):
-        return repr(value)
+        return said(value)
     lengths = {len(row) if isinstance(row, (list, tuple)) else 0 for row in value}
     if lengths == {0} or not value:
         return f"a list of {len(value)}"
@@ -100,17 +100,17 @@ def _scalar(variable: Variable, position: int, value: Any) -> Scalar:
         value = value.item()
     if variable.type == "string":
         if not isinstance(value, str):
-            raise QuantityError(f"expected text, found {value!r}")
+            raise QuantityError(f"expected text, found {said(value)}")
         return value
     if variable.type == "boolean":
         if not isinstance(value, bool):
-            raise QuantityError(f"expected true or false, found {value!r}")
+            raise QuantityError(f"expected true or false, found {said(value)}")
         return value
     if variable.type == "enumeration":
         return item(variable, value)
     if variable.type == "integer":
         if isinstance(value, bool) or not isinstance(value, int):
-            raise QuantityError(f"expected a whole number, found {value!r}")
+            raise QuantityError(f"expected a whole number, found {said(value)}")
         if not -(2**31) <= value < 2**31:
             raise QuantityError(f"expected a whole number of 32 bits, found {value}")
         return _limited(variable, position, value, value)
@@ -123,7 +123,7 @@ def item(variable: Variable, value: Any) -> int:
     if isinstance(value, bool) or str(value) not in items:
         near = nearest(str(value), items)
         raise QuantityError(
-            f"expected one of {', '.join(items)}, found {value!r}{near if 'did you mean' in near else ''}"
+            f"expected one of {', '.join(items)}, found {said(value)}{near if 'did you mean' in near else ''}"
         )
     return items[str(value)]
 
@@ -142,7 +142,9 @@ def _real(variable: Variable, value: Any) -> float:
         return value_in(value, unit)
     except QuantityError as error:
         if isinstance(value, str) and variable.unit is None and "does not fit" in str(error):
-            raise QuantityError(f"{variable.name} has no unit, so expected a bare number, found {value!r}") from None
+            raise QuantityError(
+                f"{variable.name} has no unit, so expected a bare number, found {said(value)}"
+            ) from None
         raise
 
 
@@ -152,7 +154,7 @@ def _limited(variable: Variable, position: int, number: float, value: Any) -> fl
     if low <= number <= high:
         return number
     unit = f" {variable.unit}" if variable.unit else ""
-    said = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
+    given = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
     element = f"{variable.label(position)}: " if variable.shape else ""
     side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"
-    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{said}")
+    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}")

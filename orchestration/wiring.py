@@ -203,7 +203,7 @@ def _name(node: Node, models: Mapping[str, Model]) -> str:
 
 def _shape(end: _End) -> str:
     if len(end.positions) == end.variable.size:
-        return f"{end.name} is a {end.variable.kind}"
+        return f"{end.name} is {end.variable.kind}"
     return f"{end.block}.{end.variable.label(end.positions[0])} is one element"
 
 

@@ -1,0 +1,31 @@
+"""Whatever is wrong, a message says where and what, and no traceback is seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from .wrong_inputs import CASES, Case, outcome, page
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_wrong_input_is_told_in_a_message(case: Case, tmp_path: Path):
+    status, output = outcome(case, tmp_path)
+    assert case.message in output
+    assert status == case.status
+    assert "Traceback" not in output
+    assert "internal error" not in output
+    if status == 2:
+        assert not (tmp_path / "results" / "loop").exists(), "nothing was run"
+
+
+def test_there_are_thirty_cases_or_more_under_names_of_their_own():
+    assert len({case.name for case in CASES}) == len(CASES) >= 30
+
+
+@pytest.mark.skipif(fmpy.platform != "linux64", reason="the page names the platform's libraries")
+def test_the_page_of_errors_is_up_to_date():
+    committed = Path(__file__).parents[2] / "docs" / "errors.md"
+    assert committed.read_text("utf-8") == page(), "python -m tests.orchestration.wrong_inputs > docs/errors.md"
