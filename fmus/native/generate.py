@@ -63,8 +63,9 @@ def block_header(interface: Interface, guid: str) -> str:
     name, title = interface.name, interface.name.title()
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
+    counts = f"#define BLOCK_VARIABLES {len(interface.elements)}u\n#define BLOCK_REAL_OUTPUTS {len(_real_outputs(interface))}u"
     return (
-        f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n#define BLOCK_VARIABLES {len(interface.elements)}u\n\n'
+        f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n{counts}\n\n'
         f"{types}\n\n{calls}\n"
     )
 
@@ -83,7 +84,13 @@ def table(interface: Interface) -> str:
 const Variable variables[BLOCK_VARIABLES] = {{
 {rows}
 }};
+
+const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {{{", ".join(map(str, _real_outputs(interface)))}}};
 """
+
+
+def _real_outputs(interface: Interface) -> list[int]:
+    return [r for v in interface.of("output") if v.type == "real" for r in v.value_references]
 
 
 def _row(variable: Variable, position: int, element: Element) -> str:

@@ -33,6 +33,7 @@ typedef struct {
 } Ports;
 
 extern const Variable variables[BLOCK_VARIABLES];
+extern const uint16_t real_outputs[BLOCK_REAL_OUTPUTS]; /* their value references */
 
 typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
 
@@ -81,6 +82,9 @@ void restore_starts(Instance *c);
 
 /* Checks the parameters where they have changed; fmi2Error with a message where they do not fit each other. */
 fmi2Status make_law_current(Instance *c, const char *function);
+
+/* Whether all outputs are finite; refuses where one is not. */
+bool outputs_finite(const Instance *c, const char *function, const Outputs *y);
 
 /* Evaluates the outputs where they do not fit the inputs. Changes no memory of the block. */
 fmi2Status make_outputs_fresh(Instance *c, const char *function);

@@ -179,6 +179,45 @@ fmi2Status make_law_current(Instance *c, const char *function)
     return fmi2OK;
 }
 
+bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
+{
+    const unsigned char *bytes = (const unsigned char *)y;
+    double value, sum = 0.0;
+    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
+        memcpy(&value, bytes + (variables[real_outputs[i]].offset - offsetof(Ports, y)), sizeof value);
+        sum += 0.0 * value; /* NaN of NaN and of infinity */
+    }
+    if (sum == 0.0) {
+        return true;
+    }
+    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
+        const Variable *v = &variables[real_outputs[i]];
+        memcpy(&value, bytes + (v->offset - offsetof(Ports, y)), sizeof value);
+        if (!isfinite(value)) {
+            refuse_fault(c, function, &(Fault){v->name, "a finite number for this output", NULL, value});
+            break;
+        }
+    }
+    return false;
+}
+
+/* The outputs of x, written only where all is well. */
+static fmi2Status evaluate(Instance *c, const char *function, const State *x)
+{
+    Fault f = {"inputs", "", NULL, 0.0};
+    Outputs y;
+    memset(&y, 0, sizeof y);
+    if (!block_outputs(&c->law, x, &c->memory.ports.u, &y, &f)) {
+        return refuse_fault(c, function, &f);
+    }
+    if (!outputs_finite(c, function, &y)) {
+        return fmi2Error;
+    }
+    memcpy(&c->memory.ports.y, &y, sizeof y);
+    c->memory.fresh = true;
+    return fmi2OK;
+}
+
 fmi2Status make_outputs_fresh(Instance *c, const char *function)
 {
     if (c->memory.fresh) {
@@ -188,15 +227,12 @@ fmi2Status make_outputs_fresh(Instance *c, const char *function)
         return fmi2Error;
     }
     Fault f = {"inputs", "", NULL, 0.0};
-    Ports *ports = &c->memory.ports;
     State x = c->memory.state;
     const bool running = c->memory.mode == MODE_STEP || c->memory.mode == MODE_TERMINATED;
-    if ((!running && !block_start(&c->law, &ports->u, &x, &f)) ||
-        !block_outputs(&c->law, &x, &ports->u, &ports->y, &f)) {
+    if (!running && !block_start(&c->law, &c->memory.ports.u, &x, &f)) {
         return refuse_fault(c, function, &f);
     }
-    c->memory.fresh = true;
-    return fmi2OK;
+    return evaluate(c, function, &x);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component)
@@ -222,13 +258,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
     Fault f = {"inputs", "", NULL, 0.0};
     State x;
     memset(&x, 0, sizeof x);
-    Ports *ports = &c->memory.ports;
-    if (!block_start(&c->law, &ports->u, &x, &f) || !block_outputs(&c->law, &x, &ports->u, &ports->y, &f)) {
+    if (!block_start(&c->law, &c->memory.ports.u, &x, &f)) {
         return refuse_fault(c, "fmi2ExitInitializationMode", &f);
     }
-    c->memory.state = x;
+    if (evaluate(c, "fmi2ExitInitializationMode", &x) != fmi2OK) {
+        return fmi2Error;
+    }
+    memcpy(&c->memory.state, &x, sizeof x);
     c->memory.mode = MODE_STEP;
-    c->memory.fresh = true;
     log_event(c, "initialized");
     return fmi2OK;
 }

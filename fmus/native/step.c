@@ -32,8 +32,11 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     if (!block_step(&c->law, &x, &memory->ports.u, h, &y, &f)) {
         return refuse_fault(c, "fmi2DoStep", &f);
     }
-    memory->state = x;
-    memory->ports.y = y;
+    if (!outputs_finite(c, "fmi2DoStep", &y)) {
+        return fmi2Error;
+    }
+    memcpy(&memory->state, &x, sizeof x);
+    memcpy(&memory->ports.y, &y, sizeof y);
     memory->time = t + h;
     memory->fresh = true;
     return fmi2OK;

@@ -6,10 +6,10 @@
 
 enum { FIELD_DEGREE_MAX = 13, FIELD_TERMS = 104 };
 
-/* Coefficients nT, Schmidt semi-normalised, n = 1 to 13, m = 0 to n in this order: in time linear between the epochs,
+/* Coefficients nT, Schmidt semi-normalised, n = 1 to 13 (WMM's are zero above 12), m = 0 to n in this order: in time linear between the epochs,
  * secular variation after the last. The build writes the table from the packages that maintain the models. */
 typedef struct {
-    int epochs, degree;
+    int epochs;
     const double *years;
     double valid_until;
     const double (*g)[FIELD_TERMS], (*h)[FIELD_TERMS]; /* one row for each epoch */

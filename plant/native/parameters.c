@@ -81,8 +81,8 @@ static bool field_covers(const PlantParameters *p, const Date *date, Fault *f)
 {
     const FieldModel *model = &field_models[p->field_model - 1];
     const double year = decimal_year(date);
-    if (p->field_degree < 1 || p->field_degree > model->degree) {
-        return fault(f, "field_degree", p->field_degree, "1 to the degree of the field_model");
+    if (p->field_degree < 1 || p->field_degree > FIELD_DEGREE_MAX) {
+        return fault(f, "field_degree", p->field_degree, "1 to 13");
     }
     if (!p->field_extrapolate && !(year >= model->years[0] && year <= model->valid_until)) {
         return fault(f, "epoch", year, "a date within the years that field_model covers, or field_extrapolate");

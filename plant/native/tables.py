@@ -23,20 +23,19 @@ def _field_models() -> str:
     rows = []
     for name in field_models.NAMES:
         model = tables.field_model(name)
-        degree = int(np.nonzero(model.g.any(axis=(0, 2)))[0].max())
         parts.append(f"static const double {name}_years[] = {_list(model.epochs)};")
         for key in ("g", "h"):
             sets = ",\n".join(_list(_terms(values)) for values in getattr(model, key))
             parts.append(f"static const double {name}_{key}[][FIELD_TERMS] = {{\n{sets}}};")
             parts.append(f"static const double {name}_{key}_rate[] = {_list(_terms(getattr(model, key + '_dot')))};")
-        rows.append(_model(name, model, degree))
+        rows.append(_model(name, model))
     parts.append("const FieldModel field_models[] = {\n" + ",\n".join(rows) + "\n};\n")
     return "\n".join(parts)
 
 
-def _model(name: str, model: FieldModel, degree: int) -> str:
+def _model(name: str, model: FieldModel) -> str:
     arrays = ", ".join(f"{name}_{part}" for part in ("g", "h", "g_rate", "h_rate"))
-    return f"    {{{len(model.epochs)}, {degree}, {name}_years, {model.valid_until!r}, {arrays}}}"
+    return f"    {{{len(model.epochs)}, {name}_years, {model.valid_until!r}, {arrays}}}"
 
 
 def _terms(square: np.ndarray) -> list[float]:
