@@ -62,7 +62,7 @@ def _needs(
         inputs = hook(node.block, node.element)
     if inputs is None:
         inputs = model.inputs
-    found = (sources.get(Node(node.block, element)) for element in inputs)
+    found = (sources.get(Node(node.block, element)) for element in sorted(inputs))
     return dict.fromkeys((source for source in found if source is not None), declared is not None)
 
 
@@ -76,7 +76,7 @@ def _refuse_loops(
     for group in components(declared):
         if len(group) == 1 and group[0] not in declared[group[0]]:
             continue
-        loop = _cycle(declared, set(group))
+        loop = _cycle(declared, group)
         targets = [_fed(node, loop[i - 1], sources) for i, node in enumerate(loop)]
         chain = [f"{n.block}.{n.element.variable}" for n in loop]
         path = " -> ".join(dict.fromkeys(chain)) + f" -> {chain[0]}"
@@ -90,9 +90,9 @@ def _fed(node: Node, source: Node, sources: Mapping[Node, Node]) -> str:
     return next(names, "")
 
 
-def _cycle(graph: Mapping[Node, list[Node]], group: set[Node]) -> list[Node]:
-    """A loop within a strongly connected group, in the direction of the signals."""
-    node, path = next(iter(group)), []
+def _cycle(graph: Mapping[Node, list[Node]], group: list[Node]) -> list[Node]:
+    """A loop within a strongly connected group, in the direction of the signals; always the same one."""
+    node, path = max(group), []
     while node not in path:
         path.append(node)
         node = next(n for n in graph[node] if n in group)

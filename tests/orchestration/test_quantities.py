@@ -1,0 +1,92 @@
+"""Units: our table against Pint, and the ways of writing them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from orchestration import quantities
+from orchestration.quantities import QuantityError, Unit, convert, parse, parse_unit, value_in
+
+RAD = parse_unit("rad")
+
+
+NOT_PINTS = {"1", "%", "rev", "mcd"}
+"""What Pint does not know, or reads as something else: mcd, to it, is no millicandela."""
+
+
+@pytest.mark.parametrize("name", sorted(set(quantities._UNITS) - NOT_PINTS))
+def test_the_table_agrees_with_pint(name):
+    ours, theirs = parse_unit(name), quantities._from_pint(name, None)
+    assert ours.exponents == theirs.exponents
+    assert ours.factor == pytest.approx(theirs.factor, rel=1e-14)
+    assert ours.offset == pytest.approx(theirs.offset, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "same"),
+    [
+        ("15 A.m2", 15.0, "A*m^2"),
+        ("15 A m2", 15.0, "A.m2"),
+        ("1 mN.m.s", 1e-3, "N m s"),
+        ("3.986e14 m3/s2", 3.986e14, "m^3/s^2"),
+        ("2 kg*m**2", 2.0, "kg.m2"),
+        ("7 s-1", 7.0, "1/s"),
+        ("4 N.m/(rad/s)", 4.0, "N.m.s/rad"),
+        ("-2.5e-3 uT", -2.5e-9, "T"),
+    ],
+)
+def test_units_may_be_written_in_several_ways(text, value, same):
+    number, unit = parse(text)
+    assert unit is not None
+    assert convert(number, unit, parse_unit(same)) == pytest.approx(value, rel=1e-15)
+
+
+def test_angles_are_exact_to_the_last_bit_and_own_units_untouched():
+    assert value_in("98 deg", RAD) == math.radians(98)
+    assert value_in("0.1 s", quantities.SECOND) == 0.1
+    assert value_in(0.1, RAD) == 0.1
+
+
+def test_units_that_only_pint_knows():
+    assert value_in("1 inch", parse_unit("m")) == pytest.approx(0.0254)
+    assert value_in("68 degF", parse_unit("degC")) == pytest.approx(20.0)
+
+
+def test_common_units_do_not_import_pint(monkeypatch):
+    monkeypatch.setattr(quantities, "_registry", lambda: pytest.fail("Pint was asked"))
+    parse_unit.cache_clear()
+    for text in (
+        "s",
+        "min",
+        "deg",
+        "deg/s",
+        "km",
+        "A.m2",
+        "mN.m.s",
+        "uT",
+        "rpm",
+        "kg.m2",
+        "m3/s2",
+        "%",
+        "rad/s",
+        "N m",
+    ):
+        parse_unit(text)
+
+
+@pytest.mark.parametrize("text", ["abc", "", "1 xyz", "3 bit", "nan rad", "1e999 rad", "5 m"])
+def test_what_is_no_angle_is_refused(text):
+    with pytest.raises(QuantityError):
+        value_in(text, RAD)
+
+
+def test_a_unit_that_an_fmu_does_not_define_fits_its_namesake_only():
+    bogus = Unit("clicks", None)
+    assert bogus.fits(Unit("clicks", None))
+    assert not bogus.fits(RAD)
+
+
+def test_hertz_are_not_taken_for_radians_per_second():
+    assert not parse_unit("Hz").fits(parse_unit("rad/s"))
