@@ -65,9 +65,10 @@ def summary(result: Result, folder: str | None) -> None:
         f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
         bold=True,
     )
-    if result.figures:
+    if result.highlights:
         rows = [
-            (f.signal, _number(f.final, f.unit), f"{_number(f.peak, f.unit)} at {f.time:.5g} s") for f in result.figures
+            (h.signal, _number(h.final, h.unit), f"{_number(h.peak, h.unit)} at {h.time:.5g} s")
+            for h in result.highlights
         ]
         say()
         for line in _table(("signal", "at the end", "largest"), rows):

@@ -42,7 +42,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Figure:
+class Highlight:
     """A signal in two numbers: its value at the end and that of largest magnitude; of a vector, by its largest element."""
 
     signal: str
@@ -79,18 +79,27 @@ class Check:
 # ---------------------------------------------------------------- before the run
 
 
-def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Check]:
-    """Checks expectations against the blocks. Raises InputError with every fault."""
+def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check], list[str]]:
+    """Checks expectations against the blocks, and remarks on them. Raises InputError with every fault.
+
+    One that begins after the end of the run is a fault, but where the duration was given as an option
+    it is left out with a remark.
+    """
     checks: list[Check] = []
     faults: list[str] = []
+    notes: list[str] = []
+    shortened = ("duration",) in scenario.source.options
     for number, expectation in enumerate(scenario.expect):
+        if shortened and expectation.after is not None and expectation.after > scenario.duration:
+            notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")
+            continue
         try:
             checks.append(_check(scenario, ("expect", number), expectation, models))
         except InputError as error:
             faults += error.messages
     if faults:
         raise InputError(*faults)
-    return checks
+    return checks, notes
 
 
 def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mapping[str, Model]) -> Check:
@@ -102,11 +111,12 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
             message = f"expected one boolean, but {expectation.when} is {condition.kind}"
             raise InputError(scenario.error((*key, "when"), message))
         when = found[0]
-    for name in ("after", "before"):
-        time = getattr(expectation, name)
-        if time is not None and name == "after" and time > scenario.duration:
-            message = f"{time:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
-            raise InputError(scenario.error((*key, name), message))
+    if expectation.after is not None and expectation.after > scenario.duration:
+        message = f"{expectation.after:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
+        raise InputError(scenario.error((*key, "after"), message))
+    if expectation.before is not None and expectation.before < (expectation.after or 0.0):
+        message = f"{expectation.before:.10g} s lies before {expectation.after or 0.0:.10g} s, where the span begins"
+        raise InputError(scenario.error((*key, "before"), message))
     if expectation.measure == "norm" and variable.type != "real":
         raise InputError(scenario.error((*key, "measure"), f"{expectation.signal} is {variable.type} and has no norm"))
     if expectation.zeros is not None:
@@ -236,9 +246,9 @@ def _outcome(
     )
 
 
-def figures(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -> list[Figure]:
+def highlights(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -> list[Highlight]:
     """Final and peak values of the numbers that the expectations look at."""
-    found: dict[tuple[str, str], Figure] = {}
+    found: dict[tuple[str, str], Highlight] = {}
     for check in checks if len(time) else ():
         expectation = check.expectation
         key = (expectation.signal, expectation.measure)
@@ -251,7 +261,7 @@ def figures(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -
         largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
         peak = int(np.abs(largest).argmax())
         unit = "" if str(check.unit) == "1" else str(check.unit)
-        found[key] = Figure(_signal(expectation), unit, float(largest[-1]), float(largest[peak]), float(time[peak]))
+        found[key] = Highlight(_signal(expectation), unit, float(largest[-1]), float(largest[peak]), float(time[peak]))
     return list(found.values())
 
 

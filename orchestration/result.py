@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import signals
 from .block import Floats
 from .errors import BlockError, nearest
-from .expectations import Figure, Outcome
+from .expectations import Highlight, Outcome
 from .model import Element, Model, Variable
 from .scenario import Scenario, split
 from .wiring import Node
@@ -34,7 +34,7 @@ class Result(Mapping[str, NDArray[Any]]):
     """A row for each instant, a column for each of `columns`."""
     columns: list[Node]
     outcomes: list[Outcome] = field(default_factory=list)
-    figures: list[Figure] = field(default_factory=list)
+    highlights: list[Highlight] = field(default_factory=list)
     manifest: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     steps: int = 0

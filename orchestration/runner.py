@@ -64,9 +64,9 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     assert sequence is not None
     assert columns is not None
     assert checks is not None
-    needed = dict.fromkeys([*columns, *(node for check in checks for node in check.needed), *drawn])
-    notes = [*times[1], *wired.warnings, *sequence.warnings]
-    return Plan(scenario, models, times[0], wired, values, sequence, checks, list(needed), notes)
+    needed = dict.fromkeys([*columns, *(node for check in checks[0] for node in check.needed), *drawn])
+    notes = [*times[1], *wired.warnings, *sequence.warnings, *checks[1]]
+    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], list(needed), notes)
 
 
 def _checked(faults: list[str], check: Callable[[], T]) -> T | None:
@@ -162,7 +162,7 @@ def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | No
         samples=recording.values,
         columns=recording.columns,
         outcomes=[expectations.judge(check, recording.time, columns) for check in ready.checks],
-        figures=expectations.figures(ready.checks, recording.time, columns),
+        highlights=expectations.highlights(ready.checks, recording.time, columns),
         warnings=ready.notes,
         steps=recording.steps,
         wall=recording.wall,

@@ -86,6 +86,13 @@ def test_remarks_are_printed(loop):
     )
 
 
+def test_a_shorter_run_leaves_out_what_is_expected_after_its_end_and_says_so(loop):
+    loop.write_text(loop.read_text().replace("always: {below: 30 rpm}", "after: 1.5 s\n    always: {below: 5 rpm}"))
+    result = orchestrate(loop.name, "--duration", "1 s")
+    assert result.exit_code == 0
+    assert "note: not looked at, since the run ends before 1.5 s: the motor stops" in result.stderr
+
+
 def test_help_names_the_commands_and_the_exit_status():
     text = orchestrate("--help").output
     assert all(word in text for word in ("build", "schema", "run", "Exit status"))

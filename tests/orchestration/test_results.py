@@ -123,7 +123,7 @@ def outcome(values, bound, time=None, **more):
         **{k: v for k, v in more.items() if k != "on"},
     }
     scenario = load({"name": "s", "step": 1, "duration": 100, "blocks": {"a": {"fmu": "a"}}, "expect": [expectation]})
-    (check,) = prepare(scenario, models)
+    ((check,), _) = prepare(scenario, models)
     time = np.arange(float(len(values))) if time is None else np.asarray(time, float)
     columns = {node: values[:, i] for i, node in enumerate(n for n in check.nodes if n.element.variable == "x")}
     on = np.asarray(more.get("on", np.ones(len(values))), float)

@@ -484,6 +484,12 @@ CASES = [
         "    after: 20 s\n    always: {",
     ),
     Case(
+        "an expectation of no span of time",
+        f"loop.yaml:21: {EXPECT}.before: 1 s lies before 1.5 s, where the span begins",
+        "    always: {",
+        "    after: 1.5\n    before: 1 s\n    always: {",
+    ),
+    Case(
         "a condition that is no boolean",
         f"loop.yaml:20: {EXPECT}.when: expected one boolean, but motor.steps is an integer scalar",
         "    always: {",
