@@ -2,8 +2,8 @@
 
 from orchestration import run
 
-result = run("scenarios/minimal.yaml", {"plant.inclination": "51.6 deg", "duration": "60 s"})
-result.time, result["plant.omega_B"]
+result = run("scenario.yaml", {"plant.x0": "51.6 deg", "duration": "60 s"})
+result.time, result["plant.x"]
 """
 
 from __future__ import annotations

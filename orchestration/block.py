@@ -27,6 +27,10 @@ class Block(Protocol):
     name: str
     model: Model
 
+    @property
+    def log(self) -> Sequence[str]:
+        """The last lines that it has logged, for the message when it fails."""
+
     def set(self, values: Iterable[tuple[Element, Any]]) -> None:
         """Sets variables by name; slow."""
 

@@ -36,7 +36,10 @@ class _Commands(click.Group):
         except BlockError as error:
             complain(str(error))
             ctx.exit(BLOCK_FAILED)
-        except (click.exceptions.Exit, click.ClickException, click.Abort, KeyboardInterrupt):
+        except (KeyboardInterrupt, click.Abort):
+            complain("interrupted")
+            ctx.exit(INTERRUPTED)
+        except (click.exceptions.Exit, click.ClickException):
             raise
         except Exception as error:
             if os.environ.get("ORCHESTRATE_TRACEBACK"):
@@ -61,7 +64,7 @@ def main() -> None:
     "sets",
     multiple=True,
     metavar="BLOCK.PARAMETER=VALUE",
-    help="A start value, such as plant.inclination='51.6 deg' or plant.x=[1,2,3]; may be repeated.",
+    help="A start value, such as plant.angle='51.6 deg' or plant.x=[1,2,3]; may be repeated.",
 )
 @click.option(
     "--out",

@@ -223,6 +223,4 @@ def _check(seat: Seat, time: float | None = None) -> None:
 
 def _not_finite(block: Block, element: Element, value: float, time: float | None = None) -> BlockError:
     name = block.model.variables[element.variable].label(element.position)
-    return BlockError(
-        block.name, f"output {name}", f"is {value}, expected a finite number", time, getattr(block, "log", ())
-    )
+    return BlockError(block.name, f"output {name}", f"is {value}, expected a finite number", time, block.log)

@@ -87,8 +87,6 @@ class Model:
     """The same in initialization."""
     guid: str = ""
     tool: str = ""
-    step_fixed: float | None = None
-    """The only communication step that the block accepts, if it cannot vary it."""
 
     def of(self, *causalities: str) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality in causalities]
@@ -139,9 +137,6 @@ def describe(description: Any) -> Model:
     for name, (shape, first, scalars) in groups.items():
         variables[name] = _variable(name, shape, first, scalars, units, displays)
         elements.update((scalar.name, Element(name, i)) for i, scalar in enumerate(scalars))
-    simulation = description.coSimulation
-    experiment = description.defaultExperiment
-    fixed = simulation is not None and not simulation.canHandleVariableCommunicationStepSize
     return Model(
         name=description.modelName,
         variables=variables,
@@ -149,7 +144,6 @@ def describe(description: Any) -> Model:
         initial=_initial(description, elements),
         guid=description.guid,
         tool=description.generationTool or "",
-        step_fixed=float(experiment.stepSize) if fixed and experiment and experiment.stepSize else None,
     )
 
 

@@ -88,7 +88,7 @@ def run(
 ) -> Result:
     """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
 
-    `overrides` are start values by name, `{"plant.inclination": "98 deg"}`, and `step` and `duration`.
+    `overrides` are start values by name, `{"plant.x0": "98 deg"}`, and `step` and `duration`.
     `out` is a folder to write the results to; without it nothing is written.
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
     to then is its `result`. Ctrl-C ends the run, and the result is marked as interrupted.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes as c
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from .log import Log
 from .model import Element, Model
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
-_WARNING, _FATAL = 1, 4
+_WARNING, _ERROR, _FATAL = 1, 3, 4
 _FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
 _C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
 _STOP_TIME_DEFINED = 1
@@ -197,9 +198,10 @@ class Slave:
         self._log.close()
         if self._dead:
             return
-        if self._initialized:
-            self._function("fmi2Terminate")(self._component)
         self._dead = True
+        if self._initialized:
+            with suppress(BlockError):  # a library without fmi2Terminate
+                self._function("fmi2Terminate")(self._component)
         self._fmu.freeInstance()
 
     # ------------------------------------------------------------ helpers
@@ -216,6 +218,8 @@ class Slave:
         return self.model.variables[element.variable].references[element.position]
 
     def _failed(self, call: str, status: int) -> BlockError:
+        if status >= _ERROR:
+            self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
         return self._error(call, f"gave status {_STATUS[status] if status in range(6) else status}")
 

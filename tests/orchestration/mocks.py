@@ -62,6 +62,8 @@ class Mock:
 
     # ------------------------------------------------------------ Block
 
+    log = ()
+
     def set(self, values: Iterable[tuple[Element, Any]]) -> None:
         self.values.update(values)
         self.calls.append(("set",))
