@@ -116,7 +116,7 @@ def fast_roll_yaw_frequency() -> float:
 @cache
 def paper_growth() -> float:
     growth = math.sqrt(-pitch_closed_form(PAPER)) * RATE
-    times, angles = small_angles(PAPER, 0.0, 1e-7, 0.0, pitch_rate=1e-7 * growth, orbits=1.0)
+    times, angles = small_angles(PAPER, 0.0, 1e-7, 0.0, pitch_rate=1e-7 * growth, orbits=1.0, step=5.0)
     found = math.log(angles[-1, 1] / angles[0, 1]) / times[-1]
     return (found / RATE) ** 2
 

@@ -28,10 +28,17 @@ class Authority:
     def available(self) -> bool:
         return self.needs is None or find_spec(self.needs.split(":")[1]) is not None
 
+    @property
+    def quick(self) -> bool:
+        """Whether the tests run it too, given its package."""
+        return self.needs is None or self.needs.split(":")[0] not in HEAVY
+
     def agrees(self, figure: float) -> bool:
         return abs(figure - self.expected) <= self.tolerance
 
 
+HEAVY = ("bsk", "orekit-jpype")
+"""Packages of hundreds of megabytes, or that need a Java runtime: run by the command alone."""
 REGISTRY: list[Authority] = []
 
 
