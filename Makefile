@@ -17,6 +17,7 @@ test: $(VENV)/test
 
 fmus: $(VENV)/run
 	$(BIN)/orchestrate build
+	$(BIN)/orchestrate build --flavour python
 
 bench: $(VENV)/run
 	$(BIN)/python -m tests.bench

@@ -39,7 +39,7 @@ class _Commands(click.Group):
         except (KeyboardInterrupt, click.Abort):
             complain("interrupted")
             ctx.exit(INTERRUPTED)
-        except (click.exceptions.Exit, click.ClickException):
+        except (click.exceptions.Exit, click.ClickException, BrokenPipeError):
             raise
         except Exception as error:
             if os.environ.get("ORCHESTRATE_TRACEBACK"):
@@ -74,6 +74,7 @@ def main() -> None:
 )
 @click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
 @click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
+@click.option("--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's.")
 @click.option(
     "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
 )
@@ -88,6 +89,7 @@ def run(
     out: Path | None,
     step: str | None,
     duration: str | None,
+    flavour: str | None,
     format_: str,
     figures: bool,
     log: bool,
@@ -104,7 +106,7 @@ def run(
     source = read(scenario)
     for text in sets:
         source = source.with_start(*_assignment(text), option="--set ")
-    for key, value in (("step", step), ("duration", duration)):
+    for key, value in (("step", step), ("duration", duration), ("flavour", flavour)):
         if value is not None:
             source = source.with_value(key, value, f"--{key}")
     loaded = load(source)
@@ -147,8 +149,20 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 @main.command()
 @click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the FMUs; default: build/fmus.")
-def build(blocks: tuple[str, ...], out: Path | None) -> None:
+@click.option(
+    "--flavour",
+    type=click.Choice(["native", "python"]),
+    default="native",
+    show_default=True,
+    help="Compiled C, which runs in any tool, or the Python reference.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the FMUs; default: build/fmus/FLAVOUR.",
+)
+def build(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""
     from fmus.build import BLOCKS, BuildError
     from fmus.build import build as build_fmus
@@ -159,7 +173,7 @@ def build(blocks: tuple[str, ...], out: Path | None) -> None:
         if block not in BLOCKS:
             raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
     try:
-        paths = build_fmus(blocks or BLOCKS, out=out)
+        paths = build_fmus(blocks or BLOCKS, flavour, out)
     except BuildError as error:
         raise InputError(str(error)) from None
     except OSError as error:

@@ -113,7 +113,7 @@ def execute(scenario: Scenario, progress: Progress | None = None, verbose: bool 
     for name, entry in scenario.blocks.items():
         key = ("blocks", name, "fmu")
         try:
-            path = locate(entry.fmu, scenario.source.folder)
+            path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
             fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
         except InputError as error:
             faults += [scenario.error(key, message) for message in error.messages]
@@ -171,7 +171,7 @@ def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | No
     )
 
 
-def locate(fmu: str, folder: Path) -> Path:
+def locate(fmu: str, folder: Path, flavour: str) -> Path:
     """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
     if fmu.endswith(".fmu") or "/" in fmu or "\\" in fmu:
         return (folder / Path(fmu).expanduser()).resolve()
@@ -181,6 +181,6 @@ def locate(fmu: str, folder: Path) -> Path:
         hint = nearest(fmu, BLOCKS)
         raise InputError(f"this project has no block {fmu!r}{hint}; the path of an FMU ends in .fmu")
     try:
-        return ensure(fmu)
+        return ensure(fmu, flavour)
     except BuildError as error:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None

@@ -63,11 +63,16 @@ class Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
+Flavour = Literal["native", "python"]
+
+
 class BlockEntry(Model):
     """A block of the loop: an FMU, how often it is stepped and its start values."""
 
     fmu: str = Field(strict=True, min_length=1)
     """One of the project's own blocks by its name, or the path of an .fmu file, relative to the scenario."""
+    flavour: Flavour | None = None
+    """Which build of one of the project's own blocks; default: the scenario's."""
     every: int = Field(1, strict=True, ge=1)
     """Stepped once in so many base steps, over all of them."""
     start: dict[str, Value] = {}
@@ -201,6 +206,8 @@ class Scenario(Model):
     """How long the run lasts; it ends with the first step at or after this time."""
     exchange: Literal["sequential", "parallel"] = "sequential"
     """Whether a block sees what those before it gave in the same step, or all see the values of the step before."""
+    flavour: Flavour = "native"
+    """Which build of the project's own blocks is run: compiled C, or the Python reference."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
     connections: list[Annotated[str, Field(strict=True)]] = []
@@ -229,7 +236,7 @@ class Scenario(Model):
 def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
     """A scenario from a YAML file, or from the same data as a dictionary. Raises InputError.
 
-    `overrides` are start values by `block.parameter`, and `step` and `duration`.
+    `overrides` are start values by `block.parameter`, and `step`, `duration` and `flavour`.
     """
     from . import complaints, source
 
@@ -238,7 +245,7 @@ def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[s
     elif not isinstance(scenario, Source):
         scenario = source.read(Path(scenario))
     for name, value in (overrides or {}).items():
-        if name in ("step", "duration"):
+        if name in ("step", "duration", "flavour"):
             scenario = scenario.with_value(name, value, name)
         else:
             scenario = scenario.with_start(name, value)
