@@ -101,8 +101,8 @@ bool parse_date(const char *text, Date *date)
 
 double gmst(const Date *date)
 {
-    static const double high = 6.2831853069365025; /* of 2 pi, 31 bits, so that n * high is exact */
-    static const double low = 2.430840202602477e-10;
+    /* The remainder by the double 2 pi without rounding, as fmod: 2 pi in two parts, n * high exact. */
+    static const double high = 6.2831853069365025, low = 2.430837753308879e-10;
     const double T = (double)date->since_j2000 / (double)DAY / 36525.0;
     const double seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6));
     const double angle = seconds / 240.0 * (PI / 180.0);

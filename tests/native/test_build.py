@@ -1,0 +1,176 @@
+"""Native FMUs as files: the same bytes every time, for every platform, needing no library, valid."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from fmus import native
+from fmus.interface import BLOCKS, load
+from fmus.native import toolchain
+from fmus.native.generate import ports_header, ports_path
+
+from .driver import ROOT
+
+
+@pytest.fixture(scope="module")
+def packaged() -> dict[str, bytes]:
+    return {block: native.package(load(block), ROOT / block, ROOT / "LICENSE") for block in BLOCKS}
+
+
+def _library(data: bytes, path: str) -> bytes:
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        return archive.read(path)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_structures_in_the_repository_are_those_of_the_interface(block: str) -> None:
+    assert ports_path(block).read_text("utf-8") == ports_header(load(block)), "run python -m fmus.native"
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_same_sources_give_the_same_bytes(block: str, packaged: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    assert native.package(load(block), ROOT / block, ROOT / "LICENSE") == packaged[block]
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_an_fmu_is_valid_and_small_and_has_all_platforms(block: str, packaged: dict[str, bytes], tmp_path: Path) -> None:
+    path = tmp_path / f"{block}.fmu"
+    path.write_bytes(packaged[block])
+    assert validate_fmu(str(path)) == []
+    assert len(packaged[block]) < 500_000
+    with zipfile.ZipFile(path) as archive:
+        names = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert sorted(names) == [f"binaries/{p}/{block}{toolchain.PLATFORMS[p].suffix}" for p in ("darwin64", "linux64", "win64")]
+    about = read_model_description(str(path)).coSimulation
+    assert about.canGetAndSetFMUstate
+    assert about.canSerializeFMUstate
+    assert not about.needsExecutionTool
+    assert not about.canBeInstantiatedOnlyOncePerProcess
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_linux_library_exports_fmi_only_and_needs_nothing(block: str, packaged: dict[str, bytes]) -> None:
+    exported, undefined, needed = _elf(_library(packaged[block], f"binaries/linux64/{block}.so"))
+    assert not undefined
+    assert not needed
+    assert len(exported) == 34
+    assert all(name.startswith("fmi2") for name in exported)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_windows_library_exports_fmi_only_and_needs_nothing(block: str, packaged: dict[str, bytes]) -> None:
+    data = _library(packaged[block], f"binaries/win64/{block}.dll")
+    (pe,) = struct.unpack_from("<I", data, 0x3C)
+    machine, sections, timestamp = struct.unpack_from("<HHI", data, pe + 4)
+    assert machine == 0x8664
+    optional = pe + 24
+    exports, _, imports, _ = struct.unpack_from("<IIII", data, optional + 112)
+    assert imports == 0
+    (optional_size,) = struct.unpack_from("<H", data, pe + 20)
+    names = _pe_exports(data, optional + optional_size, sections, exports)
+    assert len(names) == 34
+    assert all(name.startswith("fmi2") for name in names)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_mac_library_is_universal_and_its_arm_part_is_signed(block: str, packaged: dict[str, bytes]) -> None:
+    data = _library(packaged[block], f"binaries/darwin64/{block}.dylib")
+    magic, count = struct.unpack_from(">II", data)
+    assert (magic, count) == (0xCAFEBABE, 2)
+    found = {}
+    for i in range(count):
+        cpu, _, offset, size, alignment = struct.unpack_from(">IIIII", data, 8 + 20 * i)
+        assert offset % (1 << alignment) == 0
+        part = data[offset : offset + size]
+        assert struct.unpack_from("<II", part)[0] == 0xFEEDFACF
+        found[cpu] = _mach_commands(part)
+    assert set(found) == {0x01000007, 0x0100000C}  # x86-64 and arm64
+    for commands, libraries in found.values():
+        assert libraries == ["/usr/lib/libSystem.B.dylib"]  # every process on macOS has it; nothing is taken from it
+        assert 0x32 in commands  # the least version of macOS
+    assert 0x1D in found[0x0100000C][0]  # LC_CODE_SIGNATURE: arm64 loads no library without one
+
+
+def test_an_unknown_platform_is_refused() -> None:
+    with pytest.raises(native.CompilerError, match="platform 'linux32': expected linux64, win64, darwin64"):
+        native.package(load("allocator"), ROOT / "allocator", platforms=["linux32"])
+
+
+def test_sources_that_do_not_compile_are_refused_with_the_compilers_words(tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.c"
+    wrong.write_text("int f(void) { int x; return 1; }\n")
+    with pytest.raises(native.CompilerError, match="unused variable 'x'"):
+        toolchain.compile_library("wrong", [wrong], [], ["linux64"])
+
+
+def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, packaged: dict[str, bytes]
+) -> None:
+    host = toolchain.host_platform()
+    try:
+        toolchain._system_compiler()
+    except native.CompilerError:
+        pytest.skip("there is no system compiler")
+    monkeypatch.setattr(toolchain, "find_spec", lambda name: None)
+    built = native.package(load("controller"), ROOT / "controller")
+    with zipfile.ZipFile(io.BytesIO(built)) as archive:
+        assert [n for n in archive.namelist() if n.startswith("binaries/")] == [
+            f"binaries/{host}/controller{toolchain.PLATFORMS[host].suffix}"
+        ]
+    assert "ziglang is not installed" in caplog.text
+
+
+def _elf(data: bytes) -> tuple[list[str], list[str], list[str]]:
+    """Exported and undefined names of an ELF library's dynamic symbols, and the libraries that it needs."""
+    (table,) = struct.unpack_from("<Q", data, 40)
+    size, count = struct.unpack_from("<HH", data, 58)
+    sections = [struct.unpack_from("<IIQQQQIIQQ", data, table + i * size) for i in range(count)]
+    symbols = next(s for s in sections if s[1] == 11)
+    strings = sections[symbols[6]]
+    dynamic = next(s for s in sections if s[1] == 6)
+
+    def text(at: int) -> str:
+        start = strings[4] + at
+        return data[start : data.index(b"\0", start)].decode()
+
+    exported, undefined = [], []
+    for at in range(symbols[4] + 24, symbols[4] + symbols[5], 24):
+        name, _, _, section = struct.unpack_from("<IBBH", data, at)
+        (exported if section else undefined).append(text(name))
+    entries = [struct.unpack_from("<QQ", data, at) for at in range(dynamic[4], dynamic[4] + dynamic[5], 16)]
+    return exported, undefined, [text(value) for tag, value in entries if tag == 1]
+
+
+def _pe_exports(data: bytes, table: int, count: int, directory: int) -> list[str]:
+    sections = [struct.unpack_from("<IIII", data, table + 40 * i + 8) for i in range(count)]
+
+    def place(address: int) -> int:
+        return next(raw + address - virtual for size, virtual, _, raw in sections if virtual <= address < virtual + size)
+
+    number, _, names = struct.unpack_from("<III", data, place(directory) + 24)
+    found = []
+    for (address,) in struct.iter_unpack("<I", data[place(names) : place(names) + 4 * number]):
+        start = place(address)
+        found.append(data[start : data.index(b"\0", start)].decode())
+    return found
+
+
+def _mach_commands(part: bytes) -> tuple[list[int], list[str]]:
+    (count,) = struct.unpack_from("<I", part, 16)
+    at, commands, libraries = 32, [], []
+    for _ in range(count):
+        command, size = struct.unpack_from("<II", part, at)
+        commands.append(command)
+        if command == 0xC:
+            libraries.append(part[at + 24 : at + size].rstrip(b"\0").decode())
+        at += size
+    return commands, libraries
