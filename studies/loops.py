@@ -17,8 +17,9 @@ import plant
 from plant.along_orbit import NODE_INTERVAL, _lagrange6
 from plant.drag import octagonal_cylinder
 
+from .law import Law, stack
 from .setup import Loop
-from .vectors import Array, angle, cayley, cross, dot, hat, inverse, norm, product, solve, times, transposed_times
+from .vectors import Array, cayley, cross, dot, hat, inverse, norm, product, solve, times, transposed_times
 
 FRACTION_CAP = 1e6
 
@@ -53,45 +54,33 @@ class Loops:
         for loop in cases:
             _require(loop)
         plants = [c.plant for c in cases]
-        laws = [c.controller for c in cases]
         limits = [c.allocator for c in cases]
         self.n = len(cases)
         self.environment = Environment(plants)
-        self.J = _stack([p.body.J for p in plants])
+        self.J = stack([p.body.J for p in plants])
         self.J_inverse = inverse(self.J)
-        self.J_law = _stack([p.J_B for p in laws])
-        self.K0 = _stack([p.K0 for p in laws])
-        self.L0 = _stack([p.L0 for p in laws])
-        self.constant = np.array([p.gain_schedule == "constant" for p in laws])
-        self.schedule = {
-            name: np.array([getattr(p, name) for p in laws]) for name in ("kappa0", "lambda0", "a1", "a2", "c1", "c2")
-        }
-        self.compensate = np.array([1.0 if p.compensate_gravity else 0.0 for p in laws])
+        self.law = Law([c.controller for c in cases])
         self.gravity = np.array([1.0 if p.gravity_gradient else 0.0 for p in plants])
-        self.phi = np.array([p.phi for p in laws])
-        self.phi_scale = np.array([p.phi_scale for p in laws])
-        self.U_T_inverse = inverse(_stack([p.U.T for p in limits]))
+        self.U_T_inverse = inverse(stack([p.U.T for p in limits]))
         self.limits = {
             name: np.array([getattr(p, name) for p in limits])
             for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max", "hold_fraction")
         }
-        self.rods = _stack([p.rods_to_body for p in plants])
-        self.residual = _stack([p.residual_dipole_B for p in plants])
-        self.disturbance = _stack([p.disturbance_torque_B for p in plants])
+        self.rods = stack([p.rods_to_body for p in plants])
+        self.residual = stack([p.residual_dipole_B for p in plants])
+        self.disturbance = stack([p.disturbance_torque_B for p in plants])
         self.true_limits = {
             name: np.array([getattr(p, name) for p in plants])
             for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max")
         }
         self.substep = min(p.step_max for p in plants)
         self.t = 0.0
-        self.R = _stack([p.R_NB0 for p in plants])
+        self.R = stack([p.R_NB0 for p in plants])
         self.l_w = np.array([p.h_w0 for p in plants])
-        self.Pi = times(self.J, _stack([p.omega_B0 for p in plants]))
+        self.Pi = times(self.J, stack([p.omega_B0 for p in plants]))
         self.Pi[0] += self.l_w
         self.dipole_cmd = np.zeros((3, self.n))
         self.wheel_cmd = np.zeros(self.n)
-        self.angle_0: Array | None = None
-        self.rate_0: Array | None = None
 
     def fly(self, step: float, duration: float, look: Callable[[Sample], object]) -> None:
         """Runs to the first step at or after `duration`, s; `look` is called at 0 and after each step."""
@@ -110,29 +99,9 @@ class Loops:
         # LVLH: Q = R_d^T R, columns of R_d along the velocity, -normal, nadir.
         R_d = self.environment.frame(P, X)
         Q = product(np.swapaxes(R_d, 0, 1), self.R)
-        n = self.environment.rate
-        W = Q[1] * -n
-        omega = Omega - W
-        zeta, rate = angle(Q), norm(omega)
-        if self.angle_0 is None or self.rate_0 is None:
-            self.angle_0, self.rate_0 = zeta, rate
-        s = self.schedule
-        k = np.where(self.constant, s["kappa0"], s["kappa0"] * (s["a1"] + zeta) / (s["a2"] + self.angle_0))
-        l = np.where(self.constant, s["lambda0"], s["lambda0"] * (s["c1"] + rate) / (s["c2"] + self.rate_0))  # noqa: E741
-        K = k * self.K0
-        x = np.maximum(K[0] * (1.0 - Q[0, 0]) + K[1] * (1.0 - Q[1, 1]) + K[2] * (1.0 - Q[2, 2]), 0.0)
-        value, slope = self._phi(x)
-        direction = np.array(
-            (
-                K[1] * Q[1, 2] - K[2] * Q[2, 1],
-                K[2] * Q[2, 0] - K[0] * Q[0, 2],
-                K[0] * Q[0, 1] - K[1] * Q[1, 0],
-            )
-        )
-        M_g = (3.0 * n * n) * cross(Q[2], times(self.J_law, Q[2]))
-        tau = -l * times(self.L0, omega) + cross(W, times(self.J_law, W)) + slope * direction - self.compensate * M_g
+        d = self.law(Q, Omega, self.environment.rate)
         b_B = transposed_times(self.R, self.environment.field(self.t))
-        wanted, dh_w, fraction, rod_fraction, b_wheel = self._allocate(tau, b_B, Omega)
+        wanted, dh_w, fraction, rod_fraction, b_wheel = self._allocate(d.tau, b_B, Omega)
         holding = fraction >= self.limits["hold_fraction"]
         self.dipole_cmd = np.where(holding, self.dipole_cmd, wanted)
         self.wheel_cmd = np.where(holding, self.wheel_cmd, dh_w)
@@ -141,10 +110,10 @@ class Loops:
         drive = self._drive()
         return Sample(
             t=self.t,
-            attitude_error=zeta,
-            rate_error_B=omega,
-            lyapunov=0.5 * dot(omega, times(self.J_law, omega)) + value,
-            tau_cmd_B=tau,
+            attitude_error=d.zeta,
+            rate_error_B=d.omega,
+            lyapunov=d.V,
+            tau_cmd_B=d.tau,
             dipole_cmd=self.dipole_cmd,
             wheel_torque_cmd=self.wheel_cmd,
             holding=holding,
@@ -157,15 +126,6 @@ class Loops:
             dipole_saturated=(np.abs(self.dipole_cmd) > top).any(axis=0),
             wheel_momentum_saturated=(drive != 0.0) & self._at_limit(drive),
         )
-
-    def _phi(self, x: Array) -> tuple[Array, Array]:
-        s = self.phi_scale
-        logarithm, root = self.phi == "logarithm", self.phi == "square_root"
-        if not (logarithm.any() or root.any()):
-            return x, np.ones_like(x)
-        r = np.sqrt(1.0 + x / s)
-        value = np.where(logarithm, s * np.log1p(x / s), np.where(root, 2.0 * x / (r + 1.0), x))
-        return value, np.where(logarithm, 1.0 / (1.0 + x / s), np.where(root, 1.0 / r, 1.0))
 
     def _allocate(self, tau: Array, b_B: Array, Omega: Array) -> tuple[Array, Array, Array, Array, Array]:
         B = norm(b_B)
@@ -310,7 +270,10 @@ class Environment:
 
     def _at(self, t: Array | float, pick: slice | Array, nodes: dict[int, Array], exact: Callable) -> Array:  # type: ignore[type-arg]
         if isinstance(t, np.ndarray):
-            one = [self._at(float(s), np.array([i]), nodes, exact) for s, i in zip(t, np.arange(len(self._which))[pick], strict=True)]
+            one = [
+                self._at(float(s), np.array([i]), nodes, exact)
+                for s, i in zip(t, np.arange(len(self._which))[pick], strict=True)
+            ]
             return np.concatenate(one, axis=1)
         k = math.floor(t / NODE_INTERVAL)
         for i in range(k - 2, k + 4):
@@ -330,10 +293,6 @@ def _surface(p: plant.Parameters) -> tuple[Array, Array]:
     plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
     factor = 0.5 * p.drag_factor * p.drag_coefficient if p.drag else 0.0
     return plates.normals, factor * plates.areas[:, None] * (plates.centres - p.center_of_mass_B)
-
-
-def _stack(arrays: Sequence[Array]) -> Array:
-    return np.moveaxis(np.array(arrays), 0, -1).copy()
 
 
 def _require(loop: Loop) -> None:

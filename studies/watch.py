@@ -74,9 +74,7 @@ class Watch:
     def __init__(self, n: int, step: float) -> None:
         self.n, self.step, self.first = n, step, True
         nan, zero = np.full(n, np.nan), np.zeros(n)
-        self.out: dict[str, Array] = {
-            f.name: (zero if f.name in _FROM_ZERO else nan).copy() for f in fields(Seen)
-        }
+        self.out: dict[str, Array] = {f.name: (zero if f.name in _FROM_ZERO else nan).copy() for f in fields(Seen)}
         self.out["b_wheel"] = np.full(n, np.inf)
         self.out["held_command"] = np.full(n, np.inf)
         self._holding = np.zeros(n, bool)
@@ -176,5 +174,7 @@ def of_result(result: object, names: dict[str, str], rod_fraction: Array) -> See
     time = r.time  # type: ignore[attr-defined]
     watch = Watch(1, float(time[1] - time[0]))
     for i, t in enumerate(time):
-        watch(Sample(t=float(t), **{k: np.atleast_1d(v[i]) if v.ndim == 1 else v[i][:, None] for k, v in columns.items()}))
+        watch(
+            Sample(t=float(t), **{k: np.atleast_1d(v[i]) if v.ndim == 1 else v[i][:, None] for k, v in columns.items()})
+        )
     return watch.seen
