@@ -1,0 +1,138 @@
+"""The listing of docs/embedding.md is compiled and flown; the laws compile for a processor without an operating system."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+import sys
+from ctypes import c_bool, c_double
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import allocator
+import controller
+from fmus.interface import load
+from fmus.native.toolchain import FLAGS, FREESTANDING
+from tests.blocks import inputs, parameters
+
+from .driver import ROOT
+
+COMMON = ROOT / "fmus" / "native" / "common"
+ZIG = [sys.executable, "-m", "ziglang", "cc"]
+FLIGHT = [f for f in FLAGS if not f.startswith("-fvisibility")]
+
+
+def listing() -> str:
+    text = (ROOT / "docs" / "embedding.md").read_text("utf-8")
+    (found,) = re.findall(r"```c\n(.*?)```", text, flags=re.DOTALL)
+    return found
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """The listing with both laws as a library, and the offsets of what the test reaches into."""
+    folder = tmp_path_factory.mktemp("flight")
+    own = "".join(
+        f"bool {name};\n"
+        for name in (
+            "attitude_control_start(AttitudeControl *, const ControllerParameters *, const AllocatorParameters *, "
+            "const Measurements *, Fault *)",
+            "attitude_control_step(AttitudeControl *, const Measurements *, double, AllocatorOutputs *, Fault *)",
+        )
+    )
+    source = folder / "flight.c"
+    text = listing().replace("static AllocatorInputs demand", own + "size_t size_of(void);\nstatic AllocatorInputs demand", 1)
+    source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n")
+    library = folder / "flight.so"
+    objects = []
+    for block in ("controller", "allocator"):
+        objects.append(folder / f"{block}.o")
+        law = ROOT / block / "native" / f"{block}.c"
+        subprocess.run([*ZIG, *FLIGHT, f"-I{COMMON}", "-c", str(law), "-o", str(objects[-1])], check=True)
+    command = [*ZIG, *FLIGHT, f"-I{ROOT}", f"-I{COMMON}", "-shared", str(source), *map(str, objects), "-o", str(library)]
+    subprocess.run(command, check=True)
+    lib = ctypes.CDLL(str(library))
+    for name in ("attitude_control_start", "attitude_control_step"):
+        getattr(lib, name).restype = c_bool
+    return lib
+
+
+@cache
+def _record(block: str, causality: str) -> Any:
+    """The C structure of a block's ports, from its interface."""
+    fields = []
+    for v in load(block).of(causality):  # type: ignore[arg-type]
+        kind: Any = {"real": c_double, "boolean": c_bool}.get(v.type, ctypes.c_int32)
+        fields.append((v.name, kind * len(v.elements) if v.shape else kind))
+    return type(f"{block}_{causality}", (ctypes.Structure,), {"_fields_": fields})
+
+
+def _filled(block: str, causality: str, values: Any) -> Any:
+    record = _record(block, causality)()
+    for v in load(block).of(causality):  # type: ignore[arg-type]
+        value = getattr(values, v.name)
+        if v.shape:
+            getattr(record, v.name)[:] = np.ravel(value).tolist()
+        else:
+            setattr(record, v.name, v.items.index(value) + 1 if v.type == "enumeration" else value)
+    return record
+
+
+def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
+    rng = np.random.default_rng(7)
+    law, actuators = parameters("controller"), parameters("allocator")
+    u = inputs("controller", omega_B=[0.04, -0.0789, 0.04])
+
+    class Measurements(ctypes.Structure):
+        _fields_ = (("motion", _record("controller", "input")), ("b_B", c_double * 3), ("h_w", c_double))
+
+    def measured(u: Any, b: np.ndarray, h_w: float) -> Any:
+        m = Measurements(_filled("controller", "input", u))
+        m.b_B[:] = b.tolist()
+        m.h_w = h_w
+        return m
+
+    def demand(y: Any, b: np.ndarray, h_w: float) -> Any:
+        return inputs("allocator", tau_cmd_B=y.tau_cmd_B, b_B=b, omega_B=u.omega_B, h_w=h_w)
+
+    memory = ctypes.create_string_buffer(flight.size_of())
+    fault = ctypes.create_string_buffer(64)
+    b, h_w = np.array((2e-5, 1e-5, -3e-5)), 1e-3
+    assert flight.attitude_control_start(
+        memory, ctypes.byref(_filled("controller", "parameter", law)), ctypes.byref(_filled("allocator", "parameter", actuators)),
+        ctypes.byref(measured(u, b, h_w)), fault,
+    )
+    x = controller.start(law, u)
+    z = allocator.start(actuators, demand(controller.outputs(x, u, law), b, h_w))
+    commands = _record("allocator", "output")()
+    for _ in range(50):
+        u = inputs("controller", omega_B=rng.normal(scale=0.002, size=3))
+        b, h_w = rng.normal(scale=3e-5, size=3), rng.normal(scale=5e-3)
+        assert flight.attitude_control_step(memory, ctypes.byref(measured(u, b, h_w)), c_double(0.1), ctypes.byref(commands), fault)
+        x, y = controller.step(x, u, law, 0.1)
+        z, expected = allocator.step(z, demand(y, b, h_w), actuators, 0.1)
+        assert list(commands.dipole_cmd) == pytest.approx(expected.dipole_cmd.tolist(), rel=1e-9)
+        assert commands.wheel_torque_cmd == pytest.approx(expected.wheel_torque_cmd, rel=1e-9)
+        assert commands.holding == expected.holding
+
+
+@pytest.mark.parametrize("block", ["controller", "allocator"])
+def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
+    law = ROOT / block / "native" / f"{block}.c"
+    command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
+    command += [f"-I{FREESTANDING}", f"-I{COMMON}", "-c", str(law), "-o", str(tmp_path / "law.o")]
+    subprocess.run(command, check=True)
+
+
+@pytest.mark.parametrize("block", ["controller", "allocator"])
+def test_the_laws_know_no_fmi_no_memory_and_no_globals(block: str) -> None:
+    text = (ROOT / block / "native" / f"{block}.c").read_text("utf-8")
+    assert not re.search(r"fmi|malloc|stdio|stdlib|\bgoto\b", text)
+    for line in text.splitlines():
+        if line.startswith("static") and "(" not in line.split("=")[0]:
+            assert line.startswith("static const"), line
