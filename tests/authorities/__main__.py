@@ -32,16 +32,12 @@ INTEGRATOR = """
 
 ![Attitude error against evaluations of the moment, energy and orthogonality over ten orbits](figures/integrator_cost.png)
 
-{table}
-
 A tumble at 0.11 rad/s with a spinning wheel; full inertia with products. Evaluations are counted as in the plant, where a command
 may change at every step: 2, 6 and 8 a step at order 2, 4 and 6; 4 for RK4.
 
-- **RK4 is the more accurate at equal cost** than order 2 by far, and than order 4 at coarse tolerances; a user who wants
-  the attitude after a few orbits and nothing else is served by it. RK4 stands in the tests only.
+{table}
 - **The variational integrator keeps structure at any step**: inertial momentum without external moments to rounding, whatever the wheel does; an energy error
   that is bounded and does not grow; rotations that stay rotations without reprojection. RK4's energy and orthogonality drift from the first orbit on.
-- Order 6 is the choice where the attitude itself must be near rounding; order 4 (Suzuki) where five substeps are affordable.
 """
 
 

@@ -12,12 +12,14 @@ from tests.plant.motion import FULL_INERTIA, bare, checked
 from tests.plant.rk4 import angle_between, environment, pack, rk4, truth
 
 TUMBLE = np.array([0.0600, -0.0789, 0.0500])
+ORBIT = 5760.0
+"""s, nearly."""
 MOMENTUM = 0.02
 """N m s, of the wheel, constant."""
 STEPS = {
     2: (2.0, 1.0, 0.5, 0.25, 0.125),
     4: (6.0, 4.0, 2.0, 1.0, 0.5),
-    6: (6.0, 4.0, 2.0, 1.0),
+    6: (4.0, 2.0, 1.0, 0.5),
     "RK4": (4.0, 2.0, 1.0, 0.5, 0.25),
 }
 NAMES = {2: "LGVI, order 2", 4: "LGVI, order 4 (Suzuki)", 6: "LGVI, order 6 (Yoshida)", "RK4": "RK4 (test only)"}
@@ -51,7 +53,7 @@ def errors_after_an_orbit() -> dict:
     """By method: (evaluations, attitude error in rad) for each step, under gravity gradient and a dipole in the moving field."""
     p = checked(J_B=FULL_INERTIA, omega_B0=TUMBLE, h_w0=MOMENTUM)
     moment = environment(p, [10.0, -8.0, 6.0])
-    duration = 5760.0
+    duration = ORBIT
     y = truth(pack(p.R_NB0, TUMBLE, MOMENTUM), 0.0, duration, p.J_B, moment, lambda l_w: 0.0)
     true = y[:9].reshape(3, 3)
     found = {}
@@ -140,7 +142,7 @@ def draw(path: Path) -> str:
         )
     middle.set(
         xlabel="orbits",
-        ylabel="largest error of the conserved energy so far, relative",
+        ylabel="energy error so far, relative",
         title="Structure at equal cost: energy",
     )
     right.set(
@@ -161,12 +163,15 @@ def _at(points, cost: float) -> float:
     return float(np.exp(np.interp(math.log(cost), x, y)))
 
 
+COST = 23040.0
+"""Evaluations at which the methods are compared in words: 4 a second over an orbit."""
+
+
 def _words(errors, structure) -> str:
-    cost = 23040.0
-    at = {method: _at(points, cost) for method, points in errors.items()}
+    at = {method: _at(points, COST) for method, points in errors.items()}
     lines = [
-        "| method | attitude error after one orbit at 23,040 evaluations (4 a second), rad "
-        "| step for ten orbits at equal cost, s | largest energy error, relative: first orbit, ten orbits | largest element of R^T R - I, ten orbits |",
+        f"| method | attitude error after one orbit at {COST:,.0f} evaluations (4 a second), rad | step for ten orbits at equal cost, s "
+        "| largest energy error, relative: first orbit, ten orbits | largest element of R^T R - I, ten orbits |",
         "|---|---|---|---|---|",
     ]
     for (method, step), (times, energy, orthogonality) in structure.items():
@@ -174,4 +179,19 @@ def _words(errors, structure) -> str:
         lines.append(
             f"| {NAMES[method]} | {at[method]:.1e} | {step:g} | {first:.1e}, {energy.max():.1e} | {orthogonality.max():.1e} |"
         )
+    lines += [
+        "",
+        f"- **RK4 is the more accurate at equal cost** at orders 2 and 4: at {COST:,.0f} evaluations its error is {at[2] / at['RK4']:.0f} times below "
+        f"order 2's and {at[4] / at['RK4']:.1f} times below order 4's. {_crossing(errors)} RK4 stands in the tests only, and is not reprojected here.",
+    ]
     return "\n".join(lines)
+
+
+def _crossing(errors) -> str:
+    """From which cost on order 6 is the more accurate."""
+    x = np.geomspace(max(min(p)[0] for p in errors.values()), min(max(p)[0] for p in errors.values()), 400)
+    better = [_at(errors[6], cost) < _at(errors["RK4"], cost) for cost in x]
+    if not better[-1]:
+        return "Order 6 does not overtake it in this range."
+    first = x[len(better) - 1 - better[::-1].index(False)] if False in better else x[0]
+    return f"Order 6 overtakes it from about {round(first, -3):,.0f} evaluations on, an internal step of {8.0 * ORBIT / first:.1f} s at this rate."
