@@ -85,6 +85,10 @@ def summary(result: Result, folder: str | None) -> None:
                 click.style("ok    ", fg="green") if outcome.passed else click.style("FAILED", fg="red", bold=True)
             )
             say(f"{verdict}  {line}")
+    if result.holds:
+        say()
+    for hold in result.holds:
+        say(f"{hold.name}: {hold.text}", **({"fg": "yellow", "bold": True} if hold.latched else {}))
     if folder:
         say(f"\nresults in {folder}")
 

@@ -38,7 +38,12 @@ def write(result: Result, folder: Path, format: str = "csv") -> Path:
         outcomes = [asdict(outcome) for outcome in result.outcomes]
         _json(
             folder / "expectations.json",
-            {"complete": _complete(result), "passed": result.passed, "expectations": outcomes},
+            {
+                "complete": _complete(result),
+                "passed": result.passed,
+                "expectations": outcomes,
+                "holds": [{**asdict(hold), "text": hold.text} for hold in result.holds],
+            },
         )
         _json(folder / "manifest.json", result.manifest)
     except OSError as error:

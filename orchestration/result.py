@@ -14,6 +14,7 @@ from . import signals
 from .block import Floats
 from .errors import BlockError, nearest
 from .expectations import Highlight, Outcome
+from .holds import Hold
 from .model import Element, Model, Variable
 from .scenario import Scenario, split
 from .wiring import Node
@@ -35,6 +36,7 @@ class Result(Mapping[str, NDArray[Any]]):
     columns: list[Node]
     outcomes: list[Outcome] = field(default_factory=list)
     highlights: list[Highlight] = field(default_factory=list)
+    holds: list[Hold] = field(default_factory=list)
     manifest: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     steps: int = 0

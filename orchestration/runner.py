@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from . import expectations, figures, order, signals, starts, wiring
+from . import expectations, figures, holds, order, signals, starts, wiring
 from .block import Block
 from .clock import Clock, clock
 from .errors import BlockError, InputError, nearest
 from .expectations import Check
+from .holds import Look
 from .manifest import manifest
 from .master import Master, Progress
 from .model import Model
@@ -40,6 +41,7 @@ class Plan:
     starts: dict[str, list[Start]]
     order: Order
     checks: list[Check]
+    holds: list[Look]
     columns: list[Node]
     notes: list[str]
     """Warnings and remarks, for the user to see."""
@@ -55,9 +57,11 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     columns = _checked(faults, lambda: signals.recorded(scenario, models))
     checks = _checked(faults, lambda: expectations.prepare(scenario, models))
     drawn = _checked(faults, lambda: figures.check(scenario, models))
+    held = _checked(faults, lambda: holds.prepare(scenario, models))
     if faults:
         raise InputError(*faults)
     assert drawn is not None
+    assert held is not None
     assert times is not None
     assert values is not None
     assert wired is not None
@@ -65,8 +69,9 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     assert columns is not None
     assert checks is not None
     needed = dict.fromkeys([*columns, *(node for check in checks[0] for node in check.needed), *drawn])
+    needed.update((node, None) for look in held for node in look.needed)
     notes = [*times[1], *wired.warnings, *sequence.warnings, *checks[1]]
-    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], list(needed), notes)
+    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], held, list(needed), notes)
 
 
 def _checked(faults: list[str], check: Callable[[], T]) -> T | None:
@@ -162,6 +167,7 @@ def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | No
         samples=recording.values,
         columns=recording.columns,
         outcomes=[expectations.judge(check, recording.time, columns) for check in ready.checks],
+        holds=[holds.judge(look, recording.time, columns) for look in ready.holds if len(recording.time)],
         highlights=expectations.highlights(ready.checks, recording.time, columns),
         warnings=ready.notes,
         steps=recording.steps,

@@ -184,6 +184,19 @@ class FigureEntry(Model):
     """A scalar signal whose changes of sign are marked."""
 
 
+class HoldEntry(Model):
+    """A hold: while a boolean signal is true, other signals keep their values. The summary tells what became of it."""
+
+    name: str = Field(strict=True, min_length=1)
+    """What is held: "commands"."""
+    signal: Annotated[str, Field(strict=True)]
+    """The boolean signal that is true while they are held."""
+    keeps: list[Annotated[str, Field(strict=True)]] = Field(min_length=1)
+    """The signals that keep their values."""
+    limits: dict[str, Annotated[str, Field(strict=True)]] = {}
+    """Boolean signals of limits, by what is to be said of them, told where the hold does not end."""
+
+
 class Cycle(Model):
     """A second axis of time in figures, such as orbits."""
 
@@ -217,6 +230,8 @@ class Scenario(Model):
     record: Record = Record()
     expect: list[Expectation] = []
     """Expectations, which decide the exit status."""
+    holds: list[HoldEntry] = []
+    """Holds, of which the summary tells whether and when they were released."""
     figures: list[FigureEntry] = []
     """Figures that `--figures` draws."""
     cycle: Cycle | None = None
