@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
 from . import Authority, load
@@ -41,21 +41,19 @@ may change at every step: 2, 6 and 8 a step at order 2, 4 and 6; 4 for RK4.
 """
 
 
-def _version(needs: str | None) -> str:
-    if needs is None:
-        return ""
-    try:
-        return version(needs.split(":")[0])
-    except PackageNotFoundError:
-        return ""
+def _source(authority: Authority) -> str:
+    """The authority, with the version of the package that stands for it."""
+    if authority.needs is None:
+        return authority.source
+    package = authority.needs.split(":")[0]
+    return f"{authority.source} ({package} {version(package)})"
 
 
 def _row(authority: Authority, figure: float) -> str:
     unit = f" {authority.unit}" if authority.unit else ""
     expected = f"{authority.expected:.7g}{unit}" if authority.expected else ""
-    found = f"{figure:.7g}{unit}" if authority.expected else f"{figure:.1e}{unit}"
-    source = f"{authority.source} {_version(authority.needs)}".strip()
-    return f"| {authority.what} | {expected} | {found} | {authority.tolerance:.0e}{unit} | {source} | `{authority.measure.__module__.split('.')[-1]}.{authority.name}` |"
+    found = f"{figure:.7g}{unit}" if authority.expected else f"{figure:.2g}{unit}"
+    return f"| {authority.what} | {expected} | {found} | {authority.tolerance:g}{unit} | {_source(authority)} | `{authority.measure.__module__.split('.')[-1]}.{authority.name}` |"
 
 
 def main() -> int:

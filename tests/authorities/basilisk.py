@@ -92,7 +92,7 @@ def difference_made_by_gravity() -> float:
 
 @authority(
     "Torque-free",
-    "The same without gravity gradient",
+    "Attitude of the plant block against Basilisk's after 5792 s without moments, order 6, 0.1 s, inertia with products",
     source="Basilisk, spacecraft, svIntegratorRKF78",
     unit="rad",
     tolerance=1e-8,

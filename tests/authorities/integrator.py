@@ -61,11 +61,11 @@ def paper_run_2() -> float:
     return paper_run(2)
 
 
-@authority("Integrator", "The same, order 4", source=DOP853, unit="rad", tolerance=2e-8)
+@authority("Integrator", "The same run, order 4", source=DOP853, unit="rad", tolerance=2e-8)
 def paper_run_4() -> float:
     return paper_run(4)
 
 
-@authority("Integrator", "The same, order 6", source=DOP853, unit="rad", tolerance=1e-10)
+@authority("Integrator", "The same run, order 6", source=DOP853, unit="rad", tolerance=1e-10)
 def paper_run_6() -> float:
     return paper_run(6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import plant
 from plant import attitude
@@ -38,6 +39,32 @@ def test_a_composition_is_symmetric_and_its_substeps_add_up_to_the_step(order):
     # Conditions of order: the sums of odd powers below the order vanish (Hairer, Lubich, Wanner, V.3).
     for power in range(3, order, 2):
         assert sum(s**power for s in shares) == pytest.approx(0.0, abs=1e-13)
+
+
+def test_a_step_makes_the_discrete_action_stationary():
+    """L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(e1^ F), differentiated by numbers at both ends of the step.
+
+    Varying R and R+ on the right, F goes to exp(-eta^) F and F exp(eta^); the slopes are minus the momentum with
+    the first half kick, and the momentum before the second. Order alone cannot tell this from its neighbours.
+    """
+    h, l_m, force = 1.7, 0.9, np.array([0.02, -0.03, 0.01])
+    J, Pi, R = FULL_INERTIA, np.array([0.9, -0.7, 0.8]), Rotation.random(random_state=1).as_matrix()
+    body = attitude.Body(J, np.linalg.inv(J))
+    R_next, Pi_next, _ = attitude.lgvi_step(R, Pi, force, lambda R, t, Omega: -2.0 * force, body, 0.0, h, l_m, 0.3)
+    F, J_d = R.T @ R_next, 0.5 * np.trace(J) * np.eye(3) - J
+    e1_hat = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+    def action(F):
+        return np.trace((np.eye(3) - F) @ J_d) / h - 0.5 * l_m * np.trace(e1_hat @ F)
+
+    def slope(vary):
+        def along(eta, k):
+            return action(vary(Rotation.from_rotvec(k * 1e-3 * eta).as_matrix()))
+
+        return [(8.0 * (along(e, 1) - along(e, -1)) - along(e, 2) + along(e, -2)) / 12e-3 for e in np.eye(3)]
+
+    assert slope(lambda turn: turn.T @ F) == pytest.approx(-(Pi + 0.5 * h * force), abs=1e-11)
+    assert slope(lambda turn: F @ turn) == pytest.approx(Pi_next - 0.5 * h * -2.0 * force, abs=1e-11)
 
 
 def test_a_step_back_returns_to_the_start():
