@@ -1,7 +1,7 @@
 """The native flavour: a block's C and the FMI shell, compiled to libraries that need nothing else.
 
-    package(load("controller"), Path("controller"))                     # the FMU's bytes, for all platforms
-    package(load("controller"), Path("controller"), platforms="host")   # quicker: for this machine only
+package(load("controller"), Path("controller"))                     # the FMU's bytes, for all platforms
+package(load("controller"), Path("controller"), platforms="host")   # quicker: for this machine only
 """
 
 from __future__ import annotations
@@ -88,7 +88,10 @@ def _generated(folder: Path) -> dict[str, str]:
 def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:
     digest = hashlib.sha256(f"{compiler()}\n{FLAGS}\n{PLATFORMS}\n{CAPABILITIES}\n{interface.source}".encode())
     paths = [path for path in sources(folder) if path.suffix in (".c", ".h")]
-    for name, data in [*((path.name, path.read_bytes()) for path in paths), *((n, t.encode()) for n, t in sorted(generated.items()))]:
+    for name, data in [
+        *((path.name, path.read_bytes()) for path in paths),
+        *((n, t.encode()) for n, t in sorted(generated.items())),
+    ]:
         digest.update(f"\n{name} {len(data)}\n".encode() + data.replace(b"\r\n", b"\n"))
     return digest.hexdigest()
 

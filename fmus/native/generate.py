@@ -12,7 +12,7 @@ import math
 import textwrap
 from pathlib import Path
 
-from ..interface import Element, Interface, Variable
+from ..interface import Element, Interface, InterfaceError, Variable
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 64
@@ -64,15 +64,14 @@ def block_header(interface: Interface, guid: str) -> str:
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
     counts = f"#define BLOCK_VARIABLES {len(interface.elements)}u\n#define BLOCK_REAL_OUTPUTS {len(_real_outputs(interface))}u"
-    return (
-        f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n{counts}\n\n'
-        f"{types}\n\n{calls}\n"
-    )
+    return f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n{counts}\n\n{types}\n\n{calls}\n'
 
 
 def table(interface: Interface) -> str:
     """table.c: all scalar variables in the order of their value references."""
-    rows = "\n".join(_row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements))
+    rows = "\n".join(
+        _row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements)
+    )
     return f"""\
 #include "instance.h"
 
@@ -101,20 +100,22 @@ def _row(variable: Variable, position: int, element: Element) -> str:
     low, high = variable.min, variable.max
     if variable.type == "enumeration":
         low, high = 1, len(variable.items)
-    start, text = element.start, "NULL"
-    if variable.type == "string":
-        assert isinstance(start, str) and len(start.encode()) < TEXT_SIZE
+    start, text = element.start or 0, "NULL"
+    if isinstance(start, str):
+        if len(start.encode()) >= TEXT_SIZE:
+            raise InterfaceError(f"{element.name}: start {start!r} has more than {TEXT_SIZE - 1} bytes")
         start, text = 0, _quoted(start)
     variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
-    numbers = ", ".join(_number(x) for x in (start or 0, -math.inf if low is None else low, math.inf if high is None else high))
+    numbers = ", ".join(
+        _number(x) for x in (start, -math.inf if low is None else low, math.inf if high is None else high)
+    )
     return (
         f"    ROW({_quoted(element.name)}, {member}, KIND_{kind}, CAUSALITY_{variable.causality.upper()}, {variability}, "
         f"{numbers}, {text})"
     )
 
 
-def _number(x: float | bool | str) -> str:
-    assert not isinstance(x, str)
+def _number(x: float) -> str:
     value = float(x)
     if math.isinf(value):
         return "INFINITY" if value > 0 else "-INFINITY"

@@ -24,7 +24,15 @@ from pathlib import Path
 log = logging.getLogger(__name__)
 
 FLAGS = (
-    *("-std=c11", "-O2", "-g0", "-fPIC", "-fvisibility=hidden", "-fno-stack-protector", "-fno-asynchronous-unwind-tables"),
+    *(
+        "-std=c11",
+        "-O2",
+        "-g0",
+        "-fPIC",
+        "-fvisibility=hidden",
+        "-fno-stack-protector",
+        "-fno-asynchronous-unwind-tables",
+    ),
     # The same operations in the same order everywhere: no fused multiply-add, no reordering, no errno from sqrt.
     *("-ffp-contract=off", "-fno-fast-math", "-fno-math-errno"),
     *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"),
@@ -49,7 +57,9 @@ class Platform:
 PLATFORMS: Mapping[str, Platform] = {
     "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), ("-Wl,--build-id=none", "-Wl,-z,noexecstack")),
     "win64": Platform(".dll", ("x86_64-windows-gnu",)),
-    "darwin64": Platform(".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)),
+    "darwin64": Platform(
+        ".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)
+    ),
 }
 
 
@@ -66,7 +76,9 @@ def compiler() -> str:
         return f"system compiler {_system_compiler()}"
 
 
-def compile_library(name: str, sources: Sequence[Path], includes: Sequence[Path], platforms: Iterable[str]) -> dict[str, bytes]:
+def compile_library(
+    name: str, sources: Sequence[Path], includes: Sequence[Path], platforms: Iterable[str]
+) -> dict[str, bytes]:
     """The shared library of these C sources for each of the platforms. Raises CompilerError."""
     wanted = list(platforms)
     if unknown := [p for p in wanted if p not in PLATFORMS]:
@@ -107,7 +119,12 @@ def _system_compiler() -> str:
 
 def _with_system_compiler(name: str, sources: Sequence[Path], includes: Sequence[Path], wanted: list[str]) -> bytes:
     host = host_platform()
-    log.warning("ziglang is not installed: %s builds %s for %s only (pip install ziglang for all platforms)", _system_compiler(), name, host)
+    log.warning(
+        "ziglang is not installed: %s builds %s for %s only (pip install ziglang for all platforms)",
+        _system_compiler(),
+        name,
+        host,
+    )
     if host not in wanted:
         raise CompilerError(f"without ziglang only {host} can be built, but {', '.join(wanted)} was asked for")
     with tempfile.TemporaryDirectory() as folder:

@@ -29,8 +29,20 @@ static const Node *node_of(Environment *environment, int64_t number)
     return node;
 }
 
-Surroundings surroundings_at(Environment *environment, double t)
+void forget_surroundings(Environment *environment)
 {
+    for (int i = 0; i < NODES; ++i) {
+        environment->nodes[i].known = false;
+    }
+    environment->last.known = false;
+}
+
+const Surroundings *surroundings_at(Environment *environment, double t)
+{
+    Surroundings *around = &environment->last;
+    if (around->known && around->t == t) {
+        return around;
+    }
     const double s = t / INTERVAL;
     int64_t k = (int64_t)s;
     k -= s < (double)k ? 1 : 0;
@@ -46,5 +58,7 @@ Surroundings surroundings_at(Environment *environment, double t)
         flow = add(flow, scale(weights[i], node->flow_N));
         logarithm += weights[i] * node->log_density;
     }
-    return (Surroundings){field, flow, environment->has_air ? exp(logarithm) : 0.0};
+    const double density = environment->has_air ? exp(logarithm) : 0.0;
+    *around = (Surroundings){t, true, motion_at(&environment->orbit, t), field, flow, density};
+    return around;
 }

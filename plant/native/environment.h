@@ -22,6 +22,16 @@ typedef struct {
     double log_density;
 } Node;
 
+/* At a time. */
+typedef struct {
+    double t;
+    bool known;
+    Motion motion;  /* of the satellite, N */
+    Vector b_N;     /* T */
+    Vector flow_N;  /* m/s */
+    double density; /* kg/m3; 0 without air */
+} Surroundings;
+
 typedef struct {
     Orbit orbit;
     double gmst0; /* rad, at t = 0 */
@@ -29,15 +39,14 @@ typedef struct {
     Field field;
     bool has_air;
     Activity activity;
-    Node nodes[NODES]; /* that of a number in the place number mod NODES */
+    Node nodes[NODES];  /* that of a number in the place number mod NODES */
+    Surroundings last;  /* a step ends where the next one starts */
 } Environment;
 
-typedef struct {
-    Vector b_N;     /* T */
-    Vector flow_N;  /* m/s */
-    double density; /* kg/m3; 0 without air */
-} Surroundings;
+/* Forgets what was kept; to be called when anything above `nodes` has been set. */
+void forget_surroundings(Environment *environment);
 
-Surroundings surroundings_at(Environment *environment, double t);
+/* Valid until the next call. */
+const Surroundings *surroundings_at(Environment *environment, double t);
 
 #endif

@@ -172,9 +172,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     environment->field = field_of(&field_models[p->field_model - 1], decimal_year(&date), p->field_degree);
     environment->has_air = p->drag;
     environment->activity = activity_of(p->f107, p->f107_average, p->ap);
-    for (int i = 0; i < NODES; ++i) {
-        environment->nodes[i].known = false;
-    }
+    forget_surroundings(environment);
 
     plant->R_NB0 = p->initial_attitude == PLANT_INITIAL_ATTITUDE_Q_NB0
                        ? from_quaternion(p->q_NB0)

@@ -59,16 +59,16 @@ static Vector external_moment(void *context, Matrix R, double t)
 {
     const Acting *acting = context;
     PlantLaw *plant = acting->plant;
-    const Surroundings around = surroundings_at(&plant->environment, t);
-    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around.b_N)), vector(plant->p.disturbance_torque_B));
+    const Surroundings *around = surroundings_at(&plant->environment, t);
+    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around->b_N)), vector(plant->p.disturbance_torque_B));
     if (plant->p.gravity_gradient) {
-        const Vector r_N = motion_at(&plant->environment.orbit, t).r;
+        const Vector r_N = around->motion.r;
         const double r = norm(r_N);
         const double rate_squared = plant->p.gravitational_parameter / (r * r * r);
         tau = add(tau, gravity_gradient(plant, scale(1.0 / r, apply_transposed(R, r_N)), rate_squared));
     }
     if (plant->p.drag) {
-        tau = add(tau, drag(plant, apply_transposed(R, around.flow_N), around.density));
+        tau = add(tau, drag(plant, apply_transposed(R, around->flow_N), around->density));
     }
     return tau;
 }
@@ -136,10 +136,10 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
     const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
-    const Motion motion = motion_at(&plant->environment.orbit, x->t);
-    const Surroundings around = surroundings_at(&plant->environment, x->t);
-    const Vector dipole = rods(plant, u), b_B = apply_transposed(R, around.b_N), H_N = apply(R, Pi);
-    const Vector flow_B = apply_transposed(R, around.flow_N);
+    const Surroundings *around = surroundings_at(&plant->environment, x->t);
+    const Motion motion = around->motion;
+    const Vector dipole = rods(plant, u), b_B = apply_transposed(R, around->b_N), H_N = apply(R, Pi);
+    const Vector flow_B = apply_transposed(R, around->flow_N);
 
     store_matrix(R, y->R_NB);
     store(Omega, y->omega_B);
@@ -160,8 +160,8 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
         y->energy += rate_squared * (1.5 * dot(r_hat_B, apply(J, r_hat_B)) - 0.5 * (J.a.x + J.b.y + J.c.z));
         y->energy -= dot(cross(motion.r, motion.v), H_N) / (r * r);
     }
-    y->density = p->drag ? around.density : 0.0;
-    store(p->drag ? drag(plant, flow_B, around.density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
+    y->density = p->drag ? around->density : 0.0;
+    store(p->drag ? drag(plant, flow_B, around->density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
     store(cross(dipole_B(plant, dipole), b_B), y->tau_mag_B);
     store(dipole, y->dipole);
     y->wheel_torque = wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);

@@ -79,19 +79,25 @@ class Refused(Exception):
 class Instance:
     """One instance of a block. `memory` has the addresses that it holds."""
 
-    def __init__(self, block: str, lib: ctypes.CDLL | None = None, name: str = "it", guid: str = GUID, log: bool = False):
+    def __init__(
+        self, block: str, lib: ctypes.CDLL | None = None, name: str = "it", guid: str = GUID, log: bool = False
+    ):
         self.interface: Interface = load(block)
         self.lib = lib or library(block)
         self.messages: list[tuple[int, str, str]] = []
         self.memory: dict[int, Any] = {}
         self.callbacks = Callbacks(_LOGGER(self._log), _ALLOCATE(self._allocate), _FREE(self._free), None, None)
-        self.handle = self.lib.fmi2Instantiate(name.encode(), 1, guid.encode(), None, byref(self.callbacks), 0, int(log))
+        self.handle = self.lib.fmi2Instantiate(
+            name.encode(), 1, guid.encode(), None, byref(self.callbacks), 0, int(log)
+        )
 
     def _log(self, environment: int, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((status, category.decode(), message.decode("utf-8", "replace")))
 
     def _allocate(self, count: int, size: int) -> int:
-        block = ctypes.create_string_buffer(b"\xa5" * (count * size), count * size)  # not zero: the block must do without
+        block = ctypes.create_string_buffer(
+            b"\xa5" * (count * size), count * size
+        )  # not zero: the block must do without
         self.memory[ctypes.addressof(block)] = block
         return ctypes.addressof(block)
 

@@ -35,21 +35,27 @@ def test_the_structures_in_the_repository_are_those_of_the_interface(block: str)
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_the_same_sources_give_the_same_bytes(block: str, packaged: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_same_sources_give_the_same_bytes(
+    block: str, packaged: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     assert native.package(load(block), ROOT / block, ROOT / "LICENSE") == packaged[block]
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_an_fmu_is_valid_and_small_and_has_all_platforms(block: str, packaged: dict[str, bytes], tmp_path: Path) -> None:
+def test_an_fmu_is_valid_and_small_and_has_all_platforms(
+    block: str, packaged: dict[str, bytes], tmp_path: Path
+) -> None:
     path = tmp_path / f"{block}.fmu"
     path.write_bytes(packaged[block])
     assert validate_fmu(str(path)) == []
     assert len(packaged[block]) < 500_000
     with zipfile.ZipFile(path) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
-    assert sorted(names) == [f"binaries/{p}/{block}{toolchain.PLATFORMS[p].suffix}" for p in ("darwin64", "linux64", "win64")]
+    assert sorted(names) == [
+        f"binaries/{p}/{block}{toolchain.PLATFORMS[p].suffix}" for p in ("darwin64", "linux64", "win64")
+    ]
     about = read_model_description(str(path)).coSimulation
     assert about.canGetAndSetFMUstate
     assert about.canSerializeFMUstate
@@ -70,7 +76,7 @@ def test_the_linux_library_exports_fmi_only_and_needs_nothing(block: str, packag
 def test_the_windows_library_exports_fmi_only_and_needs_nothing(block: str, packaged: dict[str, bytes]) -> None:
     data = _library(packaged[block], f"binaries/win64/{block}.dll")
     (pe,) = struct.unpack_from("<I", data, 0x3C)
-    machine, sections, timestamp = struct.unpack_from("<HHI", data, pe + 4)
+    machine, sections, _ = struct.unpack_from("<HHI", data, pe + 4)
     assert machine == 0x8664
     optional = pe + 24
     exports, _, imports, _ = struct.unpack_from("<IIII", data, optional + 112)
@@ -154,7 +160,9 @@ def _pe_exports(data: bytes, table: int, count: int, directory: int) -> list[str
     sections = [struct.unpack_from("<IIII", data, table + 40 * i + 8) for i in range(count)]
 
     def place(address: int) -> int:
-        return next(raw + address - virtual for size, virtual, _, raw in sections if virtual <= address < virtual + size)
+        return next(
+            raw + address - virtual for size, virtual, _, raw in sections if virtual <= address < virtual + size
+        )
 
     number, _, names = struct.unpack_from("<III", data, place(directory) + 24)
     found = []

@@ -27,7 +27,14 @@ def lib(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     wrappers = "".join(f"double own_{n}(double x);\ndouble own_{n}(double x) {{ return {n}(x); }}\n" for n in names)
     wrappers += "double own_atan2(double y, double x);\ndouble own_atan2(double y, double x) { return atan2(y, x); }\n"
     source.write_text(text + wrappers, "utf-8")
-    command = [sys.executable, "-m", "ziglang", "cc", *(f for f in FLAGS if not f.startswith("-fvisibility")), "-ffreestanding"]
+    command = [
+        sys.executable,
+        "-m",
+        "ziglang",
+        "cc",
+        *(f for f in FLAGS if not f.startswith("-fvisibility")),
+        "-ffreestanding",
+    ]
     command += [f"-I{FREESTANDING}", "-shared", str(source), str(FREESTANDING / "memory.c"), "-o", str(path)]
     subprocess.run(command, check=True)
     library = ctypes.CDLL(str(path))
@@ -76,13 +83,23 @@ def test_arc_tangent_in_all_quadrants(lib: ctypes.CDLL) -> None:
 @pytest.mark.parametrize(
     ("name", "ranges", "special"),
     [
-        ("log", ((1e-300, 1e-3), (0.5, 2.0), (0.999, 1.001), (1.0, 1e300)), (1.0, 2.0, 0.5, 1e-307, 1.7e308, math.sqrt(2.0))),
-        ("log1p", ((-0.999999, 0.0), (-1e-6, 1e-6), (0.0, 3.0), (1.0, 1e16), (1.0, 1e300)), (0.0, -1.0 + 1e-15, 1e-300, 1.7e308)),
+        (
+            "log",
+            ((1e-300, 1e-3), (0.5, 2.0), (0.999, 1.001), (1.0, 1e300)),
+            (1.0, 2.0, 0.5, 1e-307, 1.7e308, math.sqrt(2.0)),
+        ),
+        (
+            "log1p",
+            ((-0.999999, 0.0), (-1e-6, 1e-6), (0.0, 3.0), (1.0, 1e16), (1.0, 1e300)),
+            (0.0, -1.0 + 1e-15, 1e-300, 1.7e308),
+        ),
         ("exp", ((-1.0, 1.0), (-50.0, 50.0), (-708.0, 709.7)), (0.0, -1e-300, 1.0, 709.78)),
         ("expm1", ((-1e-6, 1e-6), (-1.0, 1.0), (-50.0, 50.0), (0.0, 709.7)), (0.0, 1e-300, -1e-300, -100.0)),
     ],
 )
-def test_logarithm_and_exponential(lib: ctypes.CDLL, name: str, ranges: tuple[tuple[float, float], ...], special: tuple[float, ...]) -> None:
+def test_logarithm_and_exponential(
+    lib: ctypes.CDLL, name: str, ranges: tuple[tuple[float, float], ...], special: tuple[float, ...]
+) -> None:
     _check(getattr(lib, f"own_{name}"), getattr(math, name), [*_points(*ranges), *special])
 
 

@@ -46,7 +46,9 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
         )
     )
     source = folder / "flight.c"
-    text = listing().replace("static AllocatorInputs demand", own + "size_t size_of(void);\nstatic AllocatorInputs demand", 1)
+    text = listing().replace(
+        "static AllocatorInputs demand", own + "size_t size_of(void);\nstatic AllocatorInputs demand", 1
+    )
     source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n")
     library = folder / "flight.so"
     objects = []
@@ -54,7 +56,17 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
         objects.append(folder / f"{block}.o")
         law = ROOT / block / "native" / f"{block}.c"
         subprocess.run([*ZIG, *FLIGHT, f"-I{COMMON}", "-c", str(law), "-o", str(objects[-1])], check=True)
-    command = [*ZIG, *FLIGHT, f"-I{ROOT}", f"-I{COMMON}", "-shared", str(source), *map(str, objects), "-o", str(library)]
+    command = [
+        *ZIG,
+        *FLIGHT,
+        f"-I{ROOT}",
+        f"-I{COMMON}",
+        "-shared",
+        str(source),
+        *map(str, objects),
+        "-o",
+        str(library),
+    ]
     subprocess.run(command, check=True)
     lib = ctypes.CDLL(str(library))
     for name in ("attitude_control_start", "attitude_control_step"):
@@ -104,8 +116,11 @@ def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
     fault = ctypes.create_string_buffer(64)
     b, h_w = np.array((2e-5, 1e-5, -3e-5)), 1e-3
     assert flight.attitude_control_start(
-        memory, ctypes.byref(_filled("controller", "parameter", law)), ctypes.byref(_filled("allocator", "parameter", actuators)),
-        ctypes.byref(measured(u, b, h_w)), fault,
+        memory,
+        ctypes.byref(_filled("controller", "parameter", law)),
+        ctypes.byref(_filled("allocator", "parameter", actuators)),
+        ctypes.byref(measured(u, b, h_w)),
+        fault,
     )
     x = controller.start(law, u)
     z = allocator.start(actuators, demand(controller.outputs(x, u, law), b, h_w))
@@ -113,7 +128,9 @@ def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
     for _ in range(50):
         u = inputs("controller", omega_B=rng.normal(scale=0.002, size=3))
         b, h_w = rng.normal(scale=3e-5, size=3), rng.normal(scale=5e-3)
-        assert flight.attitude_control_step(memory, ctypes.byref(measured(u, b, h_w)), c_double(0.1), ctypes.byref(commands), fault)
+        assert flight.attitude_control_step(
+            memory, ctypes.byref(measured(u, b, h_w)), c_double(0.1), ctypes.byref(commands), fault
+        )
         x, y = controller.step(x, u, law, 0.1)
         z, expected = allocator.step(z, demand(y, b, h_w), actuators, 0.1)
         assert list(commands.dipole_cmd) == pytest.approx(expected.dipole_cmd.tolist(), rel=1e-9)

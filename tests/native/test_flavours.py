@@ -51,7 +51,8 @@ def allocator_case(rng: np.random.Generator) -> tuple[Any, Any]:
     u = inputs(
         "allocator",
         tau_cmd_B=rng.normal(scale=rng.choice([0.0, 1e-6, 1e-4, 1e-2]), size=3),
-        b_B=rng.normal(scale=rng.choice([1e-13, 3e-5]), size=3) * rng.choice([[1, 1, 1], [0, 1, 1], [0, 0, 1], [1, 0, 0]]),
+        b_B=rng.normal(scale=rng.choice([1e-13, 3e-5]), size=3)
+        * rng.choice([[1, 1, 1], [0, 1, 1], [0, 0, 1], [1, 0, 0]]),
         omega_B=rng.normal(scale=rng.choice([0.0, 0.05]), size=3),
         h_w=rng.choice([0.0, rng.normal(scale=0.02)]),
     )
@@ -73,7 +74,9 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
     J = inertia(rng) * rng.choice([1.0, 0.02])
     towards, along = Rotation.random(random_state=rng).as_matrix()[:2]
     q = rng.normal(size=4)
-    model, year = [("igrf14", rng.integers(1900, 2030)), ("wmm2010", rng.integers(2010, 2015)), ("wmm2025", 2026)][rng.integers(3)]
+    model, year = [("igrf14", rng.integers(1900, 2030)), ("wmm2010", rng.integers(2010, 2015)), ("wmm2025", 2026)][
+        rng.integers(3)
+    ]
     month, day, hour, second = rng.integers(1, 13), rng.integers(1, 29), rng.integers(24), rng.uniform(0.0, 59.0)
     p = parameters(
         "plant",
@@ -176,13 +179,17 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
         p = parameters(block, **{k: v for k, v in changes.items() if k in names})
         u = inputs(block, **{k: v for k, v in changes.items() if k not in names})
         with pytest.raises(ValueError, match="expect"):
-            python.check(p)
-            python.outputs(python.start(p, u), u, p)
+            _python_initialized(python, p, u)
         with Instance(block) as native:
             native.set_all(p)
             native.set_all(u)
             with pytest.raises(Refused, match=f"^3: .*{next(iter(changes))}.*expected .*found"):
                 native.initialize()
+
+
+def _python_initialized(python: Any, p: Any, u: Any) -> Any:
+    python.check(p)
+    return python.outputs(python.start(p, u), u, p)
 
 
 def assert_same(native: dict[str, Any], reference: Any, block: str, relative: float = RELATIVE) -> None:

@@ -33,7 +33,9 @@ def scenario(rng: np.random.Generator) -> dict[str, Any]:
     """Parameters of a random satellite, its law and its allocation, per unit of mass so that the rods suffice."""
     J = 0.02 * inertia(rng)
     plant, _ = plant_case(rng)
-    plant = parameters("plant", **{**vars(plant), "J_B": J, "J_error_B": 0.01 * J, "drag_factor": 0.02 * plant.drag_factor})
+    plant = parameters(
+        "plant", **{**vars(plant), "J_B": J, "J_error_B": 0.01 * J, "drag_factor": 0.02 * plant.drag_factor}
+    )
     L0 = 0.02 * np.diag(rng.uniform(0.8, 1.0, 3))
     controller = parameters(
         "controller",

@@ -36,7 +36,16 @@ def _compiler(kind: str) -> list[str]:
 def test_random_calls_under_sanitizers(block: str, kind: str, tmp_path: Path) -> None:
     sources, includes = native.lay_out(load(block), ROOT / block, GUID, tmp_path)
     program = tmp_path / "fuzz"
-    command = [*_compiler(kind), "-std=c11", "-O1", "-g", "-Wall", "-Wextra", "-Werror", *(f"-I{path}" for path in includes)]
+    command = [
+        *_compiler(kind),
+        "-std=c11",
+        "-O1",
+        "-g",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        *(f"-I{path}" for path in includes),
+    ]
     command += [*map(str, sources), str(Path(__file__).with_name("fuzz.c")), "-o", str(program), "-lm"]
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr

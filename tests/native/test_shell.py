@@ -104,7 +104,9 @@ def test_starts_of_inputs_are_usable() -> None:
         ("plant", "epoch", "a" * 64, r"epoch has at most 63 bytes"),
     ],
 )
-def test_a_value_out_of_range_is_refused_by_name_value_and_range(block: str, name: str, value: Any, message: str) -> None:
+def test_a_value_out_of_range_is_refused_by_name_value_and_range(
+    block: str, name: str, value: Any, message: str
+) -> None:
     with Instance(block) as it:
         before = it.get(name)
         with pytest.raises(Refused, match=f"^{ERROR}: fmi2Set.*{message}"):
@@ -120,7 +122,10 @@ def test_a_value_out_of_range_is_refused_by_name_value_and_range(block: str, nam
         ({"rod_axes": np.eye(3) * 0.5}, r"rod_axes: expected rows of unit length, to 1e-06, found 0.5"),
         ({"h_w0": 0.031}, r"h_w0: expected within wheel_momentum_max, found 0.031"),
         ({"integrator_order": 3}, r"integrator_order: expected 2, 4 or 6, found 3"),
-        ({"Q0": np.diag([1.0, 1.0, -1.0])}, r"Q0: expected a rotation matrix, determinant \+1 \(this is a reflection\)"),
+        (
+            {"Q0": np.diag([1.0, 1.0, -1.0])},
+            r"Q0: expected a rotation matrix, determinant \+1 \(this is a reflection\)",
+        ),
         ({"q_NB0": [0.9, 0.0, 0.0, 0.0], "initial_attitude": "q_NB0"}, r"q_NB0: expected a quaternion of unit length"),
         ({"epoch": "10 August 2009"}, r"epoch: expected UTC in ISO 8601.*found '10 August 2009'"),
         ({"epoch": "50%s"}, r"epoch: .*found '50%%s'"),  # doubled: FMI's message is a format
@@ -188,7 +193,9 @@ def test_a_set_of_several_values_is_all_or_nothing() -> None:
         assert it.get("K0").tolist() == it.interface.variables["K0"].start
 
 
-@pytest.mark.parametrize(("t", "h"), [(0.0, 0.0), (0.0, -0.1), (0.0, math.nan), (0.0, math.inf), (0.05, 0.1), (math.nan, 0.1)])
+@pytest.mark.parametrize(
+    ("t", "h"), [(0.0, 0.0), (0.0, -0.1), (0.0, math.nan), (0.0, math.inf), (0.05, 0.1), (math.nan, 0.1)]
+)
 def test_a_step_of_no_length_or_from_another_time_is_refused(t: float, h: float) -> None:
     with running("plant") as it:
         before = it.outputs()
@@ -203,7 +210,9 @@ def test_a_step_that_fails_changes_nothing() -> None:
         it.step(0.0, 0.1)
         before = it.outputs()
         it.set("R_NB", np.diag([1.0, 1.0, 1.01]))
-        with pytest.raises(Refused, match=r"R_NB: expected a rotation matrix, max \|R_NB\^T R_NB - I\| at most 0.0001, found 0.0201"):
+        with pytest.raises(
+            Refused, match=r"R_NB: expected a rotation matrix, max \|R_NB\^T R_NB - I\| at most 0.0001, found 0.0201"
+        ):
             it.step(0.1, 0.1)
         it.set("R_NB", np.eye(3))
         assert same(before, it.outputs())
@@ -239,7 +248,8 @@ def test_in_initialization_mode_outputs_follow_the_inputs_and_nothing_is_latched
 def test_a_run_restored_at_half_time_ends_in_the_same_bits(block: str) -> None:
     rng = np.random.default_rng(1)
     inputs = [
-        {v.name: np.asarray(v.start) + 1e-5 * rng.normal(size=v.shape) for v in load(block).of("input")} for _ in range(20)
+        {v.name: np.asarray(v.start) + 1e-5 * rng.normal(size=v.shape) for v in load(block).of("input")}
+        for _ in range(20)
     ]
 
     def go(it: Instance, first: int) -> dict[str, Any]:
@@ -379,7 +389,22 @@ def test_errors_are_always_logged_and_events_where_logging_is_on() -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [0.0, 1.0, -1.0, 0.1, 123456789.0, 1234567890.0, 1e-5, 1.5e-5, 1e-300, 1e308, 9.9999999999e-5, 0.0001234, 3.141592653589793]
+    "value",
+    [
+        0.0,
+        1.0,
+        -1.0,
+        0.1,
+        123456789.0,
+        1234567890.0,
+        1e-5,
+        1.5e-5,
+        1e-300,
+        1e308,
+        9.9999999999e-5,
+        0.0001234,
+        3.141592653589793,
+    ],
 )
 def test_numbers_in_messages_read_as_printf_g(value: float) -> None:
     with running("plant") as it, pytest.raises(Refused) as refusal:
