@@ -104,7 +104,7 @@ def _row(variable: Variable, position: int, element: Element) -> str:
     if isinstance(start, str):
         if len(start.encode()) >= TEXT_SIZE:
             raise InterfaceError(f"{element.name}: start {start!r} has more than {TEXT_SIZE - 1} bytes")
-        start, text = 0, _quoted(start)
+        text, start = _quoted(start), 0
     variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
     numbers = ", ".join(
         _number(x) for x in (start, -math.inf if low is None else low, math.inf if high is None else high)
