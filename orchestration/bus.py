@@ -19,6 +19,37 @@ from .wiring import Node, Wiring
 
 
 @dataclass
+class Inputs:
+    """Where a block's inputs come from: `values = bus[sources] * factors + offsets`."""
+
+    sources: NDArray[np.intp]
+    factors: Floats | None
+    """None, and so for offsets, where no unit changes."""
+    offsets: Floats | None
+    values: Floats
+    """The array that the block hands over at its next Set."""
+
+    def gatherer(self, bus: Floats) -> Callable[[], None]:
+        """A function that takes the inputs from the bus."""
+        if not len(self.sources):
+            return lambda: None
+        take, sources, values, factors, offsets = bus.take, self.sources, self.values, self.factors, self.offsets
+
+        def gather() -> None:
+            take(sources, 0, values, "clip")  # the places are in range; other modes copy once more
+
+        if factors is None or offsets is None:
+            return gather
+
+        def gather_and_convert() -> None:
+            take(sources, 0, values, "clip")
+            np.multiply(values, factors, out=values)
+            np.add(values, offsets, out=values)
+
+        return gather_and_convert
+
+
+@dataclass
 class Seat:
     """A block with its place on the bus."""
 
@@ -26,8 +57,26 @@ class Seat:
     outputs: list[Element]
     view: Floats
     """Its outputs on the bus."""
+    inputs: Inputs
     gather: Callable[[], None]
-    """Takes its inputs from the bus into its own array, with the change of unit."""
+    """Takes its inputs from the bus."""
+
+
+@dataclass
+class Delay:
+    """Values of the step before: `bus[first:first + len(sources)] = bus[sources]` at the start of each step."""
+
+    sources: NDArray[np.intp]
+    first: int
+
+    def keeper(self, bus: Floats) -> Callable[[], None]:
+        """A function that keeps the values."""
+        sources, held = self.sources, bus[self.first :]
+
+        def keep() -> None:
+            bus.take(sources, 0, held, "clip")
+
+        return keep
 
 
 @dataclass
@@ -37,8 +86,8 @@ class Bus:
     """In the order in which they are stepped."""
     columns: NDArray[np.intp]
     """Where the recorded elements lie."""
-    delay: Callable[[], None] | None
-    """Keeps the values of the step before; None where no connection is delayed."""
+    delay: Delay | None
+    """None where no connection is delayed."""
 
 
 @dataclass
@@ -81,7 +130,7 @@ def lay_out(blocks: Mapping[str, Block], wiring: Wiring, order: Order, columns: 
     layout.held.update((node, first_held + i) for i, node in enumerate(delayed))
     values = np.zeros(first_held + len(delayed))
     seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
-    delay = _delay(values, [layout.place[node] for node in delayed], first_held) if delayed else None
+    delay = Delay(np.array([layout.place[node] for node in delayed], np.intp), first_held) if delayed else None
     return Bus(values, seats, np.array([layout.place[node] for node in columns], np.intp), delay)
 
 
@@ -91,32 +140,13 @@ def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) ->
     inputs = layout.inputs(name)
     live = [sum(Node(name, e) in layout.live for e in outputs if layout.type(name, e) == kind) for kind in TYPES]
     buffer = layout.blocks[name].wire([element for element, *_ in inputs], outputs, live, view)
-    return Seat(layout.blocks[name], outputs, view, _gather(values, inputs, buffer))
-
-
-def _gather(bus: Floats, inputs: Sequence[tuple[Element, int, float, float]], into: Floats) -> Callable[[], None]:
-    if not inputs:
-        return lambda: None
-    places = np.array([place for _, place, _, _ in inputs], np.intp)
     factors = np.array([factor for _, _, factor, _ in inputs])
     offsets = np.array([offset for _, _, _, offset in inputs])
-    take = bus.take
-
-    def gather() -> None:
-        take(places, 0, into, "clip")  # the places are in range; other modes copy once more
-
-    def gather_and_convert() -> None:
-        take(places, 0, into, "clip")
-        np.multiply(into, factors, out=into)
-        np.add(into, offsets, out=into)
-
-    return gather if (factors == 1.0).all() and not offsets.any() else gather_and_convert
-
-
-def _delay(bus: Floats, places: Sequence[int], first: int) -> Callable[[], None]:
-    sources, held = np.array(places, np.intp), bus[first:]
-
-    def delay() -> None:
-        bus.take(sources, 0, held, "clip")
-
-    return delay
+    converts = bool((factors != 1.0).any() or offsets.any())
+    gathered = Inputs(
+        np.array([place for _, place, _, _ in inputs], np.intp),
+        factors if converts else None,
+        offsets if converts else None,
+        buffer,
+    )
+    return Seat(layout.blocks[name], outputs, view, gathered, gathered.gatherer(values))

@@ -79,6 +79,12 @@ def main() -> None:
     "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
 )
 @click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
+@click.option(
+    "--loop",
+    type=click.Choice(["compiled", "python"]),
+    default="compiled",
+    help="The step loop: in C where it can be used (the default), or the readable one; the results are the same.",
+)
 @click.option("--log", is_flag=True, help="Print what the FMUs log as it comes.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
@@ -92,6 +98,7 @@ def run(
     flavour: str | None,
     format_: str,
     figures: bool,
+    loop: str,
     log: bool,
     quiet: bool,
 ) -> None:
@@ -114,7 +121,7 @@ def run(
     folder.check_writable(target)
     progress = Progress(loaded.duration, not quiet)
     try:
-        result = runner.execute(loaded, progress, log)
+        result = runner.execute(loaded, progress, log, loop == "compiled")
     finally:
         progress.close()
     written = bool(len(result.time))

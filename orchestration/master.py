@@ -18,36 +18,17 @@ from time import perf_counter
 
 import numpy as np
 
-from .block import Block, Floats
+from .block import Block
 from .bus import Bus, Seat, lay_out
 from .clock import Clock
+from .compiled import compiled_loop
 from .errors import BlockError, InputError
 from .interrupt import interruptible
 from .model import Element
 from .order import Order
+from .recording import REPORT_EVERY, Progress, Recording, check_finite, not_finite
 from .starts import Start
 from .wiring import Node, Wiring
-
-Progress = Callable[[float], None]
-"""Called now and then with the simulated time."""
-
-REPORT_EVERY = 0.05
-"""Seconds of wall time from one report of the progress to the next, at least."""
-
-
-@dataclass
-class Recording:
-    """What was recorded, up to the end or to whatever ended the run."""
-
-    time: Floats
-    values: Floats
-    """A row for each sample, a column for each recorded element."""
-    columns: list[Node]
-    steps: int = 0
-    wall: float = 0.0
-    """Seconds that the loop took."""
-    failure: BlockError | None = None
-    interrupted: bool = False
 
 
 @dataclass
@@ -62,6 +43,8 @@ class Master:
     """The elements to be recorded."""
     every: Mapping[str, int] = field(default_factory=dict)
     parallel: bool = False
+    compiled: bool = False
+    """Whether the loop in C is used where the blocks and this machine allow it."""
 
     def run(self, starts: Mapping[str, Sequence[Start]], progress: Progress | None = None) -> Recording:
         """Initializes and runs. A failing block or Ctrl-C ends the run, and the recording says so."""
@@ -73,7 +56,11 @@ class Master:
             self._leave(bus)
             bus.values.take(bus.columns, 0, recording.values[0], "clip")
             rows = 1
-            self._loop(bus, recording, progress)
+            loop = compiled_loop(self, bus, recording) if self.compiled else None
+            if loop is not None:
+                loop.run(recording, progress)
+            else:
+                self._loop(bus, recording, progress)
         except BlockError as error:
             recording.failure = error
         if rows:
@@ -111,7 +98,7 @@ class Master:
                 values = block.get([node.element for node in nodes]) if nodes else []
                 for node, value in zip(nodes, values, strict=True):
                     if not math.isfinite(value):
-                        raise _not_finite(block, node.element, value)
+                        raise not_finite(block, node.element, value)
                     for target, factor, offset in feeds.get(node, ()):
                         incoming.setdefault(target.block, []).append((target.element, factor * value + offset))
             for name, pairs in incoming.items():
@@ -123,13 +110,15 @@ class Master:
             seat.block.leave()
         for seat in bus.seats:
             seat.block.get_all()
-            _check(seat)
+            check_finite(seat)
 
     # ------------------------------------------------------------ the loop
 
     def _loop(self, bus: Bus, recording: Recording, progress: Progress | None) -> None:
+        """The loop in Python; compiled.py has the same in C."""
         advance = self._parallel_step(bus) if self.parallel else self._sequential_step(bus)
-        delay, take, columns, rows = bus.delay, bus.values.take, bus.columns, recording.values
+        take, columns, rows = bus.values.take, bus.columns, recording.values
+        delay = bus.delay.keeper(bus.values) if bus.delay else None
         steps, interval = self.clock.steps, self.clock.interval
         count = 0
         begun = perf_counter()
@@ -177,7 +166,7 @@ class Master:
                     error.time = self.clock.time(count - every)
                     raise
                 if not isfinite(dot(view)):
-                    _check(seat, self.clock.time(count))
+                    check_finite(seat, self.clock.time(count))
 
         return advance
 
@@ -206,21 +195,9 @@ class Master:
                 raise
             for seat, _ in active:
                 if not math.isfinite(seat.view.dot(seat.view)):
-                    _check(seat, time(count))
+                    check_finite(seat, time(count))
 
         return advance
 
     def _every(self, seat: Seat) -> int:
         return self.every.get(seat.block.name, 1)
-
-
-def _check(seat: Seat, time: float | None = None) -> None:
-    """Raises BlockError where an output is not finite. (A finite one whose square overflows comes here, too.)"""
-    for element, value in zip(seat.outputs, seat.view, strict=True):
-        if not math.isfinite(value):
-            raise _not_finite(seat.block, element, value, time)
-
-
-def _not_finite(block: Block, element: Element, value: float, time: float | None = None) -> BlockError:
-    name = block.model.variables[element.variable].label(element.position)
-    return BlockError(block.name, f"output {name}", f"is {value}, expected a finite number", time, block.log)

@@ -16,9 +16,10 @@ from .errors import BlockError, InputError, nearest
 from .expectations import Check
 from .holds import Look
 from .manifest import manifest
-from .master import Master, Progress
+from .master import Master
 from .model import Model
 from .order import Hook, Order
+from .recording import Progress
 from .result import Result
 from .scenario import Scenario, load
 from .starts import Start
@@ -90,16 +91,18 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
     verbose: bool = False,
+    compiled: bool = True,
 ) -> Result:
     """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
 
     `overrides` are start values by name, `{"plant.x0": "98 deg"}`, and `step` and `duration`.
-    `out` is a folder to write the results to; without it nothing is written.
+    `out` is a folder to write the results to; without it nothing is written. `compiled` False asks for the
+    step loop in Python, which is otherwise used only where the one in C cannot be; both give the same bits.
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
     to then is its `result`. Ctrl-C ends the run, and the result is marked as interrupted.
     """
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, overrides)
-    result = execute(loaded, progress, verbose)
+    result = execute(loaded, progress, verbose, compiled)
     if out is not None:
         result.save(out)
     if result.failure is not None:
@@ -108,7 +111,9 @@ def run(
     return result
 
 
-def execute(scenario: Scenario, progress: Progress | None = None, verbose: bool = False) -> Result:
+def execute(
+    scenario: Scenario, progress: Progress | None = None, verbose: bool = False, compiled: bool = True
+) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so."""
     from .fmu import open_fmu
 
@@ -127,7 +132,7 @@ def execute(scenario: Scenario, progress: Progress | None = None, verbose: bool 
     ready = plan(scenario, {name: fmu.model for name, fmu in fmus.items()})
     with ExitStack() as stack:
         blocks = _instantiate(ready, fmus, stack, verbose)
-        result = run_blocks(ready, blocks, progress)
+        result = run_blocks(ready, blocks, progress, compiled)
     result.manifest = manifest(ready, fmus, result)
     return result
 
@@ -152,12 +157,14 @@ def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose
     return blocks
 
 
-def run_blocks(ready: Plan, blocks: Mapping[str, Block], progress: Progress | None = None) -> Result:
+def run_blocks(
+    ready: Plan, blocks: Mapping[str, Block], progress: Progress | None = None, compiled: bool = False
+) -> Result:
     """Runs a plan on any blocks, and judges its expectations."""
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
-    master = Master(blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel)
+    master = Master(blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled)
     recording = master.run(ready.starts, progress)
     columns = {node: recording.values[:, i] for i, node in enumerate(recording.columns)}
     return Result(

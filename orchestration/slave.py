@@ -10,11 +10,13 @@ import ctypes as c
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
 
 from .block import TYPES, Floats
 from .errors import BlockError
@@ -31,6 +33,21 @@ _NO_RESTORE = c.c_int(1)
 """noSetFMUStatePriorToCurrentPoint: the master never goes back."""
 
 Call = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """One fmi2Get<Type> or fmi2Set<Type>, with all that it needs; compiled.py hands it to the loop in C."""
+
+    name: str
+    function: Any
+    references: NDArray[np.uint32]
+    values: Floats
+    """Its stretch of the bus or of the block's inputs."""
+    buffer: NDArray[Any]
+    """What FMI reads or writes: `values` themselves for Reals, else a copy as C has them."""
+    live: int
+    """How many of the values, the first, others need in every step."""
 
 
 class Slave:
@@ -51,7 +68,7 @@ class Slave:
             if fmu.description.coSimulation.needsExecutionTool:
                 hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
             raise self._error("fmi2Instantiate", f"gave no instance{hint}") from None
-        self._component = c.c_void_p(self._fmu.component)
+        self.component = c.c_void_p(self._fmu.component)
 
     def _load(self, fmu: Fmu, folder: Path) -> FMU2Slave:
         here = os.getcwd()
@@ -96,16 +113,16 @@ class Slave:
 
     def _exchange(self, verb: str, kind: str, elements: list[Element], buffer: Any) -> None:
         references = (c.c_uint * len(elements))(*map(self._reference, elements))
-        status = self._function(f"fmi2{verb}{kind}")(self._component, references, c.c_size_t(len(elements)), buffer)
+        status = self._function(f"fmi2{verb}{kind}")(self.component, references, c.c_size_t(len(elements)), buffer)
         if status > _WARNING:
             names = ", ".join(dict.fromkeys(element.variable for element in elements))
-            raise self._failed(f"fmi2{verb}{kind} of {names}", status)
+            raise self.failed(f"fmi2{verb}{kind} of {names}", status)
 
     def enter(self, stop: float) -> None:
         setup = self._function("fmi2SetupExperiment")
-        status = setup(self._component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
+        status = setup(self.component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
         if status > _WARNING:
-            raise self._failed("fmi2SetupExperiment", status)
+            raise self.failed("fmi2SetupExperiment", status)
         self._plain("fmi2EnterInitializationMode")
 
     def leave(self) -> None:
@@ -113,59 +130,55 @@ class Slave:
         self._initialized = True
 
     def _plain(self, call: str) -> None:
-        status = self._function(call)(self._component)
+        status = self._function(call)(self.component)
         if status > _WARNING:
-            raise self._failed(call, status)
+            raise self.failed(call, status)
 
     # ------------------------------------------------------------ steps
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
         values = np.zeros(len(inputs))
-        setters = self._calls("Set", inputs, [0] * len(TYPES), values)
-        getters = self._calls("Get", outputs, live, into)
-        self.set_inputs = _one_after_the_other([all_ for all_, _ in setters])
-        self.get_all = _one_after_the_other([all_ for all_, _ in getters])
-        self.get_live = _one_after_the_other([live_ for _, live_ in getters])
+        self.setters = self._exchanges("Set", inputs, [0] * len(TYPES), values)
+        self.getters = self._exchanges("Get", outputs, live, into)
+        self.set_inputs = _one_after_the_other([self._call(e, len(e.values), "Set") for e in self.setters])
+        self.get_all = _one_after_the_other([self._call(e, len(e.values), "Get") for e in self.getters])
+        self.get_live = _one_after_the_other([self._call(e, e.live, "Get") for e in self.getters if e.live])
         self.do_step = self._stepper()
         return values
+
+    setters: list[Exchange]
+    getters: list[Exchange]
+    step_function: Any
 
     set_inputs: Call
     get_all: Call
     get_live: Call
     do_step: Callable[[float, float], None]
 
-    def _calls(
-        self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats
-    ) -> list[tuple[Call | None, Call | None]]:
-        """For each type that occurs, the call for all elements and that for the live ones, which stand first."""
-        calls: list[tuple[Call | None, Call | None]] = []
+    def _exchanges(self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats) -> list[Exchange]:
+        """A call for each type that occurs."""
+        exchanges: list[Exchange] = []
         first = 0
         for kind, count in zip(TYPES, live, strict=True):
             members = [e for e in elements if self.model.variables[e.variable].type == kind]
             if members:
                 part = values[first : first + len(members)]
-                all_ = self._call(verb, _FMI[kind], members, part)
-                few = all_ if count == len(members) else self._call(verb, _FMI[kind], members[:count], part[:count])
-                calls.append((all_, few if count else None))
+                name = f"fmi2{verb}{_FMI[kind]}"
+                references = np.array(list(map(self._reference, members)), np.uint32)
+                buffer = part if kind == "real" else np.zeros(len(members), np.int32)
+                exchanges.append(Exchange(name, self._function(name), references, part, buffer, count))
             first += len(members)
-        return calls
+        return exchanges
 
-    def _call(self, verb: str, kind: str, elements: Sequence[Element], values: Floats) -> Call:
-        """A call of fmi2Get<kind> or fmi2Set<kind> on `values`, which are copied where C has them otherwise."""
-        name = f"fmi2{verb}{kind}"
-        function, failed, component, count = (
-            self._function(name),
-            self._failed,
-            self._component,
-            c.c_size_t(len(elements)),
-        )
-        references = np.array(list(map(self._reference, elements)), np.uint32)
-        buffer = values if kind == "Real" else np.zeros(len(elements), np.int32)
-        at, data = c.c_void_p(references.ctypes.data), c.c_void_p(buffer.ctypes.data)
-        self._kept = [*getattr(self, "_kept", ()), references, buffer]  # the pointers do not keep them
+    def _call(self, exchange: Exchange, count: int, verb: str) -> Call:
+        """The call for the first `count` values; its arguments are made once."""
+        name, function, failed, component = exchange.name, exchange.function, self.failed, self.component
+        references = c.c_void_p(exchange.references.ctypes.data)
+        data, n = c.c_void_p(exchange.buffer.ctypes.data), c.c_size_t(count)
+        values, buffer = exchange.values[:count], exchange.buffer[:count]
 
         def real() -> None:
-            status = function(component, at, count, data)
+            status = function(component, references, n, data)
             if status > _WARNING:
                 raise failed(name, status)
 
@@ -177,10 +190,13 @@ class Slave:
             real()
             values[:] = buffer
 
-        return real if kind == "Real" else whole_set if verb == "Set" else whole_get
+        if exchange.buffer is exchange.values:
+            return real
+        return whole_set if verb == "Set" else whole_get
 
     def _stepper(self) -> Callable[[float, float], None]:
-        function, failed, component = self._function("fmi2DoStep"), self._failed, self._component
+        self.step_function = self._function("fmi2DoStep")
+        function, failed, component = self.step_function, self.failed, self.component
         at, length = c.c_double(), c.c_double()
 
         def do_step(time: float, step: float) -> None:
@@ -201,7 +217,7 @@ class Slave:
         self._dead = True
         if self._initialized:
             with suppress(BlockError):  # a library without fmi2Terminate
-                self._function("fmi2Terminate")(self._component)
+                self._function("fmi2Terminate")(self.component)
         self._fmu.freeInstance()
 
     # ------------------------------------------------------------ helpers
@@ -217,7 +233,8 @@ class Slave:
     def _reference(self, element: Element) -> int:
         return self.model.variables[element.variable].references[element.position]
 
-    def _failed(self, call: str, status: int) -> BlockError:
+    def failed(self, call: str, status: int) -> BlockError:
+        """The error of a call that gave this status, which also decides what may still be called."""
         if status >= _ERROR:
             self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
@@ -227,8 +244,7 @@ class Slave:
         return BlockError(self.name, call, problem, log=self.log)
 
 
-def _one_after_the_other(calls: Sequence[Call | None]) -> Call:
-    wanted = [call for call in calls if call is not None]
+def _one_after_the_other(wanted: Sequence[Call]) -> Call:
     if len(wanted) == 1:
         return wanted[0]
 
