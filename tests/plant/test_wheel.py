@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import plant
+from plant.attitude import lgvi_step
 from plant.wheel import Segment, Wheel, net_torque, segments
 from tests.plant.motion import FULL_INERTIA, checked, command, fly, measured_order
 from tests.plant.rk4 import angle_between, environment, pack, truth
@@ -164,6 +165,19 @@ def test_the_mean_momentum_of_a_part_is_its_integral_over_its_length(decay, dura
     nodes, weights = np.polynomial.legendre.leggauss(30)
     by_quadrature = 0.5 * sum(w * closed(0.2 + duration * 0.5 * (x + 1.0)) for x, w in zip(nodes, weights, strict=True))
     assert part.mean(0.2, duration) == pytest.approx(by_quadrature, rel=1e-13)
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_each_substep_is_told_the_wheels_mean_and_end_momentum(order, monkeypatch):
+    """l_w = 0.01 + 1e-3 t: the mean over a substep is that at its middle."""
+    told = []
+    monkeypatch.setattr("plant.block.lgvi_step", lambda *a: told.append(a[5:]) or lgvi_step(*a))
+    p = checked(h_w0=0.01, integrator_order=order, step_max=2.0)
+    plant.step(plant.start(p, command()), command(wheel_torque_cmd=1e-3), p, 2.0)
+    assert len(told) == {2: 1, 4: 5, 6: 7}[order]
+    for t, h, mean, end in told:
+        assert mean == pytest.approx(0.01 + 1e-3 * (t + 0.5 * h), abs=1e-16)
+        assert end == pytest.approx(0.01 + 1e-3 * (t + h), abs=1e-16)
 
 
 class Case:
