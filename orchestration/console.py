@@ -88,7 +88,10 @@ def summary(result: Result, folder: str | None) -> None:
     if result.holds:
         say()
     for hold in result.holds:
-        say(f"{hold.name}: {hold.text}", **({"fg": "yellow", "bold": True} if hold.latched else {}))
+        if hold.latched:
+            say(f"{hold.name}: {hold.text}", fg="yellow", bold=True)
+        else:
+            say(f"{hold.name}: {hold.text}")
     if folder:
         say(f"\nresults in {folder}")
 

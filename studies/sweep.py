@@ -1,0 +1,172 @@
+"""How the claims depend on what the paper leaves open: sweeps of the whole loop in the mass-normalised reading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from .claims import CLAIMS, DURATION, SCENARIOS, STEP, all_hold, constants, variants
+from .setup import read
+from .vectors import Array, random_rotations
+from .watch import Seen, fly
+
+NODES = np.arange(0.0, 360.0, 5.0)
+K_SCALES = np.round(np.arange(0.20, 1.5001, 0.05), 3)
+L_SCALES = np.round(np.arange(0.40, 1.6001, 0.05), 3)
+STEPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """Something that the paper does not give, and what is tried for it."""
+
+    name: str
+    taken: str
+    unit: str
+    nominal: float
+    values: Array
+
+    def change(self, value: float) -> dict[str, Any]:
+        """Start values for one of them."""
+        if self.name == "node longitude":
+            return {"plant.node_longitude": math.radians(value)}
+        if self.name == "K₀'s scale":
+            return constants(k=value)
+        if self.name == "L₀'s scale":
+            return constants(l=value)
+        if self.name == "spread of K₀":
+            return constants(spread=value)
+        if self.name == "mass that divides":
+            return constants(mass=value)
+        if self.name == "orbit radius":
+            return {"plant.orbit_radius": 1e3 * value}
+        if self.name == "bend of Φ":
+            return {"controller.phi": "logarithm", "controller.phi_scale": value}
+        if self.name == "year (10 August)":
+            return {"plant.epoch": f"{int(value)}-08-10T00:00:00Z"}
+        if self.name == "factor on drag":
+            return {"plant.drag_factor": 0.02 * value}
+        raise KeyError(self.name)
+
+
+ONE_BY_ONE = (
+    Constant("node longitude", "158° E (Earth-fixed, at t = 0)", "°", 158.0, np.arange(0.0, 360.0)),
+    Constant(
+        "K₀'s scale", "0.65 N m (before the division by 50)", "N m", 0.65, np.round(np.arange(0.20, 1.505, 0.01), 3)
+    ),
+    Constant("spread of K₀", "K₀ = 0.65 diag(1 − 0.1, 1, 1 + 0.1)", "", 0.1, np.round(np.arange(0.01, 0.5, 0.01), 3)),
+    Constant(
+        "L₀'s scale", "0.9 N m s (before the division by 50)", "N m s", 0.9, np.round(np.arange(0.40, 1.605, 0.01), 3)
+    ),
+    Constant("mass that divides", "50 kg (“about 50 kg”)", "kg", 50.0, np.arange(20.0, 101.0)),
+    Constant("orbit radius", "6971 km (6371 + 600)", "km", 6971.0, np.arange(6940.0, 7002.0, 1.0)),
+    Constant("year (10 August)", "2009", "", 2009.0, np.arange(2005.0, 2016.0)),
+    Constant("bend of Φ", "Φ(x) = x; here s ln(1 + x/s) with s in J", "J", math.inf, np.logspace(-4.0, 0.0, 41)),
+    Constant("factor on drag", "1 (C_d 2.2, F10.7 = 70)", "", 1.0, np.logspace(-1.0, 4.0, 51)),
+)
+
+
+def one_by_one(which: str) -> list[Seen]:
+    """Each constant swept alone; in the order of ONE_BY_ONE."""
+    loop = read(SCENARIOS[which]).loop
+    cases = [loop.change(c.change(float(v))) for c in ONE_BY_ONE for v in c.values]
+    seen = fly(cases, STEP, DURATION)
+    ends = np.cumsum([len(c.values) for c in ONE_BY_ONE])[:-1]
+    parts = {f.name: np.split(getattr(seen, f.name), ends) for f in fields(Seen)}
+    return [Seen(**{name: part[i] for name, part in parts.items()}) for i in range(len(ONE_BY_ONE))]
+
+
+def node_and_gain(which: str) -> Seen:
+    """Every node longitude with every scale of K0; rows K_SCALES, columns NODES, flattened."""
+    return _grid(which, [constants(k=float(k)) | _node(x) for k in K_SCALES for x in NODES])
+
+
+def gains(which: str) -> Seen:
+    """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
+    return _grid(which, [constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
+
+
+def node_and_step(which: str, step: float) -> Seen:
+    """Every node longitude with one control step."""
+    return _grid(which, [_node(x) for x in NODES], step)
+
+
+def latch(k: float, l: float) -> Seen:  # noqa: E741
+    """V.C at node longitudes 1 deg apart with gains of these scales."""
+    return _grid("V.C", [constants(k=k, l=l) | _node(float(x)) for x in range(360)])
+
+
+def _node(degrees: float) -> dict[str, Any]:
+    return {"plant.node_longitude": math.radians(degrees)}
+
+
+def _grid(which: str, changes: Sequence[Mapping[str, Any]], step: float = STEP) -> Seen:
+    return fly(variants(read(SCENARIOS[which]).loop, changes), step, DURATION)
+
+
+def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, str, str] | None:
+    """Ends of the values around the nominal one for which every claim holds, and what fails first beyond each.
+
+    None where the nominal itself does not hold every claim.
+    """
+    good = all_hold(which, seen)
+    at = len(good) - 1 if math.isinf(constant.nominal) else int(np.abs(constant.values - constant.nominal).argmin())
+    if not good[at]:
+        return None
+    low = high = at
+    while low > 0 and good[low - 1]:
+        low -= 1
+    while high < len(good) - 1 and good[high + 1]:
+        high += 1
+    return (
+        float(constant.values[low]),
+        float(constant.values[high]),
+        _failing(which, seen, low - 1),
+        _failing(which, seen, high + 1),
+    )
+
+
+def _failing(which: str, seen: Seen, at: int) -> str:
+    if not 0 <= at < len(seen.settled):
+        return ""
+    return ", ".join(c.text for c in CLAIMS[which] if not c.holds(seen)[at])
+
+
+# ---------------------------------------------------------------- robustness
+
+DRAG_FACTORS = np.logspace(-1.0, 4.0, 26)
+
+
+def drag(which: str) -> Seen:
+    """The moment of drag, which the law does not know, times DRAG_FACTORS."""
+    return _grid(which, [{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
+
+
+def inertia_errors(which: str, n: int = 200, seed: int = 2, size: float = 0.1) -> Seen:
+    """The body's inertia off what the law knows; the law and the allocator keep theirs."""
+    setup = read(SCENARIOS[which])
+    errors = wrong_inertias(np.array(setup.loop.plant.J_B), n, seed, size) - np.asarray(setup.loop.plant.J_B)[..., None]
+    return fly([setup.loop.change({"plant.J_error_B": errors[..., i]}) for i in range(n)], STEP, DURATION)
+
+
+def wrong_inertias(J: Array, n: int, seed: int, size: float) -> Array:
+    """Inertias (3, 3, n) of real bodies: J + size |J| E, E symmetric with eigenvalues uniform in [-1, 1], |J| by its axes.
+
+    Axes of E are uniform on SO(3), so products of inertia come with it: J' = S (1 + size E) S, S = J^(1/2).
+    """
+    rng = np.random.default_rng(seed)
+    w, v = np.linalg.eigh(J)
+    S = v @ np.diag(np.sqrt(w)) @ v.T
+    found: list[Array] = []
+    while len(found) < n:
+        T = random_rotations(rng, 1)[..., 0]
+        candidate = S @ (np.eye(3) + size * T @ np.diag(rng.uniform(-1.0, 1.0, 3)) @ T.T) @ S
+        candidate = 0.5 * (candidate + candidate.T)
+        moments = np.linalg.eigvalsh(candidate)
+        if moments[2] <= moments[0] + moments[1]:
+            found.append(candidate)
+    return np.moveaxis(np.array(found), 0, -1)
