@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus import native
 from fmus.build import build
 from fmus.interface import BLOCKS, load
 from orchestration import run
@@ -117,12 +116,17 @@ def test_twenty_random_loops_agree_in_every_port(seed: int) -> None:
             assert np.abs(found - expected).max() <= RELATIVE * size, f"{block}.{variable.name}"
 
 
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Path]]:
+    return {flavour: build(BLOCKS, flavour, tmp_path_factory.mktemp(flavour)) for flavour in ("python", "native")}
+
+
 @pytest.mark.parametrize("name", ["paper_no_singularity", "paper_singularity"])
-def test_the_papers_manoeuvres_agree_in_every_port(name: str, tmp_path: Path) -> None:
+def test_the_papers_manoeuvres_agree_in_every_port(name: str, fmus: dict[str, dict[str, Path]], tmp_path: Path) -> None:
     text = (ROOT / "scenarios" / f"{name}.yaml").read_text("utf-8")
     results = {}
     for flavour in ("python", "native"):
-        paths = build(BLOCKS, flavour, tmp_path / flavour)
+        paths = fmus[flavour]
         changed = text
         for block in BLOCKS:
             assert f"fmu: {block}\n" in text
@@ -140,8 +144,3 @@ def test_the_papers_manoeuvres_agree_in_every_port(name: str, tmp_path: Path) ->
             size = np.sqrt((sizing.reshape(len(sizing), -1) ** 2).sum(axis=1)).max()
             assert np.abs(found - expected).max() <= RELATIVE * size, signal
     assert np.abs(np.asarray(c["plant.R_NB"]) - np.asarray(python["plant.R_NB"])).max() <= 1e-9
-
-
-def test_native_fmus_are_small() -> None:
-    for block in BLOCKS:
-        assert len(native.package(load(block), ROOT / block, ROOT / "LICENSE")) < 500_000
