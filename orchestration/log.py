@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes as c
 import sys
 from collections import deque
+from collections.abc import Callable
 from typing import Any
 
 from fmpy import calloc, free
@@ -16,7 +17,8 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
-_LINES_MAX = 20
+LINES_MAX = 20
+_LENGTH_MAX = 500
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _logs: dict[int, Log] = {}
 
@@ -28,9 +30,10 @@ class Log:
     for all FMUs, which finds the right log by the component's environment.
     """
 
-    def __init__(self, name: str, echo: bool = False) -> None:
+    def __init__(self, name: str, echo: bool | Callable[[str], None] = False) -> None:
+        """`echo` prints each line, or does with it what it is."""
         self.name, self.echo = name, echo
-        self.lines: deque[str] = deque(maxlen=_LINES_MAX)
+        self.lines: deque[str] = deque(maxlen=LINES_MAX)
         self.key = max(_logs, default=0) + 1
         _logs[self.key] = self
         self.callbacks = fmi2CallbackFunctions()
@@ -45,9 +48,17 @@ class Log:
 
     def add(self, status: int, message: str) -> None:
         for line in message.rstrip().splitlines():
+            line = shortened(line)
             self.lines.append(line if status == 0 else f"[{_STATUS[status] if status in range(6) else status}] {line}")
-            if self.echo:
+            if callable(self.echo):
+                self.echo(self.lines[-1])
+            elif self.echo:
                 print(f"{self.name}: {self.lines[-1]}", file=sys.stderr)
+
+
+def shortened(line: str) -> str:
+    """The line, or the beginning of one that would fill the screen."""
+    return line if len(line) <= _LENGTH_MAX else f"{line[:_LENGTH_MAX]} ..."
 
 
 def _receive(environment: Any, instance: bytes | None, status: int, category: Any, message: bytes | None) -> None:

@@ -53,8 +53,11 @@ class Exchange:
 class Slave:
     """One instance of an FMU. See `block.Block`."""
 
-    def __init__(self, name: str, fmu: Fmu, folder: Path, verbose: bool = False) -> None:
-        """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it."""
+    def __init__(self, name: str, fmu: Fmu, folder: Path, verbose: bool | Callable[[str], None] = False) -> None:
+        """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it.
+
+        `verbose` prints what it logs, or takes each line of it.
+        """
         self.name: str = name
         self.model: Model = fmu.model
         self._log = Log(name, echo=verbose)
