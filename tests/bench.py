@@ -1,0 +1,143 @@
+"""`make bench`: how fast the loop is on this machine. Prints figures; asserts nothing.
+
+One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods, fourth-order
+integrator, recorded at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+import orchestration
+from orchestration.runner import locate
+
+ROOT = Path(__file__).parents[1]
+SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
+ORBIT = 5800.0
+"""s"""
+
+
+def orbit(flavour: str, duration: float = ORBIT) -> dict[str, Any]:
+    data = dict(orchestration.load(SCENARIO, {"flavour": flavour, "duration": duration}).source.data)
+    plant = data["blocks"]["plant"]
+    plant = {**plant, "start": {**plant["start"], "integrator_order": 4}}
+    data["blocks"] = {**data["blocks"], "plant": plant}
+    return {**data, "record": {"interval": 1.0}, "expect": [], "figures": [], "holds": []}
+
+
+def loops(table: Table, runs: int) -> None:
+    """Wall time and steps a second of the orbit, for each flavour and each loop."""
+    for flavour in ("native", "python"):
+        for compiled in (True, False):
+            repeats = runs if flavour == "native" else 1
+            results = [orchestration.run(orbit(flavour), compiled=compiled) for _ in range(repeats)]
+            wall = statistics.median(result.wall for result in results)
+            name = f"{flavour} FMUs, {'compiled' if compiled else 'Python'} loop"
+            table.add_row(name, f"{wall:.3f} s", f"{results[0].steps / wall:,.0f} steps/s")
+
+
+def calls(table: Table, flavour: str, count: int) -> None:
+    """What each FMU's doStep costs, called in a row without exchange."""
+    from fmpy import extract, read_model_description
+    from fmpy.fmi2 import FMU2Slave
+
+    for block in ("plant", "controller", "allocator"):
+        path = locate(block, ROOT, flavour)
+        description = read_model_description(str(path))
+        with tempfile.TemporaryDirectory() as folder:
+            identifier = description.coSimulation.modelIdentifier
+            extract(str(path), folder)
+            fmu = FMU2Slave(
+                guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName=block
+            )
+            fmu.instantiate()
+            fmu.setupExperiment(startTime=0.0)
+            fmu.enterInitializationMode()
+            fmu.exitInitializationMode()
+            step, component = fmu.fmi2DoStep, fmu.component
+            begun = time.perf_counter()
+            for i in range(count):
+                step(component, i * 0.1, 0.1, 1)
+            each = (time.perf_counter() - begun) / count
+            fmu.terminate()
+            fmu.freeInstance()
+        table.add_row(f"doStep of {block}.fmu, {flavour}, through ctypes", f"{1e6 * each:.2f} us", "")
+
+
+def process(table: Table, runs: int) -> None:
+    """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed."""
+    with tempfile.TemporaryDirectory() as out:
+        command = [sys.executable, "-m", "orchestration.cli", str(SCENARIO), "--out", out]
+        for name, arguments in (("whole process, V.B", []), ("whole process, one step", ["--duration", "0.1"])):
+            walls = []
+            for _ in range(runs):
+                begun = time.perf_counter()
+                subprocess.run([*command, *arguments], cwd=ROOT, check=False, capture_output=True)
+                walls.append(time.perf_counter() - begun)
+            table.add_row(f"orchestrate as a {name}", f"{statistics.median(walls):.3f} s", "")
+
+
+def isolation(table: Table) -> None:
+    """What a step costs more when a block runs in a process of its own."""
+    from tests.orchestration.bench_isolation import costs
+
+    for name, seconds in costs().items():
+        table.add_row(name, f"{1e6 * seconds:.1f} us", "a step")
+
+
+def basilisk(table: Table) -> None:
+    """The same orbit by Basilisk, in a process of its own."""
+    if find_spec("Basilisk") is None:
+        table.add_row("Basilisk", "not installed", "pip install bsk")
+        return
+    run = subprocess.run(
+        [sys.executable, "-m", "tests.bench_basilisk", str(ORBIT)], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if run.returncode:
+        table.add_row("Basilisk", "failed", run.stderr.strip().splitlines()[-1])
+        return
+    imports, setup, wall = map(float, run.stdout.split()[-3:])
+    table.add_row("Basilisk, the same orbit", f"{wall:.3f} s", f"{ORBIT / 0.1 / wall:,.0f} steps/s")
+    table.add_row("Basilisk, imports and set-up", f"{imports + setup:.3f} s", "")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=5, help="runs of which the median is taken (native and processes)")
+    runs = max(parser.parse_args().runs, 1)
+    console = Console()
+    table = Table(title=f"One orbit, {ORBIT:.0f} s at 0.1 s; {platform.machine()}, Python {platform.python_version()}")
+    for column in ("what", "time", ""):
+        table.add_column(column, justify="left" if column == "what" else "right")
+    for flavour in ("native", "python"):
+        for block in ("plant", "controller", "allocator"):
+            locate(block, ROOT, flavour)
+    with console.status("measuring") as status:
+        for part, arguments in (
+            (loops, (runs,)),
+            (calls, ("native", 20000)),
+            (calls, ("python", 2000)),
+            (process, (runs,)),
+            (isolation, ()),
+            (basilisk, ()),
+        ):
+            status.update(f"measuring: {(part.__doc__ or '').splitlines()[0]}")
+            part(table, *arguments)  # type: ignore[operator]
+            table.add_section()
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main()
