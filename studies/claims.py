@@ -31,6 +31,8 @@ class Claim:
     below: bool = True
     implied: bool = False
     """Not said in words, but implied by what is."""
+    of_limits: bool = False
+    """Has no meaning for actuators without limits."""
     show: Callable[[float], str] = lambda value: f"{value:.3g}"
 
     def margin(self, seen: Seen) -> Array:
@@ -65,7 +67,15 @@ VB = (
         0.05,
         below=False,
     ),
-    Claim("inputs are held", "no hold", lambda s: (s.holds > 0).astype(float), 0.5, implied=True, show=_yes),
+    Claim(
+        "inputs are held",
+        "no hold",
+        lambda s: (s.holds > 0).astype(float),
+        0.5,
+        implied=True,
+        of_limits=True,
+        show=_yes,
+    ),
 )
 VC = (
     Claim("errors reach zero", "in less than 1/20 orbit (290 s)", lambda s: s.settled, ORBIT / 20, "s", show=_settled),
@@ -85,6 +95,7 @@ VC = (
         0.8 - 1e-12,
         "of its limit",
         below=False,
+        of_limits=True,
     ),
     Claim(
         "what is held",
@@ -94,6 +105,7 @@ VC = (
         "A m²",
         below=False,
         implied=True,
+        of_limits=True,
     ),
     Claim(
         "the hold is released at",
@@ -103,8 +115,9 @@ VC = (
         "s",
         implied=True,
         show=lambda v: f"{v:.1f}" if math.isfinite(v) else "never",
+        of_limits=True,
     ),
-    Claim("a torquer saturates", "none does", lambda s: s.saturated, 0.5, show=_yes),
+    Claim("a torquer saturates", "none does", lambda s: s.saturated, 0.5, of_limits=True, show=_yes),
 )
 CLAIMS = {"V.B": VB, "V.C": VC}
 SCENARIOS = {"V.B": "scenarios/paper_no_singularity.yaml", "V.C": "scenarios/paper_singularity.yaml"}
@@ -127,8 +140,24 @@ def outcome(which: str, seen: Seen) -> Array:
     """Which of OUTCOMES each run shows."""
     in_time = CLAIMS[which][0].holds(seen)
     latched = seen.latched == 1
-    at_zero = latched & (seen.held_at_zero == 1) & (seen.holds == 1)
+    at_zero = latched & (seen.held_at_zero == 1) & (seen.held == 0.0) & (seen.holds == 1)
     return np.select([all_hold(which, seen), in_time, at_zero, latched], [0, 1, 4, 3], 2)
+
+
+HOLDS = (
+    "never held",
+    "a running command held and released",
+    "held at zero from the start, released",
+    "latched after a running command",
+    "latched at zero from the start",
+)
+
+
+def hold_outcome(seen: Seen) -> Array:
+    """Which of HOLDS each run shows; orchestration/holds.py tells the same of a single run."""
+    at_zero = (seen.held_at_zero == 1) & (seen.held == 0.0)
+    latched = seen.latched == 1
+    return np.select([seen.holds == 0, latched & at_zero & (seen.holds == 1), latched, at_zero], [0, 4, 3, 2], 1)
 
 
 # ---------------------------------------------------------------- readings of the paper's numbers

@@ -113,9 +113,17 @@ def fly(
 
 
 def random_cases(
-    law: controller.Parameters, schedule: str, n: int = 600, seed: int = 1, duration: float = 900.0
+    law: controller.Parameters,
+    schedule: str,
+    n: int = 600,
+    seed: int = 1,
+    duration: float = 600.0,
+    J: Array | None = None,
 ) -> Flown:
-    """n random starts under one law with the gain schedule "error" [10] or "constant"."""
+    """n random starts under one law with the gain schedule "error" [10] or "constant".
+
+    J (3, 3, n): the bodies' inertias, by default what the law knows.
+    """
     p = replace(law, gain_schedule=schedule)
     if schedule == "constant":  # k and l as [10] has them at the start from (90 deg, 0.1 rad/s)
         p = replace(
@@ -124,7 +132,20 @@ def random_cases(
             lambda0=p.lambda0 * (p.c1 + RATE_MAX) / (p.c2 + RATE_MAX),
         )
     Q, Omega = start(np.random.default_rng(seed), n)
-    return fly([p] * n, stack([p.J_B] * n), Q, Omega, duration)
+    return fly([p] * n, stack([p.J_B] * n) if J is None else J, Q, Omega, duration)
+
+
+def from_the_edge(law: controller.Parameters, each: int = 20, seed: int = 3, off: float = 1e-6) -> Flown:
+    """Starts at rest `off`, rad, from each of the three unstable equilibria, in random directions; gains [10]."""
+    rng = np.random.default_rng(seed)
+    Q = []
+    for which in (1, 2, 3):
+        for _ in range(each):
+            x = rng.standard_normal(3)
+            Q.append(np.diag(_SIGNS[which]) @ controller.so3.exp(off * x / np.linalg.norm(x)))
+    at = stack(Q)
+    p = [law] * len(Q)
+    return fly(p, stack([law.J_B] * len(Q)), at, at[1] * -ORBITAL_RATE, 1500.0)
 
 
 # ---------------------------------------------------------------- equilibria

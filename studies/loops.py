@@ -227,7 +227,7 @@ class Environment:
         shared: list[plant.Parameters] = []
         self._which = np.empty(len(plants), int)
         for i, p in enumerate(plants):
-            key = tuple(getattr(p, name) for name in _ORBITAL) + (p.drag,)
+            key = (*(getattr(p, name) for name in _ORBITAL), p.drag)
             if key not in known:
                 known[key] = len(shared)
                 shared.append(p)

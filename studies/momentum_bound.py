@@ -131,6 +131,11 @@ class MomentumBalance:
         change = max(float(np.linalg.norm(self._reference(t).dOmega_d)) for t in times[:: max(1, len(times) // 50)])
         self._fall += 1.1 * float(moments[2]) * change
 
+    @property
+    def H0_size(self) -> float:
+        """|H_N(0)|, N m s."""
+        return float(np.linalg.norm(self.H0))
+
     def _reference(self, t: float) -> Reference:
         law = self.law
         if law.reference == "lvlh":

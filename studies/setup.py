@@ -18,6 +18,7 @@ from fmus.interface import BLOCKS, load
 from orchestration import InputError, Scenario
 from orchestration import load as load_scenario
 from orchestration.model import Model
+from orchestration.source import Source
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Setup:
         return InputError(self.scenario.error(key, message))
 
 
-def read(scenario: str | Path, overrides: Mapping[str, Any] | None = None) -> Setup:
+def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = None) -> Setup:
     """The loop of a scenario. Raises InputError, with file and line, for whatever is wrong with it."""
     from orchestration.starts import resolve
 
@@ -71,7 +72,7 @@ def read(scenario: str | Path, overrides: Mapping[str, Any] | None = None) -> Se
         raise InputError(
             loaded.error(("blocks", strange[0], "fmu"), f"expected one of {', '.join(BLOCKS)}, found {found!r}")
         )
-    models = {name: _model(block) for block, name in names.items()}
+    models = {name: _model(block, loaded.blocks[name].flavour or loaded.flavour) for block, name in names.items()}
     starts = resolve(loaded, models)
     parts = {}
     for block, name in names.items():
@@ -87,12 +88,12 @@ def read(scenario: str | Path, overrides: Mapping[str, Any] | None = None) -> Se
 
 
 @cache
-def _model(block: str) -> Model:
+def _model(block: str, flavour: str) -> Model:
     from fmus.build import BuildError, ensure
     from orchestration.fmu import open_fmu
 
     try:
-        return open_fmu(ensure(block)).model
+        return open_fmu(ensure(block, flavour)).model
     except BuildError as error:
         raise InputError(f"the block {block!r} cannot be built: {error}") from None
 

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from plant.orbit import lvlh
+
 from .claims import CLAIMS, DURATION, SCENARIOS, STEP, all_hold, constants, variants
 from .setup import read
 from .vectors import Array, random_rotations
@@ -144,6 +146,14 @@ DRAG_FACTORS = np.logspace(-1.0, 4.0, 26)
 def drag(which: str) -> Seen:
     """The moment of drag, which the law does not know, times DRAG_FACTORS."""
     return _grid(which, [{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
+
+
+def drag_moments(which: str) -> Array:
+    """Norm of that moment at the end of the run in the LVLH attitude, in SI units, N m, for DRAG_FACTORS."""
+    p = read(SCENARIOS[which]).loop.plant
+    v_N, density = p.air.flow(DURATION)
+    one = p.surface.moment(lvlh(*p.orbit.position_velocity(DURATION)).T @ v_N, density)
+    return DRAG_FACTORS * float(np.linalg.norm(one)) / p.drag_factor
 
 
 def inertia_errors(which: str, n: int = 200, seed: int = 2, size: float = 0.1) -> Seen:

@@ -1,0 +1,111 @@
+"""python -m studies: the momentum bound of a scenario, and the page docs/reproduction.md.
+
+Exit status: 0 all well; 1 the time asked for is impossible; 2 the input is wrong.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+import click
+
+from orchestration import InputError
+from orchestration.console import complain, say
+from orchestration.quantities import SECOND, QuantityError, Unit, value_in
+
+IMPOSSIBLE, WRONG_INPUT = 1, 2
+_DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
+
+
+class _Commands(click.Group):
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            for message in error.messages:
+                complain(message)
+            ctx.exit(WRONG_INPUT)
+
+
+@click.group(cls=_Commands)
+def main() -> None:
+    """Studies of the loop."""
+
+
+def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
+    """A positive number of an option, or None where it is not given."""
+    if text is None:
+        return None
+    try:
+        number: Any = text
+        with contextlib.suppress(ValueError):
+            number = float(text)
+        value = value_in(number, unit)
+    except QuantityError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if not 0.0 < value < float("inf"):
+        raise InputError(f"{option} {text}: expected above zero, found {value:g} {unit.name}")
+    return value
+
+
+@main.command("momentum-bound")
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option("--time", metavar="T", help="Whether the manoeuvre is possible within this time; in s or with a unit.")
+@click.option("--dipole-max", metavar="M", help="Limit of each rod instead of the plant's; in A.m2 or with a unit.")
+@click.option("--horizon", default="1 h", show_default=True, metavar="T", help="Longest time that is looked at.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
+@click.pass_context
+def momentum_bound(
+    ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
+) -> None:
+    """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
+    from orchestration.cli import _assignment
+    from orchestration.source import read as source_of
+
+    from .momentum_bound import balance
+    from .setup import read
+
+    source = source_of(scenario)
+    for text in sets:
+        source = source.with_start(*_assignment(text), option="--set ")
+    wanted = _quantity("--time", time, SECOND)
+    limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
+    longest = _quantity("--horizon", horizon, SECOND) or 0.0
+    setup = read(source)
+    bound = balance(setup, limit, max(longest, wanted or 0.0))
+    found = bound.least_time()
+    rods = setup.loop.plant.dipole_max if limit is None else limit
+    say(
+        f"{setup.scenario.name}: rods of {rods:g} A m2, together at most {bound.rho:.4f} A m2; wheel {1e3 * bound.l_max:g} mN m s"
+    )
+    say(f"initial momentum {bound.H0_size:.4f} N m s")
+    for what, least in (("least time", found.least), ("  along the momentum alone", found.simple)):
+        say(f"{what}: " + (f"beyond {found.horizon:g} s" if least is None else f"{least:.1f} s"), bold=what[0] == "l")
+    if wanted is None:
+        return
+    v = bound.at(wanted)
+    if v.possible:
+        say(f"within {wanted:g} s: not excluded")
+        return
+    direction = ", ".join(f"{x:.5f}" for x in v.direction)
+    say(f"within {wanted:g} s: impossible, {v.gap:.4f} N m s are short", bold=True)
+    say(f"  along the inertial direction ({direction})")
+    say(f"  needed beyond what the wheel can keep {v.needed:.4f} N m s")
+    say(f"  largest impulse of the rods           {v.impulse:.4f}")
+    say(f"  disturbances and tolerances           {v.slack:.4f}")
+    ctx.exit(IMPOSSIBLE)
+
+
+@main.command()
+@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+def reproduction(jobs: int) -> None:
+    """Make docs/reproduction.md and its figures, all from runs."""
+    from .reproduction import make
+
+    say(f"written: {make(jobs)}")
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m studies")

@@ -1,0 +1,187 @@
+"""Everything that docs/reproduction.md shows, computed anew: the runs, and how they are spread over processes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import convergence, sweep
+from .claims import CLAIMS, DURATION, ORBIT, READINGS, SCENARIOS, STEP, constants, variants
+from .momentum_bound import MomentumBalance, Verdict
+from .setup import Loop, read
+from .vectors import Array
+from .watch import Seen, fly, of_result
+
+ROOT = Path(__file__).parents[1]
+BOUND_NODES = np.arange(0.0, 360.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run through the FMUs: what was seen, and the signals for figures."""
+
+    seen: Seen
+    hold: str
+    """What became of the hold, in words."""
+    time: Array
+    signals: dict[str, Array]
+
+
+def run(which: str, letter: str = "a", changes: dict[str, Any] | None = None, duration: float = DURATION) -> Run:
+    """Flies a manoeuvre with the FMUs, in one of READINGS, with further start values."""
+    import orchestration
+
+    reading = next(r for r in READINGS if r.letter == letter)
+    start = {**reading.changes, **(changes or {})}
+    setup = read(ROOT / SCENARIOS[which])
+    n = setup.names
+    result = orchestration.run(ROOT / SCENARIOS[which], {**start, "duration": duration, "step": STEP})
+    wanted = {
+        n["plant"]: "b_B h_w dipole dipole_saturated wheel_momentum_saturated omega_B tau_drag_B",
+        n["controller"]: "tau_cmd_B attitude_error rate_error_B lyapunov gain_l",
+        n["allocator"]: "dipole_cmd wheel_torque_cmd holding demand_fraction tau_residual_B b_wheel",
+    }
+    signals = {name: result[f"{block}.{name}"] for block, names in wanted.items() for name in names.split()}
+    rods = _rod_fraction(setup.loop.change(start), signals)
+    return Run(of_result(result, dict(n), rods), result.holds[0].text, result.time, signals)
+
+
+def _rod_fraction(loop: Loop, s: dict[str, Array]) -> Array:
+    """Largest demand of a rod over its limit at each sample, before the hold, by the allocator's own functions."""
+    from allocator.allocation import Singular, allocate
+
+    found = np.empty(len(s["h_w"]))
+    for i in range(len(found)):
+        try:
+            m, _ = allocate(s["tau_cmd_B"][i], s["b_B"][i], s["omega_B"][i], float(s["h_w"][i]), loop.allocator.U)
+            found[i] = np.abs(m).max() / loop.allocator.dipole_max
+        except Singular:
+            found[i] = np.inf
+    return found
+
+
+def orbit_hold(which: str) -> Run:
+    """One orbit of LVLH hold, from rest in LVLH, with gravity gradient and drag."""
+    changes = {
+        "plant.Q0": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        "plant.omega_B0": [0.0, -2.0 * math.pi / ORBIT, 0.0],
+    }
+    return run(which, "a", changes, ORBIT)
+
+
+@dataclass(frozen=True)
+class Times:
+    """Least times at BOUND_NODES, s; NaN beyond the horizon."""
+
+    least: Array
+    simple: Array
+    at_claim: list[Verdict]
+    """For the paper's own time and dipole."""
+
+
+PAPER_LIMITS = {"V.B": (15.0, ORBIT / 30.0), "V.C": (20.0, ORBIT / 20.0)}
+"""Dipole that the paper says each rod stays within, A m2, and the time it says the manoeuvre takes, s."""
+
+
+def bounds(which: str, dipole_max: float, mass: float = 1.0) -> Times:
+    """The momentum bound round the Earth."""
+    loop = read(ROOT / SCENARIOS[which]).loop.change(constants(mass=mass))
+    least, simple, at_claim = [], [], []
+    for node in BOUND_NODES:
+        p = loop.change({"plant.node_longitude": math.radians(node)})
+        balance = MomentumBalance(p.plant, p.controller, dipole_max, horizon=1500.0)
+        found = balance.least_time()
+        least.append(math.nan if found.least is None else found.least)
+        simple.append(math.nan if found.simple is None else found.simple)
+        at_claim.append(balance.at(PAPER_LIMITS[which][1]))
+    return Times(np.array(least), np.array(simple), at_claim)
+
+
+def si_for_an_orbit(which: str) -> Seen:
+    """SI units and the real limits, a whole orbit from 24 nodes."""
+    loop = read(ROOT / SCENARIOS[which]).loop.change(READINGS[2].changes)
+    return fly(variants(loop, [{"plant.node_longitude": math.radians(x)} for x in range(0, 360, 15)]), STEP, ORBIT)
+
+
+def from_random(schedule: str, wrong: bool = False) -> convergence.Flown:
+    law = read(ROOT / SCENARIOS["V.B"]).loop.controller
+    J = sweep.wrong_inertias(law.J_B, 600, 4, 0.1) if wrong else None
+    return convergence.random_cases(law, schedule, J=J)
+
+
+def from_edge() -> convergence.Flown:
+    return convergence.from_the_edge(read(ROOT / SCENARIOS["V.B"]).loop.controller)
+
+
+@dataclass(frozen=True)
+class Job:
+    name: str
+    call: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+
+def jobs() -> list[Job]:
+    """The longest first."""
+    both = tuple(CLAIMS)
+    made = [Job(f"{w}: SI for an orbit", si_for_an_orbit, (w,)) for w in both]
+    made += [Job(f"{w}: node and K0", sweep.node_and_gain, (w,)) for w in both]
+    made += [Job(f"{w}: one by one", sweep.one_by_one, (w,)) for w in both]
+    made += [Job(f"{w}: K0 and L0", sweep.gains, (w,)) for w in both]
+    made += [Job(f"{w}: step {s:g} s", sweep.node_and_step, (w, s)) for s in sweep.STEPS for w in both]
+    made += [Job(f"random starts, {s}", from_random, (s,)) for s in ("constant", "error")]
+    made += [Job("random starts, wrong inertia", from_random, ("error", True))]
+    made += [Job("starts at the edge", from_edge, ())]
+    made += [Job(f"latch {k:g} {l:g}", sweep.latch, (k, l)) for k, l in ((0.65, 0.9), (0.4, 1.0))]
+    made += [Job(f"{w}: wrong inertia", sweep.inertia_errors, (w,)) for w in both]
+    made += [Job(f"{w}: bound {m:g} A m2", bounds, (w, m)) for w in both for m in (PAPER_LIMITS[w][0], 25.0)]
+    made += [Job(f"{w}: bound per mass", bounds, (w, PAPER_LIMITS[w][0], 50.0)) for w in both]
+    made += [Job(f"{w}: drag", sweep.drag, (w,)) for w in both]
+    made += [Job("hold over an orbit", orbit_hold, ("V.B",))]
+    made += [Job(f"{w}: run {r.letter}", run, (w, r.letter)) for w in both for r in READINGS]
+    made += [Job("latched run", run, ("V.C", "a", {"plant.node_longitude": math.radians(200.0)}))]
+    return made
+
+
+def compute(processes: int) -> dict[str, Any]:
+    """The results of all jobs by name, with a progress bar."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from fmus.build import BLOCKS, ensure
+
+    for block in BLOCKS:  # once, before the processes ask for it
+        ensure(block, "native")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # two processes are at work; BLAS threads would only get in their way
+    done: dict[str, Any] = {}
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns) as progress, ProcessPoolExecutor(processes) as pool:
+        wanted = jobs()
+        task = progress.add_task("studies", total=len(wanted))
+
+        def finished(name: str) -> Callable[[Future[Any]], None]:
+            return lambda _: progress.update(task, advance=1, description=name)
+
+        futures = {}
+        for job in wanted:
+            futures[job.name] = pool.submit(job.call, *job.arguments)
+            futures[job.name].add_done_callback(finished(job.name))
+        for name, future in futures.items():
+            done[name] = future.result()
+    return done
+
+
+def make(processes: int = 2) -> Path:
+    """Computes, draws and writes; returns the page."""
+    from . import figures, page
+
+    done = compute(processes)
+    figures.draw(done, ROOT / "docs" / "figures")
+    target = ROOT / "docs" / "reproduction.md"
+    target.write_text(page.text(done), "utf-8")
+    return target
