@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -11,22 +11,32 @@ from .errors import InputError, nearest, said
 from .scenario import Scenario
 from .source import Key, Source
 
+T = TypeVar("T", bound=BaseModel)
+
 
 def validated(model: type[Scenario], source: Source) -> Scenario:
     """The scenario that the source holds. Raises InputError with a message for each thing that is wrong."""
+    scenario = checked(model, source)
+    scenario._source = source
+    return scenario
+
+
+def checked(model: type[T], source: Source) -> T:
+    """What the source holds, as this model. Raises InputError with a message for each thing that is wrong."""
     if not isinstance(source.data, dict):
-        raise InputError(source.error((), f"expected keys such as 'name' and 'blocks', found {said(source.data)}"))
+        keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
+        raise InputError(source.error((), f"expected keys such as {keys}, found {said(source.data)}"))
     try:
-        scenario = model.model_validate(source.data)
+        return model.model_validate(source.data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
         messages = [_message(model, source, detail) for detail in details]
         meant = [m for m in messages if "did you mean" in m]  # a misspelt key is not missing as well
         messages = [m for m in messages if not any(f"mean {_missing(m)!r}" in other for other in meant)]
         raise InputError(*dict.fromkeys(messages)) from None
-    scenario._source = source
-    return scenario
 
+
+_FIRST = {"Mapping": ("ports", "ignore")}
 
 _EXPECTED = {
     "string_type": "text",

@@ -5,15 +5,16 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from . import expectations, figures, holds, order, signals, starts, wiring
+from . import expectations, figures, holds, order, signals, starts, swap, wiring
 from .block import Block
 from .clock import Clock, clock
 from .errors import BlockError, InputError, nearest
 from .expectations import Check
+from .faults import Faults
 from .holds import Look
 from .manifest import manifest
 from .master import Master
@@ -46,6 +47,7 @@ class Plan:
     columns: list[Node]
     notes: list[str]
     """Warnings and remarks, for the user to see."""
+    faults: Faults = field(default_factory=Faults)
 
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
@@ -129,9 +131,11 @@ def execute(
             faults += [scenario.error(key, message) for message in error.messages]
     if faults:
         raise InputError(*faults)
-    ready = plan(scenario, {name: fmu.model for name, fmu in fmus.items()})
+    prepared = swap.prepare(scenario, fmus)
+    ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
+    ready.notes[:0] = prepared.notes
     with ExitStack() as stack:
-        blocks = _instantiate(ready, fmus, stack, verbose)
+        blocks = {name: prepared.adapted(b) for name, b in _instantiate(ready, fmus, stack, verbose).items()}
         result = run_blocks(ready, blocks, progress, compiled)
     result.manifest = manifest(ready, fmus, result)
     return result

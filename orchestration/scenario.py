@@ -22,6 +22,7 @@ from pydantic import (
 )
 
 from .errors import said
+from .mapping import MapEntry
 from .quantities import SECOND, QuantityError, parse, value_in
 from .source import Key, Source
 
@@ -64,6 +65,22 @@ class Model(BaseModel):
 
 
 Flavour = Literal["native", "python"]
+Isolation = Literal["process", "none"]
+
+_BYTES = {"": 1, "B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
+
+
+def _bytes(value: Any) -> int:
+    match = re.fullmatch(r"\s*(\d+\.?\d*)\s*([A-Za-z]*)\s*", str(value))
+    if match is None or match[2] not in _BYTES or isinstance(value, bool):
+        raise ValueError(f"expected an amount of memory such as '2 GB', found {said(value)}")
+    count = round(float(match[1]) * _BYTES[match[2]])
+    if count < 10**6:
+        raise ValueError(f"expected at least 1 MB, found {count} bytes")
+    return count
+
+
+Bytes = Annotated[int, BeforeValidator(_bytes), WithJsonSchema({"anyOf": _NUMBER_OR_TEXT})]
 
 
 class BlockEntry(Model):
@@ -73,8 +90,20 @@ class BlockEntry(Model):
     """One of the project's own blocks by its name, or the path of an .fmu file, relative to the scenario."""
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
+    isolation: Isolation | None = None
+    """Whether the FMU runs in a process of its own; default: the scenario's."""
+    timeout: Period | None = None
+    """How long one call of an FMU in a process of its own may take before it is ended; default: 60 s."""
+    memory: Bytes | None = None
+    """How much memory an FMU in a process of its own may take, such as `500 MB` (on Linux only); default: 4 GB, or half of
+    the machine's where that is less."""
     every: int = Field(1, strict=True, ge=1)
     """Stepped once in so many base steps, over all of them."""
+    interface: Annotated[str, Field(strict=True, min_length=1)] | None = None
+    """The interface that the FMU has to keep, or is mapped to: one of the project's own by its name, or the path of a
+    reference .fmu. Default for an FMU given by its path: the block's name, if the project has such an interface."""
+    map: MapEntry | None = None
+    """How the FMU's ports stand to those of the interface: a mapping, or the path of one, relative to the scenario."""
     start: dict[str, Value] = {}
     """Start values of parameters and inputs: numbers in the unit of the port, or text with a unit; vectors and
     matrices as lists; one element as `name[2]`; items of enumerations by their names."""
@@ -197,6 +226,52 @@ class HoldEntry(Model):
     """Boolean signals of limits, by what is to be said of them, told where the hold does not end."""
 
 
+class Fault(Model):
+    """What goes wrong at some time. Exactly one of `set`, `freeze`, `bias` and `cut`.
+
+    All but `set` change what the receivers of a signal are given: all of them where the signal is an output, one of
+    them where it is an input. The block that gives the signal, and what is recorded of it, stay as they are.
+    """
+
+    at: Time
+    """When it begins."""
+    until: Time | None = None
+    """When it ends; default: never."""
+    set: Annotated[str, Field(strict=True)] | None = None
+    """`plant.friction = 0.1`: a tunable parameter, or an input that is not connected."""
+    freeze: Annotated[str, Field(strict=True)] | None = None
+    """A signal that stays at the value that it has at this time."""
+    bias: Annotated[str, Field(strict=True)] | None = None
+    """A signal to which `by` is added."""
+    by: Value = None
+    """What `bias` adds."""
+    cut: Annotated[str, Field(strict=True)] | None = None
+    """A signal that is lost: its receivers are given `to`."""
+    to: Value = None
+    """What is given instead of a signal that is cut; default: zero, or false."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Fault:
+        given = [name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(
+                f"expected exactly one of set, freeze, bias, cut; found {' and '.join(given) or 'none'}"
+            )
+        if (self.by is None) == (self.bias is not None):
+            raise ValueError("'by' says what 'bias' adds; expected both or neither")
+        if self.to is not None and self.cut is None:
+            raise ValueError("'to' says what is given instead of a signal that is cut; found no 'cut'")
+        if self.at < 0.0:
+            raise ValueError(f"at: expected zero or more, found {self.at:g} s")
+        if self.until is not None and self.until <= self.at:
+            raise ValueError(f"until: expected a time after {self.at:g} s, found {self.until:g} s")
+        return self
+
+    @property
+    def kind(self) -> str:
+        return next(name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None)
+
+
 class Cycle(Model):
     """A second axis of time in figures, such as orbits."""
 
@@ -221,6 +296,8 @@ class Scenario(Model):
     """Whether a block sees what those before it gave in the same step, or all see the values of the step before."""
     flavour: Flavour = "native"
     """Which build of the project's own blocks is run: compiled C, or the Python reference."""
+    isolation: Isolation | None = None
+    """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
     connections: list[Annotated[str, Field(strict=True)]] = []
@@ -232,6 +309,8 @@ class Scenario(Model):
     """Expectations, which decide the exit status."""
     holds: list[HoldEntry] = []
     """Holds, of which the summary tells whether and when they were released."""
+    faults: list[Fault] = []
+    """What goes wrong during the run."""
     figures: list[FigureEntry] = []
     """Figures that `--figures` draws."""
     cycle: Cycle | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,47 @@ class Source:
             copy.data[key] = value
         copy.options[key,] = f"{option} {value}"
         return copy
+
+    def with_entry(self, key: Key, value: Any, option: str = "") -> Source:
+        """A copy in which `value` stands at a place within dictionaries; None takes the entry out."""
+        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        holder = copy.data
+        for part in key[:-1]:
+            holder = holder[part]
+        holder.pop(key[-1], None)
+        if value is not None:
+            holder[key[-1]] = value
+        if option:
+            copy.options[key] = option
+        return copy
+
+    def without(self, keys: Iterable[Key]) -> Source:
+        """A copy without these entries; those that follow in a list keep the lines on which they stand."""
+        copy = Source(_copied(self.data), self.file, self.folder, dict(self.lines), dict(self.options))
+        for key in sorted(set(keys), key=lambda key: [(isinstance(part, int), part) for part in key], reverse=True):
+            holder = copy.data
+            try:
+                for part in key[:-1]:
+                    holder = holder[part]
+                del holder[key[-1]]
+            except (KeyError, IndexError):
+                continue  # went with what held it
+            for places in (copy.lines, copy.options):
+                _moved(places, key)
+        return copy
+
+
+def _moved(places: dict[Key, Any], key: Key) -> None:
+    """Drops what stands under a key, and moves up what follows it in a list."""
+    n, last = len(key), key[-1]
+    for place in sorted(places, key=str):
+        if place[:n] == key:
+            del places[place]
+    if isinstance(last, int):
+        later = [p for p in places if len(p) >= n and p[: n - 1] == key[:-1] and isinstance(p[n - 1], int)]
+        after = [p for p in later if int(p[n - 1]) > last]
+        moved = {(*p[: n - 1], int(p[n - 1]) - 1, *p[n:]): places.pop(p) for p in after}
+        places.update(moved)
 
 
 def _copied(data: Any) -> Any:

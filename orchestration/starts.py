@@ -30,7 +30,7 @@ def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[S
         found: dict[Element, Scalar] = {}
         for name, value in entry.start.items():
             try:
-                found.update(_starts(block, models[block], name, value))
+                found.update(values_of(block, models[block], name, value))
             except (QuantityError, NameUnknown) as error:
                 # The place ends with the variable's name only where the variable is known.
                 known = name.partition("[")[0] in models[block].variables
@@ -47,7 +47,8 @@ def _at(scenario: Scenario, key: tuple[str, ...], shown: tuple[str, ...], text: 
     return f"{place.removesuffix('.' + key[-1]) if shown != key else place}: {text}"
 
 
-def _starts(block: str, model: Model, name: str, value: Any) -> dict[Element, Scalar]:
+def values_of(block: str, model: Model, name: str, value: Any) -> dict[Element, Scalar]:
+    """The values of a parameter or input, or of an element of it. Raises QuantityError or NameUnknown."""
     parts = split(f"{block}.{name}")
     if parts is None:
         raise NameUnknown(f"expected the name of a parameter or input, found {name!r}")
@@ -62,11 +63,12 @@ def _starts(block: str, model: Model, name: str, value: Any) -> dict[Element, Sc
             f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts{hint}"
         )
     shape = variable.shape if len(positions) == variable.size else ()
-    values = _leaves(value, shape, variable)
-    return {Element(variable.name, p): _scalar(variable, p, leaf) for p, leaf in zip(positions, values, strict=True)}
+    found = leaves(value, shape, variable)
+    return {Element(variable.name, p): scalar(variable, p, leaf) for p, leaf in zip(positions, found, strict=True)}
 
 
-def _leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
+def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
+    """The elements of a value of this shape, row by row. Raises QuantityError where the shape differs."""
     wanted = f"expected {_shape_in_words(variable.shape if shape else ())}"
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -95,7 +97,8 @@ def _shape_found(value: Any) -> str:
     return f"{len(value)} rows of {' or '.join(map(str, sorted(lengths)))}"
 
 
-def _scalar(variable: Variable, position: int, value: Any) -> Scalar:
+def scalar(variable: Variable, position: int, value: Any) -> Scalar:
+    """The value of one element, in the unit of its port and within its limits. Raises QuantityError."""
     if hasattr(value, "item"):  # a scalar of NumPy's
         value = value.item()
     if variable.type == "string":

@@ -1,0 +1,363 @@
+"""Another team's FMU in a block's place: what a scenario's `interface` and `map` mean for a run.
+
+`prepare` looks at every block whose FMU is given by its path and whose interface is known. It refuses
+what does not fit, leaves out what refers to ignored outputs, honours the sample time of a block that
+cannot vary its step, and says all of it in notes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from . import mapping as mappings
+from .block import Block
+from .errors import InputError
+from .fit import Finding, Fit, fit, model, unfed
+from .interfaces import Reference, is_path, own, reference
+from .model import Element, Model
+from .order import Hook
+from .scenario import BlockEntry, Scenario, load, split
+from .source import Key, Source
+
+if TYPE_CHECKING:
+    from .fmu import Fmu
+
+
+@dataclass
+class Prepared:
+    """A scenario with its swapped blocks understood."""
+
+    scenario: Scenario
+    """Without what refers to ignored outputs, and with the sample times of the blocks."""
+    models: dict[str, Model]
+    """What the master sees of each block."""
+    fits: dict[str, Fit] = field(default_factory=dict)
+    substeps: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    feedthrough: Hook | None = None
+
+    def adapted(self, block: Block) -> Block:
+        """The block behind our interface; itself where there is nothing to adapt."""
+        found = self.fits.get(block.name)
+        often = self.substeps.get(block.name, 1)
+        if found is None or (found.identical and often == 1):
+            return block
+        from .adapter import Adapter
+
+        return Adapter(block, found, often)
+
+
+def interface_of(scenario: Scenario, name: str) -> str | None:
+    """The interface that a block is held to; None where it is one of the project's own blocks, or none is known."""
+    entry = scenario.blocks[name]
+    if entry.interface is not None:
+        return entry.interface
+    return name if is_path(entry.fmu) and name in own() else None
+
+
+def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
+    """Fits every swapped block to its interface. Raises InputError with every fault that it finds."""
+    prepared = Prepared(scenario, {name: fmu.model for name, fmu in fmus.items()})
+    faults: list[str] = []
+    references: dict[str, Reference] = {}
+    for name, entry in scenario.blocks.items():
+        asked = interface_of(scenario, name)
+        if asked is None:
+            if entry.map is not None:
+                message = "a mapping needs to know whose ports stand on its left; say 'interface: ...' beside it"
+                faults.append(scenario.error(("blocks", name, "map"), message))
+            continue
+        try:
+            references[name] = _reference(scenario, name, asked)
+            _fit(prepared, name, entry, references[name], fmus[name])
+        except InputError as error:
+            faults += error.messages
+    if faults:
+        raise InputError(*faults)
+    if references:
+        _settle(prepared, fmus)
+        prepared.feedthrough = _hook(prepared, references)
+    return prepared
+
+
+def _reference(scenario: Scenario, name: str, asked: str) -> Reference:
+    try:
+        return reference(asked, scenario.source.folder)
+    except InputError as error:
+        raise InputError(*(scenario.error(("blocks", name, "interface"), m) for m in error.messages)) from None
+
+
+def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Reference, fmu: Fmu) -> None:
+    scenario = prepared.scenario
+    told, source = read_mapping(scenario, name, entry)
+    found = fit(interface, fmu.model, told)
+
+    def where(key: Key, message: str) -> str:
+        if not key:
+            return scenario.error(("blocks", name, "fmu"), message)
+        return source.error(key, message) if source else scenario.error(("blocks", name, "map", *key), message)
+
+    faults = [where(finding.key, str(finding)) for finding in found.faults if not unfed(finding)]
+    faults += _starts_without(prepared, name, entry, found, fmu)
+    if not faults:
+        from .adapter import check_starts
+
+        try:
+            check_starts(found)
+        except InputError as error:
+            faults += [where(("start",), message) for message in error.messages]
+    if faults:
+        raise InputError(*faults)
+    prepared.fits[name] = found
+    if not found.identical:
+        prepared.models[name] = model(found)
+    prepared.notes += [f"{name}: {note}" for note in _notes(found)]
+
+
+def read_mapping(scenario: Scenario, name: str, entry: BlockEntry) -> tuple[mappings.Mapping | None, Source | None]:
+    """A block's mapping, and its own file where it has one."""
+    if entry.map is None or entry.map.file is None:
+        return entry.map, None
+    try:
+        return mappings.load(scenario.source.folder / entry.map.file)
+    except InputError as error:
+        missing = all("there is no such file" in message for message in error.messages)
+        key = ("blocks", name, "map")
+        raise InputError(*(scenario.error(key, m) if missing else m for m in error.messages)) from None
+
+
+def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, found: Fit, fmu: Fmu) -> list[str]:
+    """Faults: values of the scenario for parameters of ours that theirs lacks."""
+    from .fmu import shown
+
+    faults = []
+    for key in entry.start:
+        ours = key.partition("[")[0]
+        if ours in found.missing and found.missing[ours].causality == "parameter":
+            message = (
+                f"{shown(fmu.path)} has no parameter {ours}, so this value would be lost; remedy: map it to one of theirs "
+                "under ports in the mapping, or list it under ignore there"
+            )
+            faults.append(prepared.scenario.error(("blocks", name, "start", key), message))
+    return faults
+
+
+def _notes(found: Fit) -> list[str]:
+    """What a user should know of a fit, in few lines."""
+    notes = [finding.text for finding in found.findings if finding.level == "warning" or finding.topic == "ignored"]
+    outputs = [name for name, ours in found.missing.items() if ours.causality == "output"]
+    if outputs:
+        notes.append(f"its FMU lacks {_listed('output', outputs)}, not recorded then")
+    for causality, what in (("output", "recorded under their own names"), ("parameter", "which keep the FMU's values")):
+        names = [variable.name for variable in found.extra if variable.causality == causality]
+        if names:
+            notes.append(f"its FMU has further {causality}s, {what}: {', '.join(names)}")
+    return notes
+
+
+def _listed(what: str, names: list[str]) -> str:
+    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}"
+
+
+# ---------------------------------------------------------------- what refers to outputs that are not there
+
+
+def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
+    """Takes out of the scenario what refers to ignored outputs, and fixes how often each block is stepped."""
+    scenario = prepared.scenario
+    faults: list[str] = []
+    gone: list[Key] = []
+    for key, reference_text, whole in _references(scenario):
+        block, name, _ = split(reference_text) or ("", "", ())
+        found = prepared.fits.get(block)
+        if found is None:
+            continue
+        ignored = found.ignored.get(name)
+        if ignored is not None and ignored.causality == "output":
+            gone.append(whole)
+            prepared.notes.append(f"left out, since {block} goes without {name}: {_name(scenario, whole)}")
+        elif (lacking := found.missing.get(name)) is not None and lacking.causality == "output":
+            text = (
+                f"{block} lacks the output {name}, to which this refers; remedy: map it in the mapping, or list it under "
+                "ignore there, and this is left out"
+            )
+            faults.append(scenario.error(key, text))
+    for number, text in enumerate(scenario.connections):
+        block, name, _ = split(text.split("->")[0]) or ("", "", ())
+        found = prepared.fits.get(block)
+        if (
+            found is not None
+            and (name in found.ignored or name in found.missing)
+            and name not in found.theirs.variables
+        ):
+            message = f"{text.strip()}: {block} lacks the output {name}; remedy: map it, or take out the connection"
+            faults.append(scenario.error(("connections", number), message))
+    source = scenario.source.without(gone) if gone else scenario.source
+    for name, found in prepared.fits.items():
+        try:
+            source = _timed(prepared, source, name, fmus[name], found)
+        except InputError as error:
+            faults += error.messages
+    if faults:
+        raise InputError(*faults)
+    if source is not scenario.source:
+        prepared.scenario = load(source)
+
+
+def _references(scenario: Scenario) -> list[tuple[Key, str, Key]]:
+    """Every mention of a signal outside connections: where it stands, what it says, and what goes with it."""
+    found: list[tuple[Key, str, Key]] = []
+    for i, signal in enumerate(scenario.record.signals or ()):
+        if "*" not in signal:
+            found.append((("record", "signals", i), signal, ("record", "signals", i)))
+    for i, expectation in enumerate(scenario.expect):
+        for field_name in ("signal", "when"):
+            if getattr(expectation, field_name):
+                found.append((("expect", i, field_name), getattr(expectation, field_name), ("expect", i)))
+    for i, hold in enumerate(scenario.holds):
+        found += [(("holds", i), signal, ("holds", i)) for signal in (hold.signal, *hold.keeps)]
+        found += [(("holds", i, "limits", n), s, ("holds", i, "limits", n)) for n, s in hold.limits.items()]
+    for i, entry in enumerate(scenario.figures):
+        for field_name in ("shade", "mark"):
+            if getattr(entry, field_name):
+                found.append((("figures", i, field_name), getattr(entry, field_name), ("figures", i, field_name)))
+        for j, panel in enumerate(entry.panels):
+            for k, signal in enumerate(panel.signals):
+                key: Key = ("figures", i, "panels", j, "signals", k)
+                alone = key[:4] if len(panel.signals) == 1 else key
+                found.append((key, signal, key[:2] if len(alone) == 4 and len(entry.panels) == 1 else alone))
+    return found
+
+
+def _name(scenario: Scenario, key: Key) -> str:
+    """An entry of the scenario in words."""
+    if key[0] == "expect":
+        return f"the expectation '{scenario.expect[int(key[1])].name}', which is not judged"
+    if key[0] == "holds":
+        return f"the hold '{scenario.holds[int(key[1])].name}'"
+    if key[0] == "figures":
+        part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
+        what = "a panel of " if "panels" in key and not part else ""
+        return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
+    return "a recorded signal"
+
+
+# ---------------------------------------------------------------- sample times
+
+
+def _timed(prepared: Prepared, source: Source, name: str, fmu: Fmu, found: Fit) -> Source:
+    """The scenario's source with the sample time of a block that cannot vary its step."""
+    own_step = sample_time(fmu)
+    if own_step is None:
+        return source
+    scenario = prepared.scenario
+    entry, base = scenario.blocks[name], Fraction(repr(scenario.step))
+    given = entry.every if "every" in entry.model_fields_set else None
+    step = base * (given or 1)
+    ratio = own_step / step
+    why = f"its FMU cannot vary its step of {float(own_step):.10g} s"
+    key: Key = ("blocks", name, "every") if given else ("blocks", name, "fmu")
+    if ratio == 1:
+        return source
+    if (1 / ratio).denominator == 1:
+        prepared.substeps[name] = int(1 / ratio)
+        prepared.notes.append(f"{name}: {why}: {int(1 / ratio)} of them in each step of {float(step):.10g} s")
+        return source
+    if given is None and ratio.denominator == 1:
+        prepared.notes.append(f"{name}: {why}: it is stepped once in {int(ratio)} base steps ('every: {int(ratio)}')")
+        return source.with_entry(("blocks", name, "every"), int(ratio))
+    remedy = f"'every: {int(own_step / base)}'" if (own_step / base).denominator == 1 else _steps(own_step, base)
+    message = f"{why}, which is no multiple of the step, {float(step):.10g} s; remedy: {remedy}"
+    raise InputError(scenario.error(key, message))
+
+
+def sample_time(fmu: Fmu) -> Fraction | None:
+    """The step that an FMU insists on, s; None where it can vary it or does not say."""
+    if fmu.description.coSimulation.canHandleVariableCommunicationStepSize:
+        return None
+    experiment = fmu.description.defaultExperiment
+    step = experiment.stepSize if experiment is not None else None
+    try:
+        exact = Fraction(str(step)) if step is not None else None
+    except ValueError:
+        return None
+    return exact if exact is not None and exact > 0 else None
+
+
+def _steps(own_step: Fraction, base: Fraction) -> str:
+    fitting = [own_step / n for n in range(1, 100) if own_step / n <= base]
+    return f"a base step that divides it, such as 'step: {float(fitting[0] if fitting else own_step):.10g} s'"
+
+
+# ---------------------------------------------------------------- feedthrough
+
+
+def _hook(prepared: Prepared, references: Mapping[str, Reference]) -> Hook:
+    """Our interface's feedthrough, where an FMU declares none."""
+    for name, interface in references.items():
+        declared = prepared.models[name].feedthrough
+        silent = {e.variable for e in interface.model.feedthrough if e in declared and declared[e] is None}
+        absent = {
+            v.name
+            for v in prepared.models[name].of("output")
+            if v.name in interface.model.variables and v.elements[0] not in declared
+        }
+        if silent | absent:
+            prepared.notes.append(
+                f"{name}: its FMU does not say on which inputs {', '.join(sorted(silent | absent))} depend directly; "
+                f"what the interface {interface.name} says is taken"
+            )
+
+    def hook(block: str, element: Element) -> frozenset[Element] | None:
+        interface = references.get(block)
+        known = interface.model.feedthrough.get(element) if interface is not None else None
+        if known is None:
+            return None
+        return frozenset(e for e in known if e.variable in prepared.models[block].variables)
+
+    return hook
+
+
+# ---------------------------------------------------------------- the command line
+
+
+def swapped(source: Source, text: str, map_file: str | None) -> tuple[Source, str]:
+    """A scenario's source with one block swapped, `allocator=vendor.fmu`, and the block's name."""
+    from pathlib import Path
+
+    from .errors import nearest
+
+    block, equals, path = (part.strip() for part in text.partition("="))
+    said = f"--swap {text}"
+    if not equals or not block or not path:
+        raise InputError(f"{said}: expected block=file.fmu, such as allocator=vendor.fmu")
+    blocks = source.data.get("blocks") if isinstance(source.data, dict) else None
+    entry = blocks.get(block) if isinstance(blocks, dict) else None
+    if not isinstance(entry, dict):
+        raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+    current = entry.get("fmu")
+    interface: Any = entry.get("interface", current)
+    if isinstance(interface, str) and is_path(interface) and "interface" not in entry:
+        # What stands there now keeps its own interface where that is known by the block's name.
+        interface = block if block in own() else str((source.folder / interface).resolve())
+    here = Path.cwd()
+    source = source.with_entry(("blocks", block, "fmu"), str(here / Path(path).expanduser()), said)
+    source = source.with_entry(("blocks", block, "interface"), interface, said)
+    source = source.with_entry(("blocks", block, "flavour"), None, said)
+    if map_file is not None:
+        source = source.with_entry(("blocks", block, "map"), str(here / map_file), f"--map {map_file}")
+    elif "map" in entry:
+        source = source.with_entry(("blocks", block, "map"), None, said)
+    return source, block
+
+
+def plain(finding: Finding) -> str:
+    """A finding on one line."""
+    return re.sub(r"\s+", " ", str(finding))
+
+
+Adapt = Callable[[Block], Block]
