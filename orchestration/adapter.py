@@ -270,12 +270,12 @@ def _then(first: Callable[[], None], second: Callable[[], None]) -> Callable[[],
 def _starts(fit: Fit) -> list[tuple[Element, Any]]:
     """The mapping's values of what only theirs has. Raises InputError, without the place."""
     from .quantities import QuantityError
-    from .starts import values
+    from .starts import values_of
 
     found: list[tuple[Element, Any]] = []
     for name, value in fit.start.items():
         try:
-            found += values("their FMU", fit.theirs, name, value).items()
+            found += values_of("their FMU", fit.theirs, name, value).items()
         except (QuantityError, ValueError) as error:
             raise InputError(f"start.{name}: {error}") from None
     return found
