@@ -28,6 +28,7 @@ class Inputs:
     offsets: Floats | None
     values: Floats
     """The array that the block hands over at its next Set."""
+    elements: list[Element]
 
     def gatherer(self, bus: Floats) -> Callable[[], None]:
         """A function that takes the inputs from the bus."""
@@ -148,5 +149,6 @@ def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) ->
         factors if converts else None,
         offsets if converts else None,
         buffer,
+        [element for element, *_ in inputs],
     )
     return Seat(layout.blocks[name], outputs, view, gathered, gathered.gatherer(values))

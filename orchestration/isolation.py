@@ -24,13 +24,19 @@ from typing import Any
 
 from .block import Floats
 from .channel import ANSWER, CALL, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, receive, send
-from .errors import BlockError
+from .errors import BlockError, InputError
 from .fmu import Fmu
+from .interfaces import is_path
 from .log import LINES_MAX, shortened
 from .model import Element, Model
+from .scenario import Scenario
 from .worker import Setup
 
-_START = "import json, sys; sys.path = json.loads(sys.argv[1]); from orchestration.worker import main; main()"
+_START = "import sys; sys.path.append(sys.argv[1]); from orchestration.worker import main; main()"
+"""This process's own path may hold what FMUs have put there, so the worker makes one of its own."""
+TIMEOUT = 60.0
+"""Seconds that a call may take, where the scenario says nothing."""
+MEMORY = 4 * 10**9
 _START_TIMEOUT = 120.0
 _GRACE = 2.0
 """Seconds that a process has for ending once its pipes are closed."""
@@ -40,8 +46,28 @@ _GRACE = 2.0
 class Limits:
     timeout: float
     """Seconds that any one call may take."""
-    memory: int | None
-    """Bytes that the FMU may take; None for no limit."""
+    memory: int
+    """Bytes that the FMU may take."""
+
+
+def limits(scenario: Scenario, name: str) -> Limits | None:
+    """The limits of a block's process; None where it has none of its own. Raises InputError."""
+    entry = scenario.blocks[name]
+    default = "process" if is_path(entry.fmu) else "none"
+    if (entry.isolation or scenario.isolation or default) == "process":
+        return Limits(entry.timeout or TIMEOUT, entry.memory or _memory())
+    for key in ("timeout", "memory"):
+        if getattr(entry, key) is not None:
+            message = "only an FMU in a process of its own has this limit; remedy: isolation: process"
+            raise InputError(scenario.error(("blocks", name, key), message))
+    return None
+
+
+def _memory() -> int:
+    try:
+        return min(MEMORY, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2)
+    except (AttributeError, ValueError, OSError):
+        return MEMORY
 
 
 class IsolatedBlock:
@@ -158,6 +184,8 @@ class IsolatedBlock:
         timeout = self._limits.timeout
 
         def do_step(time: float, step: float) -> None:
+            if self._stepping:
+                finish()
             clock[0], clock[1] = time, step
             self._deadline = monotonic() + timeout
             self._stepping = True
@@ -168,12 +196,15 @@ class IsolatedBlock:
                 error.time = time
                 raise error from None
 
+        def finish() -> None:
+            self._stepping = False
+            if (kind := read(source, 1)) != DONE:
+                raise self._step_failed(kind)
+            self._deadline = inf
+
         def get() -> None:
             if self._stepping:
-                self._stepping = False
-                if (kind := read(source, 1)) != DONE:
-                    raise self._step_failed(kind)
-                self._deadline = inf
+                finish()
             else:
                 self._ask("get_all")
             into[:] = shared_outputs
@@ -205,9 +236,8 @@ class IsolatedBlock:
             return
         if self._instantiated:
             try:
-                if self._stepping:  # another block has failed in the same step
-                    if (kind := os.read(self._from, 1)) != DONE:
-                        raise self._step_failed(kind)
+                if self._stepping and (kind := os.read(self._from, 1)) != DONE:
+                    raise self._step_failed(kind)  # another block has failed in the same step
                 self._ask("close")
             except BlockError as error:
                 self.failure = error
@@ -246,7 +276,7 @@ class IsolatedBlock:
     def _held(self) -> str:
         """Whether it had run out of memory."""
         limit = self._limits.memory
-        if limit is None or self._peak < 0.8 * limit:
+        if self._peak < 0.8 * limit:
             return ""
         return f"; it held {self._peak / 1e9:.3g} GB of the {limit / 1e9:.3g} GB that the block's 'memory' allows"
 
@@ -297,16 +327,14 @@ class IsolatedBlock:
 
 
 def _start(home: Path) -> subprocess.Popen[bytes]:
-    path = json.dumps([os.path.abspath(folder) for folder in sys.path])
-    own: dict[str, Any] = (
-        {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-        if sys.platform == "win32"
-        else {"start_new_session": True}
-    )
+    root = str(Path(__file__).resolve().parents[1])
+    own: dict[str, Any] = {"start_new_session": True}  # Ctrl-C is for the master alone
+    if sys.platform == "win32":
+        own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(home))}
     pipe = subprocess.PIPE
     return subprocess.Popen(
-        [sys.executable, "-c", _START, path],
+        [sys.executable, "-P", "-c", _START, root],
         stdin=pipe,
         stdout=pipe,
         stderr=pipe,

@@ -23,6 +23,7 @@ from .bus import Bus, Seat, lay_out
 from .clock import Clock
 from .compiled import compiled_loop
 from .errors import BlockError, InputError
+from .faults import Faults
 from .interrupt import interruptible
 from .model import Element
 from .order import Order
@@ -45,6 +46,7 @@ class Master:
     parallel: bool = False
     compiled: bool = False
     """Whether the loop in C is used where the blocks and this machine allow it."""
+    faults: Faults = field(default_factory=Faults)
 
     def run(self, starts: Mapping[str, Sequence[Start]], progress: Progress | None = None) -> Recording:
         """Initializes and runs. A failing block or Ctrl-C ends the run, and the recording says so."""
@@ -56,7 +58,7 @@ class Master:
             self._leave(bus)
             bus.values.take(bus.columns, 0, recording.values[0], "clip")
             rows = 1
-            loop = compiled_loop(self, bus, recording) if self.compiled else None
+            loop = compiled_loop(self, bus, recording) if self.compiled and not self.faults else None
             if loop is not None:
                 loop.run(recording, progress)
             else:
@@ -100,7 +102,8 @@ class Master:
                     if not math.isfinite(value):
                         raise not_finite(block, node.element, value)
                     for target, factor, offset in feeds.get(node, ()):
-                        incoming.setdefault(target.block, []).append((target.element, factor * value + offset))
+                        given = self.faults.at_start(target, factor * value + offset)
+                        incoming.setdefault(target.block, []).append((target.element, given))
             for name, pairs in incoming.items():
                 self.blocks[name].set(pairs)
 
@@ -116,7 +119,7 @@ class Master:
 
     def _loop(self, bus: Bus, recording: Recording, progress: Progress | None) -> None:
         """The loop in Python; compiled.py has the same in C."""
-        advance = self._parallel_step(bus) if self.parallel else self._sequential_step(bus)
+        advance = self._advance(bus)
         take, columns, rows = bus.values.take, bus.columns, recording.values
         delay = bus.delay.keeper(bus.values) if bus.delay else None
         steps, interval = self.clock.steps, self.clock.interval
@@ -138,6 +141,14 @@ class Master:
             finally:
                 recording.steps, recording.wall = count, perf_counter() - begun
                 recording.interrupted = bool(interrupted)
+
+    def _advance(self, bus: Bus) -> Callable[[int], None]:
+        """What makes one base step, up to the given count."""
+
+        def sound() -> Callable[[int], None]:
+            return self._parallel_step(bus) if self.parallel else self._sequential_step(bus)
+
+        return self.faults.bring_in(bus, self.every, self.parallel, self.clock, sound) if self.faults else sound()
 
     def _sequential_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: block after block."""
@@ -191,7 +202,7 @@ class Master:
                     else:
                         seat.block.get_live()
             except BlockError as error:
-                error.time = time(begun)
+                error.time = time(begun) if error.time is None else error.time
                 raise
             for seat, _ in active:
                 if not math.isfinite(seat.view.dot(seat.view)):

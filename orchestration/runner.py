@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,7 +15,7 @@ from .block import Block
 from .clock import Clock, clock
 from .errors import BlockError, InputError, nearest
 from .expectations import Check
-from .faults import Faults
+from .faults import Faults, resolve
 from .holds import Look
 from .manifest import manifest
 from .master import Master
@@ -57,6 +58,7 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     values = _checked(faults, lambda: starts.resolve(scenario, models))
     wired = _checked(faults, lambda: wiring.connect(scenario, models))
     sequence = _checked(faults, lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
+    amiss = _checked(faults, lambda: resolve(scenario, models, wired)) if wired else None
     columns = _checked(faults, lambda: signals.recorded(scenario, models))
     checks = _checked(faults, lambda: expectations.prepare(scenario, models))
     drawn = _checked(faults, lambda: figures.check(scenario, models))
@@ -68,13 +70,14 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     assert times is not None
     assert values is not None
     assert wired is not None
+    assert amiss is not None
     assert sequence is not None
     assert columns is not None
     assert checks is not None
     needed = dict.fromkeys([*columns, *(node for check in checks[0] for node in check.needed), *drawn])
     needed.update((node, None) for look in held for node in look.needed)
-    notes = [*times[1], *wired.warnings, *sequence.warnings, *checks[1]]
-    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], held, list(needed), notes)
+    notes = [*times[1], *wired.warnings, *sequence.warnings, *checks[1], *amiss.notes]
+    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], held, list(needed), notes, amiss)
 
 
 def _checked(faults: list[str], check: Callable[[], T]) -> T | None:
@@ -135,29 +138,49 @@ def execute(
     ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = prepared.notes
     with ExitStack() as stack:
-        blocks = {name: prepared.adapted(b) for name, b in _instantiate(ready, fmus, stack, verbose).items()}
+        instances = _instantiate(ready, fmus, stack, verbose)
+        blocks = {name: prepared.adapted(block) for name, block in instances.items()}
         result = run_blocks(ready, blocks, progress, compiled)
+    for block in instances.values():
+        result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
     result.manifest = manifest(ready, fmus, result)
     return result
 
 
 def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
     from .fmu import shown
+    from .isolation import IsolatedBlock, Limits, limits
     from .slave import Slave
 
+    bounds = {name: limits(ready.scenario, name) for name in fmus}
     work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)))
     blocks: dict[str, Block] = {}
-    for name, fmu in fmus.items():
-        folder = work / name
+
+    def make(name: str, fmu: Fmu, bound: Limits | None) -> None:
+        fmu.extract(work / name)
+        block = (
+            IsolatedBlock(name, fmu, work / name, bound, verbose) if bound else Slave(name, fmu, work / name, verbose)
+        )
+        stack.callback(block.close)
+        blocks[name] = block
+
+    def start(name: str) -> None:
+        block = blocks[name]
+        if isinstance(block, IsolatedBlock):
+            block.started()
+
+    tasks: list[tuple[str, Callable[[], None]]] = [
+        *((name, partial(make, name, fmu, bounds[name])) for name, fmu in fmus.items()),
+        *((name, partial(start, name)) for name in fmus),  # processes come up side by side
+    ]
+    for name, task in tasks:
         try:
-            fmu.extract(folder)
-            slave = Slave(name, fmu, folder, verbose)
+            task()
         except InputError as error:
             raise InputError(ready.scenario.error(("blocks", name, "fmu"), str(error))) from None
         except BlockError as error:
-            raise InputError(ready.scenario.error(("blocks", name, "fmu"), f"{shown(fmu.path)}: {error}")) from None
-        stack.callback(slave.close)
-        blocks[name] = slave
+            message = f"{shown(fmus[name].path)}: {error}"
+            raise InputError(ready.scenario.error(("blocks", name, "fmu"), message)) from None
     return blocks
 
 
@@ -168,7 +191,9 @@ def run_blocks(
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
-    master = Master(blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled)
+    master = Master(
+        blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults
+    )
     recording = master.run(ready.starts, progress)
     columns = {node: recording.values[:, i] for i, node in enumerate(recording.columns)}
     return Result(

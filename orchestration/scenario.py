@@ -254,9 +254,7 @@ class Fault(Model):
     def _one(self) -> Fault:
         given = [name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(
-                f"expected exactly one of set, freeze, bias, cut; found {' and '.join(given) or 'none'}"
-            )
+            raise ValueError(f"expected exactly one of set, freeze, bias, cut; found {' and '.join(given) or 'none'}")
         if (self.by is None) == (self.bias is not None):
             raise ValueError("'by' says what 'bias' adds; expected both or neither")
         if self.to is not None and self.cut is None:

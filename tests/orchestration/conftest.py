@@ -10,9 +10,9 @@ from .wrong_inputs import SCENARIO
 
 @pytest.fixture
 def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A scenario of two real FMUs: dx/dt = u and u = -x. The current folder is its own."""
+    """A scenario of two real FMUs, in this process: dx/dt = u and u = -x. The current folder is its own."""
     fmus.write_pair(tmp_path)
     path = tmp_path / "loop.yaml"
-    path.write_text(SCENARIO, "utf-8")
+    path.write_text(SCENARIO + "isolation: none\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     return path
