@@ -138,7 +138,7 @@ def jobs() -> list[Job]:
     made += [Job(f"random starts, {s}", from_random, (s,)) for s in ("constant", "error")]
     made += [Job("random starts, wrong inertia", from_random, ("error", True))]
     made += [Job("starts at the edge", from_edge, ())]
-    made += [Job(f"latch {k:g} {l:g}", sweep.latch, (k, l)) for k, l in ((0.65, 0.9), (0.4, 1.0))]
+    made += [Job(f"latch {k:g} {d:g}", sweep.latch, (k, d)) for k, d in ((0.65, 0.9), (0.4, 1.0))]
     made += [Job(f"{w}: wrong inertia", sweep.inertia_errors, (w,)) for w in both]
     made += [Job(f"{w}: bound {m:g} A m2", bounds, (w, m)) for w in both for m in (PAPER_LIMITS[w][0], 25.0)]
     made += [Job(f"{w}: bound per mass", bounds, (w, PAPER_LIMITS[w][0], 50.0)) for w in both]

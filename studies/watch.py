@@ -143,8 +143,8 @@ _FROM_ZERO = (
 
 
 def fly(cases: list[Loop], step: float, duration: float) -> Seen:
-    """Flies all the cases together and tells what was seen of each."""
-    loops = Loops(cases)
+    """Flies all the cases together, at integrator order 2, and tells what was seen of each."""
+    loops = Loops([case.change({"plant.integrator_order": 2}) for case in cases])
     watch = Watch(loops.n, step)
     loops.fly(step, duration, watch)
     return watch.seen
