@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import stat
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -21,6 +22,8 @@ from .model import Model, describe
 
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
 """What zipfile raises for a damaged archive, or one that it cannot read."""
+_FILES_MAX, _BYTES_MAX, _XML_MAX = 50_000, 8 * 10**9, 64 * 10**6
+"""Of an FMU that is honest: files, what they hold unpacked, and what its modelDescription.xml holds."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ def shown(path: Path) -> Path:
 def _names(path: Path) -> set[str]:
     try:
         with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
+            entries = archive.infolist()
     except zipfile.BadZipFile:
         with path.open("rb") as file:
             truncated = file.read(2) == b"PK"
@@ -86,16 +89,44 @@ def _names(path: Path) -> set[str]:
         raise InputError(f"{shown(path)} {what}") from None
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
+    names = [entry.filename for entry in entries]
     if outside := next((n for n in names if n.startswith("/") or "\\" in n or ":" in n or ".." in n.split("/")), None):
         raise InputError(f"{shown(path)} would unpack to a place outside its folder: {outside}")
+    if link := next((entry.filename for entry in entries if stat.S_ISLNK(entry.external_attr >> 16)), None):
+        raise InputError(f"{shown(path)} holds a symbolic link, {link}; expected files only")
+    size = sum(entry.file_size for entry in entries)
+    if len(entries) > _FILES_MAX or size > _BYTES_MAX:
+        raise InputError(
+            f"{shown(path)} would unpack to {len(entries)} files of {size / 1e9:.3g} GB; expected at most {_FILES_MAX} files of {_BYTES_MAX / 1e9:.3g} GB"
+        )
     if "modelDescription.xml" not in names:
         raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
     return set(names)
 
 
+def _refuse_entities(path: Path, xml: bytes) -> None:
+    """Entities can grow without bound and can read files; FMI has no use for them. Nothing of them is expanded here."""
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False)
+    try:
+        document = etree.fromstring(xml, parser).getroottree().docinfo
+    except etree.XMLSyntaxError:
+        return  # told by what reads it next
+    if document.internalDTD is not None:
+        raise InputError(
+            f"{shown(path)}: modelDescription.xml has a DOCTYPE, which an FMU does not need; it is not read"
+        )
+
+
 def _description(path: Path) -> Any:
     try:
         with zipfile.ZipFile(path) as archive:
+            size = archive.getinfo("modelDescription.xml").file_size
+            if size > _XML_MAX:
+                raise InputError(
+                    f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {_XML_MAX / 1e6:.3g} MB"
+                )
             head = archive.read("modelDescription.xml")
     except _DAMAGED as error:
         raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
@@ -105,6 +136,7 @@ def _description(path: Path) -> Any:
         raise InputError(
             f"{shown(path)} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
         )
+    _refuse_entities(path, head)
     try:
         description = read_model_description(str(path))
     except ValidationError as error:
