@@ -1,0 +1,18 @@
+/* Generated from interface.toml; do not edit. */
+#include "actuators.h"
+
+#define BLOCK_GUID "{29bb60bf-06a5-3fa9-bf9f-f7250540c025}"
+#define BLOCK_VARIABLES 25u
+#define BLOCK_REAL_OUTPUTS 5u
+
+typedef ActuatorsParameters Parameters;
+typedef ActuatorsInputs Inputs;
+typedef ActuatorsOutputs Outputs;
+typedef ActuatorsState State;
+typedef ActuatorsLaw Law;
+
+#define block_check actuators_check
+#define block_prepare actuators_prepare
+#define block_start actuators_start
+#define block_outputs actuators_outputs
+#define block_step actuators_step

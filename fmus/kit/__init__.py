@@ -1,0 +1,98 @@
+"""A kit for another team: a small project that builds at once into a valid FMU with a block's exact interface.
+
+    write(load("allocator"), Path("my_allocator"), "c")       # needs a C compiler and make from then on
+    write(load("allocator"), Path("my_allocator"), "python")  # needs this project's packages to build
+
+Files that the team fills in are never overwritten; what is generated from the interface is.
+`python -m fmus.kit FOLDER` generates anew from the folder's interface.toml.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..build import ROOT
+from ..description import Capabilities, guid_from, model_description
+from ..interface import Interface, parse
+from ..native.generate import block_header, ports_header, table
+from .templates import block_c, block_h, package_py, python_block
+
+LANGUAGES = ("c", "python")
+SCENARIO = ROOT / "scenarios" / "paper_singularity.yaml"
+"""The run of which the test vector is a part, if no other is asked for."""
+
+_HERE = Path(__file__).parent
+_NATIVE = _HERE.parent / "native"
+_TOOL = "attitude-cosim, kit"
+
+
+def write(interface: Interface, folder: Path, language: str) -> list[Path]:
+    """Writes the project and returns its files; those of the team that are there already are kept."""
+    files: dict[str, bytes | str] = {"interface.toml": interface.source}
+    readme = (_HERE / f"README.{language}.md").read_text("utf-8")
+    kept: dict[str, bytes | str] = {"README.md": _filled(readme, interface)}
+    if language == "c":
+        files |= {f"generated/{name}": text for name, text in generated(interface).items()}
+        files |= {f"tools/{name}": (_HERE / name).read_bytes() for name in ("pack.c", "vector.c")}
+        files |= {f"fmi_shell/{name}": data for name, data in shell().items()}
+        files["fmi_shell/LICENSE"] = (ROOT / "LICENSE").read_bytes() if (ROOT / "LICENSE").exists() else ""
+        kept["Makefile"] = makefile(interface, "fmi_shell", "tools")
+        kept |= {f"{interface.name}.h": block_h(interface), f"{interface.name}.c": block_c(interface)}
+    else:
+        kept["build.py"] = _filled((_HERE / "build.py.template").read_text("utf-8"), interface)
+        kept |= {f"{interface.name}/__init__.py": package_py(interface), f"{interface.name}/block.py": python_block(interface)}
+    for name, data in kept.items():
+        if not (folder / name).exists():
+            files[name] = data
+    return [_put(folder / name, data) for name, data in files.items()]
+
+
+def generated(interface: Interface) -> dict[str, str]:
+    """What follows from the interface: the XML, and the C that the shell reads."""
+    guid = guid_from(hashlib.sha256(f"{_TOOL}\n{interface.source}".encode()).hexdigest())
+    capabilities = Capabilities(needsExecutionTool=False, canNotUseMemoryManagementFunctions=False)
+    header = "/* Generated from interface.toml; do not edit. */\n"
+    return {
+        "modelDescription.xml": model_description(interface, guid, capabilities, _TOOL).decode(),
+        "ports.h": ports_header(interface).replace(f"fmus/interfaces/{interface.name}.toml by python -m fmus.native", "interface.toml"),
+        "block.h": header + block_header(interface, guid),
+        "table.c": header + table(interface),
+    }
+
+
+def shell() -> dict[str, bytes]:
+    """The FMI shell: what every native FMU has in common."""
+    paths = [*_NATIVE.glob("*.c"), *_NATIVE.glob("*.h"), *(_NATIVE / "common").glob("*.h")]
+    return {path.relative_to(_NATIVE).as_posix(): path.read_bytes() for path in sorted(paths)}
+
+
+def makefile(interface: Interface, shell_folder: str, tools: str) -> str:
+    """The Makefile, with the folders of the shell and the tools."""
+    text = (_HERE / "Makefile.template").read_text("utf-8")
+    return _filled(text, interface, {"shell": shell_folder, "tools": tools})
+
+
+def _filled(text: str, interface: Interface, more: Mapping[str, str] | None = None) -> str:
+    for key, value in {"name": interface.name, "title": interface.name.title(), **(more or {})}.items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _put(path: Path, data: bytes | str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data.encode() if isinstance(data, str) else data)
+    return path
+
+
+def regenerate(folder: Path) -> list[Path]:
+    """Writes `generated/` anew from the folder's interface.toml."""
+    interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
+    return [_put(folder / "generated" / name, text) for name, text in generated(interface).items()]
+
+
+def has_compiler() -> bool:
+    """Whether a C kit can be built here."""
+    return shutil.which("make") is not None and any(shutil.which(cc) for cc in ("cc", "gcc", "clang"))
