@@ -18,6 +18,10 @@ from .so3 import Array, to_quaternion
 from .wheel import Segment, momentum_saturated, net_torque, segments
 
 
+INTERNAL_STEPS_MAX = 1e6
+"""In one communication step."""
+
+
 @dataclass(frozen=True)
 class Inputs:
     """dipole_cmd (3,) A m2 along the rods, wheel_torque_cmd N m."""
@@ -66,6 +70,7 @@ class Outputs:
     dipole_saturated: bool
     wheel_torque_saturated: bool
     wheel_momentum_saturated: bool
+    field_extrapolated: bool
 
 
 def start(p: Parameters, u: Inputs) -> State:
@@ -87,7 +92,10 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
             tau += p.surface.moment(R.T @ v_N, density)
         return tau
 
-    n = max(1, math.ceil(h / p.step_max * (1.0 - 1e-12)))
+    ratio = h / p.step_max * (1.0 - 1e-12)
+    if not ratio <= INTERNAL_STEPS_MAX:
+        raise ValueError(f"step_max is {p.step_max} s; expected at least a millionth of the communication step, {h} s")
+    n = max(1, math.ceil(ratio))
     R, Pi, l_w = x.R, x.Pi, x.l_w
     for i in range(n):
         t = x.t + i * (h / n)
@@ -158,6 +166,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         dipole_saturated=bool(np.abs(u.dipole_cmd).max() > p.dipole_max),
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
+        field_extrapolated=p.field_extrapolated,
     )
 
 

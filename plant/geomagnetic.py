@@ -38,10 +38,14 @@ class FieldModel:
     g_dot: Array
     h_dot: Array
 
+    def covers(self, year: float) -> bool:
+        """Whether a decimal year lies within the model's years."""
+        return self.epochs[0] <= year <= self.valid_until
+
     def at(self, year: float, extrapolate: bool = False) -> tuple[Array, Array]:
         """g and h at a decimal year. Raises ValueError where the model does not cover it, unless told to extrapolate."""
         first = self.epochs[0]
-        if not (first <= year <= self.valid_until or extrapolate):
+        if not (self.covers(year) or extrapolate):
             raise ValueError(
                 f"epoch {year:.3f} is outside field_model {self.name!r}, which covers {first:.1f} to {self.valid_until:.1f}; "
                 "choose a model that covers it, or set field_extrapolate"

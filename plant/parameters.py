@@ -104,9 +104,17 @@ class Parameters:
         return path.with_node_rate(rate)
 
     @cached_property
+    def year(self) -> float:
+        """The epoch as a decimal year."""
+        return time_scales.decimal_year(time_scales.parse_epoch(self.epoch))
+
+    @cached_property
+    def field_extrapolated(self) -> bool:
+        return not tables.field_model(self.field_model).covers(self.year)
+
+    @cached_property
     def field(self) -> geomagnetic.FieldAlongOrbit:
-        year = time_scales.decimal_year(time_scales.parse_epoch(self.epoch))
-        g, h = tables.field_model(self.field_model).at(year, self.field_extrapolate)
+        g, h = tables.field_model(self.field_model).at(self.year, self.field_extrapolate)
         return geomagnetic.FieldAlongOrbit(geomagnetic.Field(g, h, self.field_degree), self.orbit, self.gmst0)
 
     @cached_property

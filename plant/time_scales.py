@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from datetime import UTC, datetime, timedelta
 
 EARTH_RATE = 7.2921158553e-5
@@ -11,9 +12,14 @@ EARTH_RATE = 7.2921158553e-5
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
+_EPOCH = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:\d\d)?)?", re.ASCII)
+
+
 def parse_epoch(text: str) -> datetime:
-    """A UTC date and time from ISO 8601 text such as 2009-08-10T00:00:00Z. Raises ValueError."""
+    """A UTC date and time from text such as 2009-08-10T00:00:00Z: ISO 8601's extended form. Raises ValueError."""
     try:
+        if _EPOCH.fullmatch(text) is None:
+            raise ValueError
         epoch = datetime.fromisoformat(text)
     except ValueError:
         raise ValueError(f"epoch {text!r} is no date; expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z") from None
@@ -33,7 +39,7 @@ def gmst(epoch: datetime) -> float:
     """Greenwich mean sidereal time, rad in [0, 2 pi): IAU 1982 (Aoki et al., A&A 105, 1982)."""
     T = days_since_j2000(epoch) / 36525.0
     seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6))
-    return math.fmod(math.radians(seconds / 240.0), 2.0 * math.pi) % (2.0 * math.pi)
+    return math.radians((seconds % 86400.0) / 240.0)
 
 
 def day_of_year(epoch: datetime) -> float:

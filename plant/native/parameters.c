@@ -77,15 +77,20 @@ static bool is_inside(const PlantParameters *p, Fault *f)
     return true;
 }
 
-static bool field_covers(const PlantParameters *p, const Date *date, Fault *f)
+static bool covers(const FieldModel *model, double year)
+{
+    return year >= model->years[0] && year <= model->valid_until;
+}
+
+static bool check_field(const PlantParameters *p, const Date *date, Fault *f)
 {
     const FieldModel *model = &field_models[p->field_model - 1];
     const double year = decimal_year(date);
     if (p->field_degree < 1 || p->field_degree > FIELD_DEGREE_MAX) {
         return fault(f, "field_degree", p->field_degree, "1 to 13");
     }
-    if (!p->field_extrapolate && !(year >= model->years[0] && year <= model->valid_until)) {
-        return fault(f, "epoch", year, "a date within the years that field_model covers, or field_extrapolate");
+    if (!p->field_extrapolate && !covers(model, year)) {
+        return fault(f, "epoch", year, model->covered);
     }
     return true;
 }
@@ -111,7 +116,7 @@ bool plant_check(const PlantParameters *p, Fault *f)
         return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
     }
     return is_attitude(p, f) && is_date(p, &date, f) && orbit_of(p, &date, &orbit, f) && is_above_ground(p, &orbit, f) &&
-           (!p->drag || is_inside(p, f)) && field_covers(p, &date, f);
+           (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
 }
 
 /* An octagonal cylinder: eight sides and two ends, width across the flats. The normals of four sides lie along the two
@@ -169,7 +174,9 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     }
     environment->gmst0 = gmst(&date);
     environment->day0 = day_of_year(&date);
-    environment->field = field_of(&field_models[p->field_model - 1], decimal_year(&date), p->field_degree);
+    const FieldModel *model = &field_models[p->field_model - 1];
+    environment->field = field_of(model, decimal_year(&date), p->field_degree);
+    plant->field_extrapolated = !covers(model, decimal_year(&date));
     environment->has_air = p->drag;
     environment->activity = activity_of(p->f107, p->f107_average, p->ap);
     forget_surroundings(environment);

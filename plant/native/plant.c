@@ -167,6 +167,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     y->wheel_torque = wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
     y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
     y->wheel_speed = x->l_w / p->wheel_inertia;
+    y->field_extrapolated = plant->field_extrapolated;
     y->dipole_saturated = largest(vector(u->dipole_cmd)) > p->dipole_max;
     return true;
 }

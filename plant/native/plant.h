@@ -33,6 +33,7 @@ typedef struct {
     Matrix R_NB0;
     Plate plates[PLATES];
     Environment environment;
+    bool field_extrapolated;
 } PlantLaw;
 
 bool plant_check(const PlantParameters *p, Fault *f);

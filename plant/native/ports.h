@@ -175,6 +175,8 @@ typedef struct {
     bool wheel_torque_saturated;
     /* h_w is at its limit and the demanded torque would drive it further */
     bool wheel_momentum_saturated;
+    /* The epoch lies outside the years that field_model covers, and field_extrapolate accepts it */
+    bool field_extrapolated;
 } PlantOutputs;
 
 #endif

@@ -35,7 +35,8 @@ def _field_models() -> str:
 
 def _model(name: str, model: FieldModel) -> str:
     arrays = ", ".join(f"{name}_{part}" for part in ("g", "h", "g_rate", "h_rate"))
-    return f"    {{{len(model.epochs)}, {name}_years, {model.valid_until!r}, {arrays}}}"
+    covered = f"a date that {name} covers, {model.epochs[0]:.1f} to {model.valid_until:.1f}, or field_extrapolate"
+    return f'    {{{len(model.epochs)}, {name}_years, {model.valid_until!r}, "{covered}", {arrays}}}'
 
 
 def _terms(square: np.ndarray) -> list[float]:

@@ -101,14 +101,11 @@ bool parse_date(const char *text, Date *date)
 
 double gmst(const Date *date)
 {
-    /* The remainder by the double 2 pi without rounding, as fmod: 2 pi in two parts, n * high exact. */
-    static const double high = 6.2831853069365025, low = 2.430837753308879e-10;
     const double T = (double)date->since_j2000 / (double)DAY / 36525.0;
     const double seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6));
-    const double angle = seconds / 240.0 * (PI / 180.0);
-    const double n = (double)(int64_t)(angle / (2.0 * PI));
-    const double rest = (angle - n * high) - n * low;
-    return rest < 0.0 ? rest + 2.0 * PI : rest;
+    const double day = seconds / 86400.0;
+    const double turns = (double)(int64_t)day - (day < 0.0 ? 1.0 : 0.0);
+    return (seconds - turns * 86400.0) / 240.0 * (PI / 180.0); /* the product is exact */
 }
 
 double day_of_year(const Date *date)

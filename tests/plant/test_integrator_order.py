@@ -182,7 +182,7 @@ def test_a_body_that_turns_too_far_in_one_step_is_refused_with_the_remedy():
 
 
 def test_a_communication_step_is_divided_into_the_fewest_equal_parts_within_step_max(monkeypatch):
-    p = checked(step_max=0.1)
+    p = checked(step_max=0.1, integrator_order=2)
     lengths = []
     step = attitude.lgvi_step
     monkeypatch.setattr("plant.block.lgvi_step", lambda *a: lengths.append(a[6]) or step(*a))
