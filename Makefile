@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test fmus bench figures lint format docs authorities clean
+.PHONY: run test fmus bench figures reproduction lint format docs authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -27,6 +27,10 @@ figures: $(VENV)/test
 	for scenario in paper_no_singularity paper_singularity; do \
 	  $(BIN)/orchestrate scenarios/$$scenario.yaml --quiet --figures && cp results/$$scenario/figures/*.png docs/figures/ || exit; \
 	done
+
+# The paper's claims, examined: docs/reproduction.md and its figures; about five minutes on two cores.
+reproduction: $(VENV)/test
+	$(BIN)/python -m studies reproduction
 
 # The outside authorities' table, docs/verification.md.
 authorities: $(VENV)/test

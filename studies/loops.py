@@ -22,6 +22,7 @@ from .setup import Loop
 from .vectors import Array, cayley, cross, dot, hat, inverse, norm, product, solve, times, transposed_times
 
 FRACTION_CAP = 1e6
+Exact = Callable[[plant.Parameters, float], Array]
 
 
 @dataclass
@@ -123,7 +124,7 @@ class Loops:
             b_B=b_B,
             h_w=self.l_w.copy(),
             dipole=dipole,
-            dipole_saturated=(np.abs(self.dipole_cmd) > top).any(axis=0),
+            dipole_saturated=np.any(np.abs(self.dipole_cmd) > top, axis=0),
             wheel_momentum_saturated=(drive != 0.0) & self._at_limit(drive),
         )
 
@@ -268,7 +269,13 @@ class Environment:
         facing = np.maximum(normals[:, 0] * v_B[0] + normals[:, 1] * v_B[1] + normals[:, 2] * v_B[2], 0.0)
         return cross((facing[:, None] * arms).sum(axis=0), -density * v_B)
 
-    def _at(self, t: Array | float, pick: slice | Array, nodes: dict[int, Array], exact: Callable) -> Array:  # type: ignore[type-arg]
+    def _at(
+        self,
+        t: Array | float,
+        pick: slice | Array,
+        nodes: dict[int, Array],
+        exact: Callable[[plant.Parameters, float], Array],
+    ) -> Array:
         if isinstance(t, np.ndarray):
             one = [
                 self._at(float(s), np.array([i]), nodes, exact)
@@ -279,8 +286,9 @@ class Environment:
         for i in range(k - 2, k + 4):
             if i not in nodes:
                 nodes[i] = np.array([exact(p, i * NODE_INTERVAL) for p in self._shared]).T
-        found = sum(w * nodes[k - 2 + j] for j, w in enumerate(_lagrange6(t / NODE_INTERVAL - k)))
-        return found[:, self._which[pick]]
+        weights = _lagrange6(t / NODE_INTERVAL - k)
+        found = np.tensordot(np.array(weights), np.array([nodes[k - 2 + j] for j in range(6)]), axes=1)
+        return np.asarray(found[:, self._which[pick]])
 
 
 _ORBITAL = (

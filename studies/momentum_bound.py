@@ -34,9 +34,9 @@ import controller.reference
 import plant
 from controller.reference import Reference
 from plant.drag import octagonal_cylinder
-from plant.so3 import Array
 
 from .setup import Setup
+from .vectors import Array
 
 SAMPLE = 1.0
 """Interval of the field's chords, s."""

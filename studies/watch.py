@@ -7,6 +7,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from orchestration import Result
+
 from .loops import Loops, Sample
 from .setup import Loop
 from .vectors import Array, norm
@@ -150,10 +152,10 @@ def fly(cases: list[Loop], step: float, duration: float) -> Seen:
     return watch.seen
 
 
-def of_result(result: object, names: dict[str, str], rod_fraction: Array) -> Seen:
+def of_result(result: Result, names: dict[str, str], rod_fraction: Array) -> Seen:
     """The same of a run through FMUs. `names` are the blocks' names; `rod_fraction` (samples,) as in `Sample`."""
-    r, p, c, a = result, names["plant"], names["controller"], names["allocator"]
-    get = r.__getitem__  # type: ignore[attr-defined]
+    p, c, a = names["plant"], names["controller"], names["allocator"]
+    get = result.__getitem__
     columns = {
         "attitude_error": get(f"{c}.attitude_error"),
         "rate_error_B": get(f"{c}.rate_error_B"),
@@ -171,7 +173,7 @@ def of_result(result: object, names: dict[str, str], rod_fraction: Array) -> See
         "dipole_saturated": get(f"{p}.dipole_saturated"),
         "wheel_momentum_saturated": get(f"{p}.wheel_momentum_saturated"),
     }
-    time = r.time  # type: ignore[attr-defined]
+    time = result.time
     watch = Watch(1, float(time[1] - time[0]))
     for i, t in enumerate(time):
         watch(
