@@ -14,7 +14,7 @@ import numpy as np
 
 from . import rotation
 from .block import TYPES, Block, Floats
-from .errors import BlockError, InputError
+from .errors import BlockError
 from .fit import Fit, Link, model
 from .model import Element, Model
 
@@ -113,7 +113,7 @@ class Adapter:
         return (link.B @ (np.array(theirs) - link.c)).tolist()
 
     def enter(self, stop: float) -> None:
-        self.inner.set(_starts(self.fit))
+        self.inner.set(self.fit.start.items())
         self.inner.enter(stop)
 
     def leave(self) -> None:
@@ -265,20 +265,3 @@ def _then(first: Callable[[], None], second: Callable[[], None]) -> Callable[[],
         second()
 
     return both
-
-
-def _starts(fit: Fit) -> list[tuple[Element, Any]]:
-    """The mapping's values of what only theirs has. Raises InputError, without the place."""
-    from .quantities import QuantityError
-    from .starts import values_of
-
-    found: list[tuple[Element, Any]] = []
-    for name, value in fit.start.items():
-        try:
-            found += values_of("their FMU", fit.theirs, name, value).items()
-        except (QuantityError, ValueError) as error:
-            raise InputError(f"start.{name}: {error}") from None
-    return found
-
-
-check_starts = _starts

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import click
 
@@ -18,11 +18,25 @@ from .errors import BlockError, InputError, nearest
 EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, INTERNAL, INTERRUPTED = 1, 2, 3, 70, 130
 
 
+_LATER = {"check": "check", "compare": "compare", "new": "new"}
+"""Commands that are imported when they are called, and the modules whose `command` they are."""
+
+
 class _Commands(click.Group):
     """`orchestrate x.yaml` is `orchestrate run x.yaml`; errors are told in a line, without a traceback."""
 
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted({*self.commands, *_LATER})
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name in _LATER:
+            from importlib import import_module
+
+            return cast(click.Command, import_module(f".{_LATER[name]}", __package__).command)
+        return super().get_command(ctx, name)
+
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if args and args[0] not in self.commands and args[0] not in ("--help", "--version"):
+        if args and args[0] not in self.list_commands(ctx) and args[0] not in ("--help", "--version"):
             args = ["run", *args]
         return super().parse_args(ctx, args)
 
@@ -67,6 +81,16 @@ def main() -> None:
     help="A start value, such as plant.angle='51.6 deg' or plant.x=[1,2,3]; may be repeated.",
 )
 @click.option(
+    "--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place; may be repeated."
+)
+@click.option(
+    "--map",
+    "maps",
+    multiple=True,
+    metavar="[BLOCK=]FILE",
+    help="How the ports of the swapped FMU stand to ours; with several swaps BLOCK=FILE.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
@@ -92,6 +116,8 @@ def run(
     ctx: click.Context,
     scenario: Path,
     sets: tuple[str, ...],
+    swaps: tuple[str, ...],
+    maps: tuple[str, ...],
     out: Path | None,
     step: str | None,
     duration: str | None,
@@ -108,9 +134,19 @@ def run(
     from .source import read
 
     folder.check(format_)
-    if not scenario.suffix and not scenario.exists() and "did you mean" in nearest(str(scenario), main.commands):
-        raise InputError(f"{scenario}: there is no such file or command{nearest(str(scenario), main.commands)}")
+    if (
+        not scenario.suffix
+        and not scenario.exists()
+        and "did you mean" in nearest(str(scenario), [*main.commands, *_LATER])
+    ):
+        raise InputError(
+            f"{scenario}: there is no such file or command{nearest(str(scenario), [*main.commands, *_LATER])}"
+        )
     source = read(scenario)
+    if swaps or maps:
+        from .swap import swapped
+
+        source = swapped(source, swaps, maps)
     for text in sets:
         source = source.with_start(*_assignment(text), option="--set ")
     for key, value in (("step", step), ("duration", duration), ("flavour", flavour)):

@@ -20,6 +20,7 @@ from .mapping import Mapping as PortMapping
 from .mapping import PortMap
 from .model import Element, Model, NameUnknown, Variable
 from .quantities import ONE, QuantityError, Unit, parse, parse_unit, value_in
+from .starts import values_of
 
 Level = Literal["ok", "note", "warning", "fault"]
 
@@ -71,8 +72,8 @@ class Fit:
     """By our name."""
     extra: list[Variable] = field(default_factory=list)
     """Inputs, outputs and parameters that only theirs has, under their own names."""
-    start: dict[str, Any] = field(default_factory=dict)
-    """Values of some of these, from the mapping."""
+    start: dict[Element, Any] = field(default_factory=dict)
+    """Values of some of these, from the mapping, as FMI stores them."""
     ignored: dict[str, Variable] = field(default_factory=dict)
     """Those of ours that the mapping says theirs does without."""
     missing: dict[str, Variable] = field(default_factory=dict)
@@ -378,9 +379,11 @@ def _told(ours: Variable, theirs: list[Variable], link: Link) -> str:
     if diagonal and np.ptp(np.diag(link.A)) == 0.0 and np.ptp(link.c) == 0.0:
         shift = f" {link.c[0]:+.6g}" if link.c[0] else ""
         return f",{unit} to{their_unit or ' theirs'}: times {link.A[0, 0]:.10g}{shift}"
-    rows = "; ".join(" ".join(f"{x:.6g}" for x in row) for row in link.A)
+    largest = float(np.abs(link.A).max())
+    rows = "; ".join(" ".join(f"{x / largest + 0.0:.6g}" for x in row) for row in link.A)
+    times = f" times {largest:.10g}" if largest != 1.0 else ""
     shift = " plus [" + " ".join(f"{x:.6g}" for x in link.c) + "]" if link.c.any() else ""
-    return f",{unit} to{their_unit or ' theirs'}: [{rows}]{shift}"
+    return f",{unit} to{their_unit or ' theirs'}: [{rows}]{times}{shift}"
 
 
 def _items(variable: Variable) -> str:
@@ -427,9 +430,13 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
             text = f"{name} stands for our {standing}, whose value it takes"
             found.say("fault", "mapping", text, f"give the value to {standing} in the scenario", key)
         else:
-            found.start[name] = value
-            found.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
-    given = {known[name].name if name in known else name.partition("[")[0] for name in found.start}
+            try:
+                found.start.update(values_of("theirs", found.theirs, name, value))
+            except (QuantityError, NameUnknown) as error:
+                found.say("fault", "mapping", str(error), key=key)
+            else:
+                found.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
+    given = {element.variable for element in found.start}
     for variable in found.theirs.of("input", "output", "parameter"):
         if any(element in taken for element in variable.elements) or variable.name in given:
             continue
@@ -441,22 +448,20 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         found.extra.append(variable)
         if variable.causality == "input":
             text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
-            found.say(
-                "fault", "extra", text, "give it a value under start in the mapping, or connect it in the scenario"
-            )
-        elif variable.causality == "output":
-            found.say(
-                "note",
-                "extra",
-                f"output {variable.name}, {variable.kind}, is of theirs only; it is recorded under that name",
-            )
-        else:
-            found.say(
-                "note",
-                "extra",
-                f"parameter {variable.name}, {variable.kind}, is of theirs only; it keeps the value of their FMU",
-                "a value under start in the mapping, if another is wanted",
-            )
+            remedy = "give it a value under start in the mapping, or connect it in the scenario"
+            found.say("fault", "extra", text, remedy)
+    outputs = [f"{v.name}, {v.kind}" for v in found.extra if v.causality == "output"]
+    if outputs:
+        text = f"output{_s(outputs)} of theirs only: {'; '.join(outputs)}"
+        found.say("note", "extra", text, "none needed; they are recorded under these names")
+    parameters = [v.name for v in found.extra if v.causality == "parameter"]
+    if parameters:
+        text = f"parameter{_s(parameters)} of theirs only, at the values of their FMU: {', '.join(parameters)}"
+        found.say("note", "extra", text, "other values, if they are wanted, under start in the mapping")
+
+
+def _s(items: list[str]) -> str:
+    return "s" if len(items) > 1 else ""
 
 
 def unfed(finding: Finding) -> bool:

@@ -76,7 +76,7 @@ def _refuse_loops(
     for group in components(declared):
         if len(group) == 1 and group[0] not in declared[group[0]]:
             continue
-        loop = _cycle(declared, group)
+        loop = cycle(declared, group)
         targets = [_fed(node, loop[i - 1], sources) for i, node in enumerate(loop)]
         chain = [f"{n.block}.{n.element.variable}" for n in loop]
         path = " -> ".join(dict.fromkeys(chain)) + f" -> {chain[0]}"
@@ -90,7 +90,7 @@ def _fed(node: Node, source: Node, sources: Mapping[Node, Node]) -> str:
     return next(names, "")
 
 
-def _cycle(graph: Mapping[Node, list[Node]], group: list[Node]) -> list[Node]:
+def cycle(graph: Mapping[Node, list[Node]], group: list[Node]) -> list[Node]:
     """A loop within a strongly connected group, in the direction of the signals; always the same one."""
     node, path = max(group), []
     while node not in path:

@@ -7,16 +7,16 @@ cannot vary its step, and says all of it in notes.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import mapping as mappings
 from .block import Block
-from .errors import InputError
-from .fit import Finding, Fit, fit, model, unfed
+from .errors import InputError, nearest
+from .fit import Fit, fit, model, unfed
 from .interfaces import Reference, is_path, own, reference
 from .model import Element, Model
 from .order import Hook
@@ -103,13 +103,6 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Reference,
 
     faults = [where(finding.key, str(finding)) for finding in found.faults if not unfed(finding)]
     faults += _starts_without(prepared, name, entry, found, fmu)
-    if not faults:
-        from .adapter import check_starts
-
-        try:
-            check_starts(found)
-        except InputError as error:
-            faults += [where(("start",), message) for message in error.messages]
     if faults:
         raise InputError(*faults)
     prepared.fits[name] = found
@@ -148,7 +141,10 @@ def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, found: Fit
 
 def _notes(found: Fit) -> list[str]:
     """What a user should know of a fit, in few lines."""
-    notes = [finding.text for finding in found.findings if finding.level == "warning" or finding.topic == "ignored"]
+    notes = [finding.text for finding in found.findings if finding.level == "warning"]
+    if found.ignored:
+        names = [f"{ours.causality} {name}" for name, ours in found.ignored.items()]
+        notes.append(f"does without {', '.join(names)}, as the mapping says")
     outputs = [name for name, ours in found.missing.items() if ours.causality == "output"]
     if outputs:
         notes.append(f"its FMU lacks {_listed('output', outputs)}, not recorded then")
@@ -167,25 +163,27 @@ def _listed(what: str, names: list[str]) -> str:
 
 
 def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
-    """Takes out of the scenario what refers to ignored outputs, and fixes how often each block is stepped."""
+    """Takes out of the scenario what refers to outputs that are not there, and fixes how often each block is stepped."""
     scenario = prepared.scenario
     faults: list[str] = []
-    gone: list[Key] = []
-    for key, reference_text, whole in _references(scenario):
-        block, name, _ = split(reference_text) or ("", "", ())
+    gone: dict[Key, None] = {}
+    lost: dict[str, None] = {}
+    for key, signal, whole in _references(scenario):
+        block, name, _ = split(signal) or ("", "", ())
         found = prepared.fits.get(block)
-        if found is None:
+        ours = None if found is None else found.ignored.get(name) or found.missing.get(name)
+        if found is None or ours is None or ours.causality != "output":
             continue
-        ignored = found.ignored.get(name)
-        if ignored is not None and ignored.causality == "output":
-            gone.append(whole)
-            prepared.notes.append(f"left out, since {block} goes without {name}: {_name(scenario, whole)}")
-        elif (lacking := found.missing.get(name)) is not None and lacking.causality == "output":
+        if name in found.missing and key[0] in ("record", "expect"):
             text = (
                 f"{block} lacks the output {name}, to which this refers; remedy: map it in the mapping, or list it under "
                 "ignore there, and this is left out"
             )
             faults.append(scenario.error(key, text))
+        gone[whole] = lost[f"{block}.{name}"] = None
+    if gone and not faults:
+        told = "; ".join(dict.fromkeys(_name(scenario, key) for key in gone))
+        prepared.notes.append(f"left out, since {', '.join(lost)} {'are' if len(lost) > 1 else 'is'} not there: {told}")
     for number, text in enumerate(scenario.connections):
         block, name, _ = split(text.split("->")[0]) or ("", "", ())
         found = prepared.fits.get(block)
@@ -240,6 +238,8 @@ def _name(scenario: Scenario, key: Key) -> str:
     if key[0] == "holds":
         return f"the hold '{scenario.holds[int(key[1])].name}'"
     if key[0] == "figures":
+        if "signals" in key:
+            return f"a curve of the figure '{scenario.figures[int(key[1])].name}'"
         part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
         what = "a panel of " if "panels" in key and not part else ""
         return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
@@ -325,39 +325,46 @@ def _hook(prepared: Prepared, references: Mapping[str, Reference]) -> Hook:
 # ---------------------------------------------------------------- the command line
 
 
-def swapped(source: Source, text: str, map_file: str | None) -> tuple[Source, str]:
-    """A scenario's source with one block swapped, `allocator=vendor.fmu`, and the block's name."""
-    from pathlib import Path
-
-    from .errors import nearest
-
-    block, equals, path = (part.strip() for part in text.partition("="))
-    said = f"--swap {text}"
-    if not equals or not block or not path:
-        raise InputError(f"{said}: expected block=file.fmu, such as allocator=vendor.fmu")
+def swapped(source: Source, swaps: Sequence[str], maps: Sequence[str] = ()) -> Source:
+    """A scenario's source with blocks swapped: `allocator=vendor.fmu`, and `mapping.yaml` or `allocator=mapping.yaml`."""
+    files = dict(_parted(text, f"--swap {text}", "block=file.fmu, such as allocator=vendor.fmu") for text in swaps)
     blocks = source.data.get("blocks") if isinstance(source.data, dict) else None
-    entry = blocks.get(block) if isinstance(blocks, dict) else None
-    if not isinstance(entry, dict):
-        raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
-    current = entry.get("fmu")
-    interface: Any = entry.get("interface", current)
-    if isinstance(interface, str) and is_path(interface) and "interface" not in entry:
-        # What stands there now keeps its own interface where that is known by the block's name.
-        interface = block if block in own() else str((source.folder / interface).resolve())
+    mappings_of: dict[str, str] = {}
+    for text in maps:
+        block, _, file = text.rpartition("=")
+        if not block and len(files) != 1:
+            where = "the --swap that it belongs to" if not files else f"which of {', '.join(files)}: --map BLOCK={text}"
+            raise InputError(f"--map {text}: expected {where}")
+        block = block.strip() or next(iter(files))
+        if block not in files:
+            raise InputError(f"--map {text}: {block} is not swapped{nearest(block, files)}")
+        mappings_of[block] = file.strip()
+    for block, file in files.items():
+        said = f"--swap {block}={file}"
+        entry = blocks.get(block) if isinstance(blocks, dict) else None
+        if not isinstance(entry, dict):
+            raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+        source = _swap(source, block, entry, file, mappings_of.get(block), said)
+    return source
+
+
+def _swap(source: Source, block: str, entry: dict[str, Any], file: str, map_file: str | None, said: str) -> Source:
     here = Path.cwd()
-    source = source.with_entry(("blocks", block, "fmu"), str(here / Path(path).expanduser()), said)
-    source = source.with_entry(("blocks", block, "interface"), interface, said)
-    source = source.with_entry(("blocks", block, "flavour"), None, said)
-    if map_file is not None:
-        source = source.with_entry(("blocks", block, "map"), str(here / map_file), f"--map {map_file}")
-    elif "map" in entry:
-        source = source.with_entry(("blocks", block, "map"), None, said)
-    return source, block
+    if not is_path(file):
+        raise InputError(f"{said}: expected the path of an .fmu")
+    interface: Any = entry.get("interface", entry.get("fmu"))
+    if "interface" not in entry and isinstance(interface, str) and is_path(interface):
+        # What stands there now keeps an interface of its own, unless its name says which.
+        interface = block if block in own() else str((source.folder / interface).resolve())
+    values = {"fmu": str(here / Path(file).expanduser()), "interface": interface, "flavour": None}
+    for key, value in values.items():
+        source = source.with_entry(("blocks", block, key), value, said if value is not None else "")
+    path = None if map_file is None else str(here / Path(map_file).expanduser())
+    return source.with_entry(("blocks", block, "map"), path, f"--map {map_file}" if path else "")
 
 
-def plain(finding: Finding) -> str:
-    """A finding on one line."""
-    return re.sub(r"\s+", " ", str(finding))
-
-
-Adapt = Callable[[Block], Block]
+def _parted(text: str, option: str, expected: str) -> tuple[str, str]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not name or not value:
+        raise InputError(f"{option}: expected {expected}")
+    return name, value
