@@ -25,7 +25,8 @@ FLAVOURS = ("python", "native")
 
 _HERE = Path(__file__).parent
 _MAKERS = (
-    "build.py description.py documentation.py interface.py memory.py packaging.py shell.c shell.py slave.py units.py"
+    "build.py contents.py description.py documentation.py icon.py interface.py memory.py packaging.py shell.c shell.py "
+    "slave.py terminals.py units.py"
 )
 
 
@@ -116,6 +117,7 @@ def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
     paths = [ROOT / "LICENSE", *(_HERE / name for name in _MAKERS.split()), *_files(block.folder)]
+    paths += sorted((_HERE / "interfaces").glob("*.svg"))
     paths += _files(_HERE / "native")
     if flavour == "native":
         paths += _files(block.folder / "native")

@@ -44,15 +44,20 @@ class Capabilities:
 
 
 def model_description(
-    interface: Interface, guid: str, capabilities: Capabilities, generation_tool: str, licence: str = "BSD-3-Clause"
+    interface: Interface,
+    guid: str,
+    capabilities: Capabilities,
+    generation_tool: str,
+    remark: str = "",
+    licence: str = "BSD-3-Clause",
 ) -> bytes:
-    """The XML file. No date stands in it, so the same arguments give the same bytes. Raises UnitError."""
+    """The XML file; `remark` follows the description. No date stands in it, so the same arguments give the same bytes. Raises UnitError."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=interface.name,
         guid=guid,
-        description=interface.description,
+        description=f"{interface.description}. {remark}" if remark else interface.description,
         license=licence,
         generationTool=generation_tool,
         variableNamingConvention="structured",

@@ -9,21 +9,43 @@ from .interface import Interface, Variable
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #ccc;padding:.3em .6em;"
-    "text-align:left;vertical-align:top}code{white-space:nowrap}"
+    "text-align:left;vertical-align:top}code{white-space:nowrap}.wrap code{white-space:normal}"
+)
+_SOURCE = (
+    "Numbers in brackets are those of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
+    "Orbit (AIAA 2009-5902). e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
 )
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
-def index_html(interface: Interface) -> bytes:
-    """A page that lists every port and parameter."""
+def index_html(interface: Interface, host: str) -> bytes:
+    """A page that lists equations, limits, terminals, and every port and parameter. `host`: what a host must have."""
     parts = [
         f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><title>{escape(interface.name)}</title>',
-        f"<style>{_STYLE}</style></head>\n<body>\n<h1>{escape(interface.name)}</h1>",
+        f"<style>{_STYLE}</style></head>\n<body>\n<img src='icon.svg' alt='' width='96'>",
+        f"<h1>{escape(interface.name)}</h1>",
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
         "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
-        "which is the block's t = 0.</p>",
+        "which is the block's t = 0. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
+        f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>",
     ]
+    if interface.equations:
+        rows = [
+            _row("td", [f"<code>{escape(formula)}</code>", escape(meaning)]) for formula, meaning in interface.equations
+        ]
+        parts.append("<h2>Equations</h2>\n<table class='wrap'>\n" + "\n".join(rows) + "\n</table>")
+        parts.append(f"<p>{_SOURCE}</p>")
+    if interface.limits:
+        items = "\n".join(f"<li>{escape(limit)}</li>" for limit in interface.limits)
+        parts.append(f"<h2>Limits</h2>\n<ul>\n{items}\n</ul>")
+    if interface.terminals:
+        rows = [_row("th", ["Terminal", "Causality", "Variables"])]
+        for name, members in interface.terminals.items():
+            names = ", ".join(f"<code>{escape(member)}</code>" for member in members)
+            rows.append(_row("td", [f"<code>{escape(name)}</code>", interface.variables[members[0]].causality, names]))
+        about = "Ports that are wired together. Terminals of one name on two blocks fit each other."
+        parts.append(f"<h2>Terminals</h2>\n<p>{about}</p>\n<table>\n" + "\n".join(rows) + "\n</table>")
     for causality, heading in _HEADINGS.items():
         variables = [v for v in interface.variables.values() if v.causality == causality]
         if variables:

@@ -19,7 +19,10 @@ Each `[variables.NAME]` has
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
-In the two lists `name` means every element, `name[i]` the element of the same index, and `@group`
+`[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
+terminals of one name fit each other. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
+
+In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, and `@group`
 the names that `[groups]` gives for it.
 """
 
@@ -92,6 +95,12 @@ class Interface:
     variables: dict[str, Variable]
     source: str = field(repr=False, default="")
     """The text of the TOML file."""
+    terminals: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Variables that are wired together, by the name of their terminal."""
+    equations: tuple[tuple[str, str], ...] = ()
+    """Formulas, each with its meaning, for the documentation page."""
+    limits: tuple[str, ...] = ()
+    """Sentences for the documentation page."""
 
     def of(self, causality: Causality) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == causality]
@@ -142,6 +151,9 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         step=float(data["experiment"]["step"]),
         variables=variables,
         source=text,
+        terminals=_terminals(data.get("terminals", {}), variables, file),
+        equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
+        limits=tuple(data.get("page", {}).get("limits", ())),
     )
 
 
@@ -211,7 +223,7 @@ def _expand(names: list[str], groups: dict[str, list[str]]) -> tuple[str, ...]:
     for name in names:
         if name.startswith("@") and name[1:] not in groups:
             raise InterfaceError(f"there is no group {name!r}")
-        expanded.update(dict.fromkeys(groups[name[1:]] if name.startswith("@") else [name]))
+        expanded.update(dict.fromkeys(_expand(groups[name[1:]], groups) if name.startswith("@") else [name]))
     return tuple(expanded)
 
 
@@ -224,3 +236,13 @@ def _check_dependencies(variables: dict[str, Variable], file: str) -> None:
                     raise InterfaceError(
                         f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}"
                     )
+
+
+def _terminals(entries: dict[str, list[str]], variables: dict[str, Variable], file: str) -> dict[str, tuple[str, ...]]:
+    for name, members in entries.items():
+        causalities = {variables[member].causality if member in variables else "missing" for member in members}
+        if causalities not in ({"input"}, {"output"}):
+            raise InterfaceError(
+                f"{file}: terminals.{name}: {', '.join(members)}: expected inputs only or outputs only"
+            )
+    return {name: tuple(members) for name, members in entries.items()}

@@ -14,7 +14,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
-import io
 import sys
 import tempfile
 import zipfile
@@ -24,8 +23,8 @@ from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
+from .contents import archive, common
 from .description import Capabilities, guid_from, model_description
-from .documentation import index_html
 from .interface import Interface
 from .shell import PLATFORMS, compile_shell
 
@@ -35,11 +34,16 @@ CAPABILITIES = Capabilities(needsExecutionTool=True)
 """It needs a process that holds Python; everything else it can do."""
 REQUIREMENTS = "numpy>=1.26\n"
 """For `pythonfmu deploy`; Python itself is 3.11 or later."""
+NEEDS = "Python flavour: the host's process must hold Python 3.11 or later with numpy; any other host takes the native flavour"
+HOST = (
+    "A process that holds Python 3.11 or later in which numpy can be imported (resources/requirements.txt): a tool that is "
+    "itself a Python program, such as FMPy. Any other host gets no instance, and a message that says so: give it the native "
+    "flavour of this block, which has the same ports and needs nothing."
+)
 
 _HERE = Path(__file__).parent
 _PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
 """PythonFMU's modules that run; the others build."""
-_DATE = (1980, 1, 1, 0, 0, 0)
 
 _ENTRY = '''"""Entry of the FMU: PythonFMU's library looks here for the class of the slave."""
 
@@ -59,24 +63,24 @@ class {name}(BlockSlave):
 def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
     """The FMU of the block whose package is `folder`, as bytes. The same content gives the same bytes."""
     content = _content(interface, folder)
-    tool = f"PythonFMU {version('pythonfmu')}"
-    digest = hashlib.sha256(model_description(interface, "", CAPABILITIES, tool))
+    tool = f"PythonFMU {version('pythonfmu')}, for hosts that hold Python 3.11 or later with numpy"
+    digest = hashlib.sha256(model_description(interface, "", CAPABILITIES, tool, NEEDS))
     for name, data in sorted(content.items()):
         digest.update(f"{name}\n{len(data)}\n".encode() + data)
     identity = digest.hexdigest()
     entry = f"{interface.name}_{identity[:12]}"
     with tempfile.TemporaryDirectory() as temporary:
         built = _build(Path(temporary), entry, identity, interface, folder.name, content)
-        with zipfile.ZipFile(built) as archive:
-            files = {name: archive.read(name) for name in archive.namelist()}
+        with zipfile.ZipFile(built) as made:
+            files = {name: made.read(name) for name in made.namelist()}
     guid = guid_from(identity)
-    return _zip(
+    return archive(
         _finish(files, entry, interface.name, guid)
         | {
-            "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool),
+            "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool, NEEDS),
             "resources/requirements.txt": REQUIREMENTS.encode(),
-            "documentation/index.html": index_html(interface),
-            **_licences(licence),
+            **common(interface, licence, HOST),
+            **_licence_of_pythonfmu(),
         }
     )
 
@@ -167,24 +171,10 @@ def _finish(files: dict[str, bytes], entry: str, name: str, guid: str) -> dict[s
     return finished
 
 
-def _licences(licence: Path | None) -> dict[str, bytes]:
-    """This project's licence and that of PythonFMU, parts of which every FMU carries."""
+def _licence_of_pythonfmu() -> dict[str, bytes]:
+    """Every FMU carries parts of it."""
     found = {}
-    if licence is not None and licence.exists():
-        found["documentation/licenses/license.txt"] = licence.read_bytes()
     for file in distribution("pythonfmu").files or []:
         if file.name.upper().startswith("LICENSE"):
             found["documentation/licenses/PythonFMU.txt"] = Path(str(file.locate())).read_bytes()
     return found
-
-
-def _zip(files: dict[str, bytes]) -> bytes:
-    """An archive in which nothing depends on time, place or the version of a compressing library."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
-        for name in sorted(files):
-            info = zipfile.ZipInfo(name, _DATE)
-            info.create_system = 3
-            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
-            archive.writestr(info, files[name])
-    return buffer.getvalue()

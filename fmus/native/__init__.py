@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import importlib
-import io
 import tempfile
-import zipfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from ..contents import archive, common
 from ..description import Capabilities, guid_from, model_description
-from ..documentation import index_html
 from ..interface import Interface
 from .generate import block_header, table
 from .toolchain import FLAGS, PLATFORMS, CompilerError, compile_library, compiler, host_platform
@@ -24,8 +22,12 @@ __all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
 
 CAPABILITIES = Capabilities(needsExecutionTool=False, canNotUseMemoryManagementFunctions=False)
 
+HOST = (
+    "Nothing: this is the native flavour, compiled from C for Linux, Windows and macOS (64 bits). It needs no other library, "
+    "interpreter or tool, keeps no globals, and several instances live side by side."
+)
+
 _HERE = Path(__file__).parent
-_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def package(
@@ -40,13 +42,11 @@ def package(
     guid = guid_from(_digest(interface, folder, generated))
     files = {
         "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
-        "documentation/index.html": index_html(interface),
+        **common(interface, licence, HOST),
     }
-    if licence is not None and licence.exists():
-        files["documentation/licenses/license.txt"] = licence.read_bytes()
     for name, library in libraries(interface, folder, guid, chosen, generated).items():
         files[f"binaries/{name}/{interface.name}{PLATFORMS[name].suffix}"] = library
-    return _zip(files)
+    return archive(files)
 
 
 def libraries(
@@ -94,15 +94,3 @@ def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> st
     ]:
         digest.update(f"\n{name} {len(data)}\n".encode() + data.replace(b"\r\n", b"\n"))
     return digest.hexdigest()
-
-
-def _zip(files: dict[str, bytes]) -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name in sorted(files):
-            info = zipfile.ZipInfo(name, _DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.create_system = 3
-            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
-            archive.writestr(info, files[name])
-    return buffer.getvalue()

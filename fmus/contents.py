@@ -1,0 +1,59 @@
+"""What every FMU of a block holds beside its description and its code, whatever its flavour; and its archive."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+from .documentation import index_html
+from .icon import png
+from .interface import Interface
+from .terminals import terminals_and_icons
+
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def common(interface: Interface, licence: Path | None, host: str) -> dict[str, bytes]:
+    """Documentation, licence, terminals and icon by their paths in the archive. `host` says what a host must have."""
+    found = {
+        "documentation/index.html": index_html(interface, host),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface),
+    }
+    if licence is not None and licence.exists():
+        found["documentation/licenses/license.txt"] = licence.read_bytes()
+    # model.png is FMI 2.0's place for an icon, terminalsAndIcons/ that of FMI 2.0.4 and later.
+    for name, target in ((interface.name, "icon"), ("block", "icon"), ("terminal", "terminal")):
+        svg = _svg(name)
+        if svg is None or f"terminalsAndIcons/{target}.svg" in found:
+            continue
+        found[f"terminalsAndIcons/{target}.svg"] = svg
+        found[f"terminalsAndIcons/{target}.png"] = _png(svg)
+    found["model.png"] = found["terminalsAndIcons/icon.png"]
+    found["documentation/icon.svg"] = found["terminalsAndIcons/icon.svg"]
+    return found
+
+
+def _svg(name: str) -> bytes | None:
+    path = files("fmus").joinpath("interfaces", f"{name}.svg")
+    return path.read_bytes().replace(b"\r\n", b"\n") if path.is_file() else None
+
+
+@cache
+def _png(svg: bytes) -> bytes:
+    return png(svg)
+
+
+def archive(files: dict[str, bytes]) -> bytes:
+    """The files as a zip archive in which nothing depends on time, place or the order of hashing."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as target:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, _DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3
+            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
+            target.writestr(info, files[name])
+    return buffer.getvalue()
