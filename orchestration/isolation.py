@@ -126,7 +126,16 @@ class IsolatedBlock:
 
     @property
     def log(self) -> Sequence[str]:
+        if self._instantiated and not self._stepping and not self._ended.is_set():
+            with suppress(BlockError):  # what it has said may still be on its way
+                self._ask("mark")
+                self._heard()
         return tuple(self._lines)
+
+    def _heard(self) -> None:
+        """Waits for the mark that ends what has been said until now."""
+        self._marked.wait(_GRACE)
+        self._marked.clear()
 
     # ------------------------------------------------------------ calls before and between steps
 
@@ -171,9 +180,8 @@ class IsolatedBlock:
         if not isinstance(answer, dict):
             raise self._lost()
         self._deadline = inf
-        self._marked.wait(_GRACE)
-        self._marked.clear()
-        raise BlockError(self.name, str(answer.get("call")), str(answer.get("problem")), log=self.log)
+        self._heard()
+        raise BlockError(self.name, str(answer.get("call")), str(answer.get("problem")), log=tuple(self._lines))
 
     # ------------------------------------------------------------ steps
 
@@ -262,9 +270,10 @@ class IsolatedBlock:
 
     def _lost(self) -> BlockError:
         """What to say of a process that has ended, or that does not answer as it should."""
+        overdue, self._deadline = self._overdue, inf
         alive = not _gone(self._process, _GRACE)
         self._end()
-        if self._overdue:
+        if overdue:
             limit = f"{self._limits.timeout:.10g} s"
             how = f"did not return within {limit} (the block's 'timeout'), so its process was ended"
         elif alive:
@@ -276,9 +285,11 @@ class IsolatedBlock:
     def _held(self) -> str:
         """Whether it had run out of memory."""
         limit = self._limits.memory
-        if self._peak < 0.8 * limit:
-            return ""
-        return f"; it held {self._peak / 1e9:.3g} GB of the {limit / 1e9:.3g} GB that the block's 'memory' allows"
+        return (
+            f"; it had used up the {_amount(limit)} that the block's 'memory' allows"
+            if self._peak > 0.8 * limit
+            else ""
+        )
 
     def _call(self) -> str:
         part = self._memory.part[0]
@@ -399,6 +410,10 @@ def _cause(status: int | None) -> str:
     if status in _WINDOWS:
         return f"crashed with {_WINDOWS[status]}"
     return f"ended its process, with exit status {status}"
+
+
+def _amount(count: int) -> str:
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
 
 
 def _plain(value: Any) -> Any:

@@ -117,8 +117,7 @@ class Worker:
         send(self._to, ANSWER, json.dumps(answer).encode())
 
     def _refuse(self, error: BlockError) -> None:
-        _flush()
-        say(MARK.decode())
+        self._do_mark()
         self._answer({"call": error.call, "problem": error.problem})
 
     # ------------------------------------------------------------ what may be asked
@@ -129,6 +128,10 @@ class Worker:
         description = SimpleNamespace(guid=setup.guid, coSimulation=fmi)
         fmu = SimpleNamespace(model=setup.model, description=description)
         self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
+
+    def _do_mark(self) -> None:
+        _flush()
+        say(MARK.decode())
 
     def _do_set(self, values: list[tuple[Element, Any]]) -> None:
         self._fmu.set(values)

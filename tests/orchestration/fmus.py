@@ -77,16 +77,18 @@ def description(name: str, version: str = "2.0", guid: str = "probe", kind: str 
 """
 
 
-@lru_cache(maxsize=1)
-def library() -> bytes:
-    """probe.c, compiled for this platform."""
+@lru_cache(maxsize=8)
+def library(name: str = "probe", *options: str) -> bytes:
+    """probe.c, or another source beside this file, compiled for this platform."""
     system = shutil.which("cc") or shutil.which("gcc")
     compiler = [system] if system else [sys.executable, "-m", "ziglang", "cc"]
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / f"probe{fmpy.sharedLibraryExtension}"
-        source = Path(__file__).with_name("probe.c")
+        out = Path(folder) / f"{name}{fmpy.sharedLibraryExtension}"
+        source = Path(__file__).with_name(f"{name}.c")
         subprocess.run(
-            [*compiler, "-shared", "-fPIC", "-O2", "-o", str(out), str(source)], check=True, capture_output=True
+            [*compiler, "-shared", "-fPIC", "-O1", *options, "-o", str(out), str(source)],
+            check=True,
+            capture_output=True,
         )
         return out.read_bytes()
 
