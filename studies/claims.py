@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -120,6 +121,7 @@ VC = (
     Claim("a torquer saturates", "none does", lambda s: s.saturated, 0.5, of_limits=True, show=_yes),
 )
 CLAIMS = {"V.B": VB, "V.C": VC}
+ROOT = Path(__file__).parents[1]
 SCENARIOS = {"V.B": "scenarios/paper_no_singularity.yaml", "V.C": "scenarios/paper_singularity.yaml"}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import convergence, sweep
-from .claims import CLAIMS, HOLDS, OUTCOMES, READINGS, SCENARIOS, Claim, all_hold, hold_outcome, outcome
+from .claims import CLAIMS, HOLDS, OUTCOMES, READINGS, ROOT, SCENARIOS, Claim, all_hold, hold_outcome, outcome
 from .reproduction import BOUND_NODES, PAPER_LIMITS, Run, Times
 from .setup import read
 from .vectors import Array
@@ -311,7 +311,7 @@ def _complex(value: complex) -> str:
 
 def _convergence(done: dict[str, Any]) -> str:
     c, e, edge = (done[k] for k in ("random starts, constant", "random starts, error", "starts at the edge"))
-    law = read(SCENARIOS["V.B"]).loop.controller
+    law = read(ROOT / SCENARIOS["V.B"]).loop.controller
     K, L = law.kappa0 * law.K0, law.lambda0 * law.L0
     rows = []
     for which, name in enumerate(convergence.EQUILIBRIA):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
+import pickle
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +15,12 @@ from typing import Any
 import numpy as np
 
 from . import convergence, sweep
-from .claims import CLAIMS, DURATION, ORBIT, READINGS, SCENARIOS, STEP, constants, variants
+from .claims import CLAIMS, DURATION, ORBIT, READINGS, ROOT, SCENARIOS, STEP, constants
 from .momentum_bound import MomentumBalance, Verdict
 from .setup import Loop, read
 from .vectors import Array
-from .watch import Seen, fly, of_result
+from .watch import Seen, of_result
 
-ROOT = Path(__file__).parents[1]
 BOUND_NODES = np.arange(0.0, 360.0, 10.0)
 
 
@@ -104,12 +105,6 @@ def bounds(which: str, dipole_max: float, mass: float = 1.0) -> Times:
     return Times(np.array(least), np.array(simple), at_claim)
 
 
-def si_for_an_orbit(which: str) -> Seen:
-    """SI units and the real limits, a whole orbit from 24 nodes."""
-    loop = read(ROOT / SCENARIOS[which]).loop.change(READINGS[2].changes)
-    return fly(variants(loop, [{"plant.node_longitude": math.radians(x)} for x in range(0, 360, 15)]), STEP, ORBIT)
-
-
 def from_random(schedule: str, wrong: bool = False) -> convergence.Flown:
     law = read(ROOT / SCENARIOS["V.B"]).loop.controller
     J = sweep.wrong_inertias(law.J_B, 600, 4, 0.1) if wrong else None
@@ -128,21 +123,18 @@ class Job:
 
 
 def jobs() -> list[Job]:
-    """The longest first."""
-    both = tuple(CLAIMS)
-    made = [Job(f"{w}: SI for an orbit", si_for_an_orbit, (w,)) for w in both]
-    made += [Job(f"{w}: node and K0", sweep.node_and_gain, (w,)) for w in both]
-    made += [Job(f"{w}: one by one", sweep.one_by_one, (w,)) for w in both]
-    made += [Job(f"{w}: K0 and L0", sweep.gains, (w,)) for w in both]
-    made += [Job(f"{w}: step {s:g} s", sweep.node_and_step, (w, s)) for s in sweep.STEPS for w in both]
+    """The longest first. One that returns a dictionary has a result for each manoeuvre."""
+    made = [Job("SI for an orbit", sweep.si_for_an_orbit, ()), Job("node and K0", sweep.node_and_gain, ())]
+    made += [Job("one by one", sweep.one_by_one, ()), Job("K0 and L0", sweep.gains, ())]
+    made += [Job(f"step {s:g} s", sweep.node_and_step, (s,)) for s in sweep.STEPS]
     made += [Job(f"random starts, {s}", from_random, (s,)) for s in ("constant", "error")]
     made += [Job("random starts, wrong inertia", from_random, ("error", True))]
     made += [Job("starts at the edge", from_edge, ())]
     made += [Job(f"latch {k:g} {d:g}", sweep.latch, (k, d)) for k, d in ((0.65, 0.9), (0.4, 1.0))]
-    made += [Job(f"{w}: wrong inertia", sweep.inertia_errors, (w,)) for w in both]
+    made += [Job("wrong inertia", sweep.inertia_errors, ()), Job("drag", sweep.drag, ())]
+    both = tuple(CLAIMS)
     made += [Job(f"{w}: bound {m:g} A m2", bounds, (w, m)) for w in both for m in (PAPER_LIMITS[w][0], 25.0)]
     made += [Job(f"{w}: bound per mass", bounds, (w, PAPER_LIMITS[w][0], 50.0)) for w in both]
-    made += [Job(f"{w}: drag", sweep.drag, (w,)) for w in both]
     made += [Job("hold over an orbit", orbit_hold, ("V.B",))]
     made += [Job(f"{w}: run {r.letter}", run, (w, r.letter)) for w in both for r in READINGS]
     made += [Job("latched run", run, ("V.C", "a", {"plant.node_longitude": math.radians(200.0)}))]
@@ -150,30 +142,57 @@ def jobs() -> list[Job]:
 
 
 def compute(processes: int) -> dict[str, Any]:
-    """The results of all jobs by name, with a progress bar."""
+    """The results of all jobs by name, with a progress bar.
+
+    Each is kept in results/reproduction/ under a hash of the sources, so that a run that was stopped goes on where it was.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from fmus.build import BLOCKS, ensure
 
     for block in BLOCKS:  # once, before the processes ask for it
         ensure(block, "native")
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # two processes are at work; BLAS threads would only get in their way
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # BLAS threads would only get in the processes' way
+    kept = ROOT / "results" / "reproduction" / _fingerprint()
+    kept.mkdir(parents=True, exist_ok=True)
     done: dict[str, Any] = {}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns) as progress, ProcessPoolExecutor(processes) as pool:
         wanted = jobs()
         task = progress.add_task("studies", total=len(wanted))
-
-        def finished(name: str) -> Callable[[Future[Any]], None]:
-            return lambda _: progress.update(task, advance=1, description=name)
-
-        futures = {}
-        for job in wanted:
-            futures[job.name] = pool.submit(job.call, *job.arguments)
-            futures[job.name].add_done_callback(finished(job.name))
-        for name, future in futures.items():
-            done[name] = future.result()
+        futures = {pool.submit(_kept, job, kept): job.name for job in wanted}
+        for future in as_completed(futures):
+            name, result = futures[future], future.result()
+            progress.update(task, advance=1, description=name)
+            done |= {f"{w}: {name}": part for w, part in result.items()} if isinstance(result, dict) else {name: result}
     return done
+
+
+def _kept(job: Job, folder: Path) -> Any:
+    file = folder / f"{job.name.replace(' ', '_').replace(':', '')}.pickle"
+    if file.exists():
+        return pickle.loads(file.read_bytes())
+    result = job.call(*job.arguments)
+    part = file.with_suffix(".part")
+    part.write_bytes(pickle.dumps(result))
+    part.replace(file)
+    return result
+
+
+def _fingerprint() -> str:
+    """A hash of what the results are made from: blocks, interfaces, scenarios, and these studies but for how they are shown."""
+    digest = hashlib.sha256()
+    for folder, pattern in (
+        *((block, "**/*.py") for block in ("plant", "controller", "allocator")),
+        ("plant/tables", "*.csv"),
+        ("fmus/interfaces", "*.toml"),
+        ("scenarios", "paper_*.yaml"),
+        ("studies", "*.py"),
+    ):
+        for path in sorted((ROOT / folder).glob(pattern)):
+            if path.name not in ("figures.py", "page.py", "__main__.py") or folder != "studies":
+                digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def make(processes: int = 2) -> Path:

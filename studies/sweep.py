@@ -11,7 +11,20 @@ import numpy as np
 
 from plant.orbit import lvlh
 
-from .claims import CLAIMS, DURATION, SCENARIOS, STEP, all_hold, constants, variants
+from .claims import (
+    CLAIMS,
+    DURATION,
+    INERTIA,
+    MASS,
+    ORBIT,
+    READINGS,
+    ROOT,
+    SCENARIOS,
+    STEP,
+    all_hold,
+    constants,
+    variants,
+)
 from .setup import read
 from .vectors import Array, random_rotations
 from .watch import Seen, fly
@@ -72,42 +85,54 @@ ONE_BY_ONE = (
 )
 
 
-def one_by_one(which: str) -> list[Seen]:
+def one_by_one() -> dict[str, list[Seen]]:
     """Each constant swept alone; in the order of ONE_BY_ONE."""
-    loop = read(SCENARIOS[which]).loop
-    cases = [loop.change(c.change(float(v))) for c in ONE_BY_ONE for v in c.values]
-    seen = fly(cases, STEP, DURATION)
-    ends = np.cumsum([len(c.values) for c in ONE_BY_ONE])[:-1]
-    parts = {f.name: np.split(getattr(seen, f.name), ends) for f in fields(Seen)}
-    return [Seen(**{name: part[i] for name, part in parts.items()}) for i in range(len(ONE_BY_ONE))]
+    seen = _both([c.change(float(v)) for c in ONE_BY_ONE for v in c.values])
+    sizes = [len(c.values) for c in ONE_BY_ONE]
+    return {which: _split(found, sizes) for which, found in seen.items()}
 
 
-def node_and_gain(which: str) -> Seen:
+def node_and_gain() -> dict[str, Seen]:
     """Every node longitude with every scale of K0; rows K_SCALES, columns NODES, flattened."""
-    return _grid(which, [constants(k=float(k)) | _node(x) for k in K_SCALES for x in NODES])
+    return _both([constants(k=float(k)) | _node(x) for k in K_SCALES for x in NODES])
 
 
-def gains(which: str) -> Seen:
+def gains() -> dict[str, Seen]:
     """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
-    return _grid(which, [constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
+    return _both([constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
 
 
-def node_and_step(which: str, step: float) -> Seen:
+def node_and_step(step: float) -> dict[str, Seen]:
     """Every node longitude with one control step."""
-    return _grid(which, [_node(x) for x in NODES], step)
+    return _both([_node(x) for x in NODES], step)
+
+
+def si_for_an_orbit() -> dict[str, Seen]:
+    """SI units and the real limits, a whole orbit from 24 nodes."""
+    return _both([{**READINGS[2].changes, **_node(float(x))} for x in range(0, 360, 15)], STEP, ORBIT)
 
 
 def latch(k: float, l: float) -> Seen:  # noqa: E741
     """V.C at node longitudes 1 deg apart with gains of these scales."""
-    return _grid("V.C", [constants(k=k, l=l) | _node(float(x)) for x in range(360)])
+    changes = [constants(k=k, l=l) | _node(float(x)) for x in range(360)]
+    return fly(variants(read(ROOT / SCENARIOS["V.C"]).loop, changes), STEP, DURATION)
 
 
 def _node(degrees: float) -> dict[str, Any]:
     return {"plant.node_longitude": math.radians(degrees)}
 
 
-def _grid(which: str, changes: Sequence[Mapping[str, Any]], step: float = STEP) -> Seen:
-    return fly(variants(read(SCENARIOS[which]).loop, changes), step, DURATION)
+def _both(changes: Sequence[Mapping[str, Any]], step: float = STEP, duration: float = DURATION) -> dict[str, Seen]:
+    """Flies both manoeuvres with each of the changes, all together: a step costs little more for many than for few."""
+    cases = [case for path in SCENARIOS.values() for case in variants(read(ROOT / path).loop, changes)]
+    parts = _split(fly(cases, step, duration), [len(changes)] * len(SCENARIOS))
+    return dict(zip(SCENARIOS, parts, strict=True))
+
+
+def _split(seen: Seen, sizes: Sequence[int]) -> list[Seen]:
+    ends = np.cumsum(sizes)[:-1]
+    parts = {f.name: np.split(getattr(seen, f.name), ends) for f in fields(Seen)}
+    return [Seen(**{name: part[i] for name, part in parts.items()}) for i in range(len(sizes))]
 
 
 def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, str, str] | None:
@@ -143,24 +168,24 @@ def _failing(which: str, seen: Seen, at: int) -> str:
 DRAG_FACTORS = np.logspace(-1.0, 4.0, 26)
 
 
-def drag(which: str) -> Seen:
+def drag() -> dict[str, Seen]:
     """The moment of drag, which the law does not know, times DRAG_FACTORS."""
-    return _grid(which, [{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
+    return _both([{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
 
 
 def drag_moments(which: str) -> Array:
     """Norm of that moment at the end of the run in the LVLH attitude, in SI units, N m, for DRAG_FACTORS."""
-    p = read(SCENARIOS[which]).loop.plant
+    p = read(ROOT / SCENARIOS[which]).loop.plant
     v_N, density = p.air.flow(DURATION)
     one = p.surface.moment(lvlh(*p.orbit.position_velocity(DURATION)).T @ v_N, density)
     return DRAG_FACTORS * float(np.linalg.norm(one)) / p.drag_factor
 
 
-def inertia_errors(which: str, n: int = 200, seed: int = 2, size: float = 0.1) -> Seen:
-    """The body's inertia off what the law knows; the law and the allocator keep theirs."""
-    setup = read(SCENARIOS[which])
-    errors = wrong_inertias(np.array(setup.loop.plant.J_B), n, seed, size) - np.asarray(setup.loop.plant.J_B)[..., None]
-    return fly([setup.loop.change({"plant.J_error_B": errors[..., i]}) for i in range(n)], STEP, DURATION)
+def inertia_errors(n: int = 200, seed: int = 2, size: float = 0.1) -> dict[str, Seen]:
+    """The body's inertia off what the law knows; the law keeps its own."""
+    J = np.diag(INERTIA) / MASS
+    errors = wrong_inertias(J, n, seed, size) - J[..., None]
+    return _both([{"plant.J_error_B": errors[..., i]} for i in range(n)])
 
 
 def wrong_inertias(J: Array, n: int, seed: int, size: float) -> Array:
