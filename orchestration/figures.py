@@ -50,6 +50,8 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
                 faults.append(scenario.error(place, str(error)))
             except InputError:
                 pass  # told below
+        if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
+            faults.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
         for key, name in wanted:
             try:
                 needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
@@ -81,7 +83,9 @@ def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
 
 
 def _draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> None:
-    time = result.time
+    low, high = entry.window or (result.time[0], result.time[-1])
+    shown_rows = (result.time >= low) & (result.time <= high)
+    time = result.time[shown_rows]
     legend = False
     colours = iter(COLOURS * 4)
     for reference in panel.signals:
@@ -91,20 +95,20 @@ def _draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> 
         for name, values in _curves(result, reference, variable, panel):
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else name
-            axes.plot(time, factor * values + offset, color=next(colours), linewidth=1.2, label=shown)
+            axes.plot(time, factor * values[shown_rows] + offset, color=next(colours), linewidth=1.2, label=shown)
             legend = legend or position > 0
     for line in panel.lines:
         axes.axhline(value_in(line, unit), color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
     notes = []
-    if entry.shade and (held := result[entry.shade].astype(bool)).any():
+    if entry.shade and (held := result[entry.shade].astype(bool)[shown_rows]).any():
         grey = {"color": "0.85", "linewidth": 1.5}  # the edge keeps the shortest hold visible
         axes.fill_between(time, 0, 1, where=_widened(held), transform=axes.get_xaxis_transform(), **grey)
         notes.append(f"shaded: {entry.shade}")
     if entry.mark:
-        for crossing in zero_crossings(time, result[entry.mark]):
+        for crossing in zero_crossings(time, result[entry.mark][shown_rows]):
             axes.axvline(crossing, color="0.35", linewidth=0.8, linestyle=":")
             notes.append(f"dotted: {entry.mark} = 0 at {crossing:.2f} s")
-    axes.set_xlim(time[0], time[-1])
+    axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(
         f"{panel.label or panel.signals[0]}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9

@@ -211,6 +211,8 @@ class FigureEntry(Model):
     """A boolean signal; the times at which it is true are shaded."""
     mark: Annotated[str, Field(strict=True)] | None = None
     """A scalar signal whose changes of sign are marked."""
+    window: Annotated[list[Time], Field(min_length=2, max_length=2)] | None = None
+    """From when to when; default: the whole run."""
 
 
 class HoldEntry(Model):

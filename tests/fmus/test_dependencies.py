@@ -1,0 +1,106 @@
+"""Declared dependencies against what changes: each input and parameter is moved, and every output looked at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from scipy.spatial.transform import Rotation
+
+from fmus.build import ensure
+
+Q0 = Rotation.from_rotvec([0.9, -0.7, 0.5]).as_matrix()
+EXCITED: dict[str, dict[str, float | bool | int | str]] = {
+    "plant": {
+        **{f"Q0[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"omega_B0[{i}]": 0.01 * i for i in (1, 2, 3)},
+        **{f"dipole_cmd[{i}]": 2.0 + i for i in (1, 2, 3)},
+        "wheel_torque_cmd": 1e-3,
+        "h_w0": 2e-3,
+        "argument_of_latitude": 0.6,
+    },
+    "controller": {
+        **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
+    },
+    "allocator": {
+        **{f"tau_cmd_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
+        **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
+        "h_w": 1e-3,
+    },
+}
+"""Values under which every output has something to show."""
+ROUNDING = 1e-11
+"""Relative: a change below it is rounding, as of R_NB with the radius of the orbit."""
+
+
+class Host:
+    def __init__(self, path: Path, folder: Path) -> None:
+        self.description = read_model_description(str(path))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        extract(str(path), str(folder))
+        identifier = self.description.coSimulation.modelIdentifier
+        arguments = {"guid": self.description.guid, "modelIdentifier": identifier, "unzipDirectory": str(folder)}
+        self.fmu = FMU2Slave(**arguments, instanceName="it")
+        self.fmu.instantiate()
+
+    def set(self, name: str, value: Any) -> None:
+        v = self.variables[name]
+        kind = {"Enumeration": "Integer"}.get(v.type, v.type)
+        getattr(self.fmu, f"set{kind}")([v.valueReference], [value])
+
+    def outputs(self, values: dict[str, Any]) -> dict[str, float] | None:
+        """All outputs in initialization under these values; None where the block refuses them."""
+        self.fmu.reset()
+        try:
+            for name, value in values.items():
+                self.set(name, value)
+            self.fmu.setupExperiment(startTime=0.0)
+            self.fmu.enterInitializationMode()
+            found = {}
+            for v in self.description.modelVariables:
+                if v.causality == "output":
+                    kind = {"Enumeration": "Integer"}.get(v.type, v.type)
+                    found[v.name] = float(getattr(self.fmu, f"get{kind}")([v.valueReference])[0])
+            return found
+        except Exception:
+            return None
+
+    def others(self, name: str) -> list[Any]:
+        """Values to move a variable to."""
+        v = self.variables[name]
+        if v.type == "Real":
+            start = float(EXCITED[self.description.modelName].get(name, v.start))
+            return [start * 1.003 + (1e-4 if start == 0.0 else 0.0), start * 0.997]
+        if v.type == "Boolean":
+            return [v.start != "true"]
+        if v.type == "String":
+            return ["2009-11-10T06:00:00Z"]
+        return [n for n in (1, 2, 3, 4, 5, 6) if n != int(v.start)]
+
+
+@pytest.mark.parametrize("block", ["plant", "controller", "allocator"])
+def test_nothing_changes_an_output_initially_but_what_it_declares(block, tmp_path):
+    host = Host(ensure(block, "native"), tmp_path)
+    declared = {u.variable.name: {d.name for d in u.dependencies} for u in host.description.initialUnknowns}
+    base = host.outputs(EXCITED[block])
+    assert base is not None
+    scale = {name: max(abs(v), 1e-9) for name, v in base.items()}
+    undeclared, moved = [], 0
+    for name, variable in host.variables.items():
+        if variable.causality == "output":
+            continue
+        for other in host.others(name):
+            now = host.outputs({**EXCITED[block], name: other})
+            if now is None:  # an inertia without its symmetry, say
+                continue
+            changed = [o for o in base if abs(now[o] - base[o]) > ROUNDING * scale[o]]
+            moved += bool(changed)
+            undeclared += [f"{o} changes with {name}" for o in changed if name not in declared[o]]
+    host.fmu.freeInstance()
+    assert not undeclared
+    assert moved > len(host.variables) // 4, "the test must see changes"
