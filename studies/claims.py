@@ -65,7 +65,7 @@ VB = (
         "least |b₁|, the field along the wheel",
         "never near zero",
         lambda s: np.where(s.crossings == 0, s.b_wheel, 0.0),
-        0.05,
+        0.1,
         below=False,
     ),
     Claim(

@@ -95,7 +95,7 @@ def _claims(done: dict[str, Any]) -> str:
 ## Every claim
 
 Each verdict is from a run of the three FMUs over 1/15 orbit at a step of 0.1 s: {readings}. Settled means an attitude error below 2° and a
-rate error below 10⁻³ rad/s from then to the end of the run. “Never near zero” is read as |b₁| above 0.05, “a short while” as 30 s.
+rate error below 10⁻³ rad/s from then to the end of the run. “Never near zero” is read as |b₁| above 0.1, “a short while” as 30 s.
 
 {tables[0]}
 
