@@ -67,7 +67,7 @@ def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
     try:
         from matplotlib.figure import Figure
     except ModuleNotFoundError:
-        raise InputError("figures need Matplotlib: pip install 'attitude-cosim[figures]'") from None
+        raise InputError("figures need Matplotlib: pip install matplotlib") from None
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for entry in result.scenario.figures:
