@@ -68,6 +68,7 @@ class Fit:
 
     reference: Reference
     theirs: Model
+    mapping: PortMapping | None = None
     links: dict[str, Link] = field(default_factory=dict)
     """By our name."""
     extra: list[Variable] = field(default_factory=list)
@@ -116,8 +117,8 @@ def _is_identity(A: Floats) -> bool:
 
 def fit(reference: Reference, theirs: Model, mapping: PortMapping | None = None) -> Fit:
     """Finds what of theirs stands for what of ours, and says of everything whether it fits."""
+    found = Fit(reference, theirs, mapping)
     mapping = mapping or PortMapping()
-    found = Fit(reference, theirs)
     _ignored(found, mapping)
     taken: dict[Element, str] = {}
     for name, entry in mapping.ports.items():

@@ -138,7 +138,7 @@ def execute(
     ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = prepared.notes
     with ExitStack() as stack:
-        instances = _instantiate(ready, fmus, stack, verbose)
+        instances = instantiate(ready, fmus, stack, verbose)
         blocks = {name: prepared.adapted(block) for name, block in instances.items()}
         result = run_blocks(ready, blocks, progress, compiled)
     for block in instances.values():
@@ -147,7 +147,7 @@ def execute(
     return result
 
 
-def _instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
+def instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
     from .fmu import shown
     from .isolation import IsolatedBlock, Limits, limits
     from .slave import Slave

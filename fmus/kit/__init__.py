@@ -43,7 +43,10 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
         kept |= {f"{interface.name}.h": block_h(interface), f"{interface.name}.c": block_c(interface)}
     else:
         kept["build.py"] = _filled((_HERE / "build.py.template").read_text("utf-8"), interface)
-        kept |= {f"{interface.name}/__init__.py": package_py(interface), f"{interface.name}/block.py": python_block(interface)}
+        kept |= {
+            f"{interface.name}/__init__.py": package_py(interface),
+            f"{interface.name}/block.py": python_block(interface),
+        }
     for name, data in kept.items():
         if not (folder / name).exists():
             files[name] = data
@@ -57,7 +60,9 @@ def generated(interface: Interface) -> dict[str, str]:
     header = "/* Generated from interface.toml; do not edit. */\n"
     return {
         "modelDescription.xml": model_description(interface, guid, capabilities, _TOOL).decode(),
-        "ports.h": ports_header(interface).replace(f"fmus/interfaces/{interface.name}.toml by python -m fmus.native", "interface.toml"),
+        "ports.h": ports_header(interface).replace(
+            f"fmus/interfaces/{interface.name}.toml by python -m fmus.native", "interface.toml"
+        ),
         "block.h": header + block_header(interface, guid),
         "table.c": header + table(interface),
     }

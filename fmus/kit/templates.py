@@ -163,4 +163,6 @@ def _zero(variable: Variable) -> str:
     if variable.shape:
         shape = variable.shape[0] if len(variable.shape) == 1 else variable.shape
         return f"np.zeros({shape})"
-    return {"real": "0.0", "integer": "0", "boolean": "False"}.get(variable.type, repr(variable.items[0] if variable.items else ""))
+    return {"real": "0.0", "integer": "0", "boolean": "False"}.get(
+        variable.type, repr(variable.items[0] if variable.items else "")
+    )
