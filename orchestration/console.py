@@ -58,6 +58,8 @@ class Progress:
 
 def summary(result: Result, folder: str | None) -> None:
     """The figures that matter, what was expected and found, and where the results are."""
+    from .faults import sentence
+
     reached = result.time[-1] if len(result.time) else 0.0
     speed = f"{result.steps / result.wall:,.0f} steps/s" if result.wall > 0.0 else ""
     how = "interrupted after" if result.interrupted else "failed after" if result.failure else "ran"
@@ -65,6 +67,8 @@ def summary(result: Result, folder: str | None) -> None:
         f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
         bold=True,
     )
+    for fault in result.scenario.faults:
+        say(f"fault: {sentence(fault)}", fg="yellow")
     if result.highlights:
         rows = [
             (h.signal, _number(h.final, h.unit), f"{_number(h.peak, h.unit)} at {h.time:.5g} s")

@@ -10,6 +10,8 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
+from .faults import sentence
+from .isolation import limits
 from .model import Model
 from .signals import label
 from .starts import Start
@@ -34,6 +36,7 @@ def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, A
         "scenario": _resolved(plan),
         "order": plan.order.blocks,
         "notes": plan.notes,
+        "faults": [sentence(fault) for fault in scenario.faults],
         "fmus": {
             name: {
                 "file": str(fmu.path),
@@ -41,6 +44,7 @@ def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, A
                 "guid": fmu.model.guid,
                 "model": fmu.model.name,
                 "generation_tool": fmu.model.tool,
+                "isolation": "process" if limits(scenario, name) else "none",
             }
             for name, fmu in fmus.items()
         },
