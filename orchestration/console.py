@@ -71,18 +71,18 @@ def summary(result: Result, folder: str | None) -> None:
         say(f"fault: {sentence(fault)}", fg="yellow")
     if result.highlights:
         rows = [
-            (h.signal, _number(h.final, h.unit), f"{_number(h.peak, h.unit)} at {h.time:.5g} s")
+            (h.signal, number(h.final, h.unit), f"{number(h.peak, h.unit)} at {h.time:.5g} s")
             for h in result.highlights
         ]
         say()
-        for line in _table(("signal", "at the end", "largest"), rows):
+        for line in table(("signal", "at the end", "largest"), rows):
             say(line)
     if result.outcomes:
         told = [
-            (o.name, _found(o), o.expected, "" if o.margin is None else _number(o.margin, o.unit))
+            (o.name, found(o), o.expected, "" if o.margin is None else number(o.margin, o.unit))
             for o in result.outcomes
         ]
-        header, *lines = _table(("expectation", "found", "expected", "margin"), told)
+        header, *lines = table(("expectation", "found", "expected", "margin"), told)
         say(f"\n        {header}")
         for outcome, line in zip(result.outcomes, lines, strict=True):
             verdict = (
@@ -100,22 +100,25 @@ def summary(result: Result, folder: str | None) -> None:
         say(f"\nresults in {folder}")
 
 
-def _found(outcome: Any) -> str:
+def found(outcome: Any) -> str:
+    """What an expectation has found, and when."""
     if outcome.found is None:
         return outcome.note
     if outcome.expected.endswith((" true", " false")):
         value = "true" if outcome.found else "false"
     else:
-        value = _number(outcome.found, outcome.unit)
+        value = number(outcome.found, outcome.unit)
     if outcome.expected.startswith("always") and outcome.passed and outcome.margin is None:
         return value  # at all times
     return value if outcome.time is None else f"{value} at {outcome.time:.5g} s"
 
 
-def _number(value: float, unit: str) -> str:
+def number(value: float, unit: str) -> str:
+    """A value with its unit, to four figures."""
     return f"{value:.4g} {unit}".rstrip()
 
 
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table, its columns in line."""
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in [header, *rows]]

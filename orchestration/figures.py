@@ -43,7 +43,7 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
             wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]
             try:
                 variable, _ = signals.find(scenario, (*place, "signals", 0), panel.signals[0], models)
-                unit = _unit(panel, variable)
+                unit = unit_of(panel, variable)
                 for line in panel.lines:
                     value_in(line, unit)
             except QuantityError as error:
@@ -74,7 +74,7 @@ def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
         width, height = _PANEL_SIZE
         figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
         for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
-            _draw_panel(axes, panel, entry, result)
+            draw_panel(axes, panel, entry, result)
         figure.suptitle(entry.title or entry.name, fontsize=11)
         file = folder / f"{entry.name}.{format}"
         figure.savefig(file, metadata={"Software": None} if format == "png" else None)
@@ -82,7 +82,8 @@ def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
     return files
 
 
-def _draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> None:
+def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> None:
+    """One panel of a figure, with its lines, shading and marks."""
     low, high = entry.window or (result.time[0], result.time[-1])
     shown_rows = (result.time >= low) & (result.time <= high)
     time = result.time[shown_rows]
@@ -90,9 +91,9 @@ def _draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> 
     colours = iter(COLOURS * 4)
     for reference in panel.signals:
         variable = result.variable(reference)
-        unit = _unit(panel, variable)
+        unit = unit_of(panel, variable)
         factor, offset = (variable.unit or ONE).conversion(unit)
-        for name, values in _curves(result, reference, variable, panel):
+        for name, values in curves(result, reference, variable, panel):
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else name
             axes.plot(time, factor * values[shown_rows] + offset, color=next(colours), linewidth=1.2, label=shown)
@@ -132,7 +133,8 @@ def zero_crossings(time: Floats, values: Floats) -> list[float]:
     return (time[found] + share * (time[found + 1] - time[found])).tolist()
 
 
-def _curves(result: Result, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
+def curves(result: Result, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
+    """Names and values of the curves that a panel draws of one signal."""
     values = result[reference].reshape(len(result.time), -1).astype(float)
     if panel.measure == "norm":
         return [(f"|{reference}|", np.sqrt((values * values).sum(axis=1)))]
@@ -142,7 +144,8 @@ def _curves(result: Result, reference: str, variable: Variable, panel: Panel) ->
     return [(f"{block}.{variable.label(i)}", values[:, i]) for i in range(values.shape[1])]
 
 
-def _unit(panel: Panel, variable: Variable) -> Unit:
+def unit_of(panel: Panel, variable: Variable) -> Unit:
+    """The unit of a panel's axis. Raises QuantityError where it does not fit."""
     own = variable.unit or ONE
     if panel.unit is None:
         return variable.display_unit or own
