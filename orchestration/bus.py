@@ -87,6 +87,8 @@ class Bus:
     """In the order in which they are stepped."""
     columns: NDArray[np.intp]
     """Where the recorded elements lie."""
+    watched: NDArray[np.intp]
+    """Where those lie that are looked at after every base step."""
     delay: Delay | None
     """None where no connection is delayed."""
 
@@ -96,7 +98,7 @@ class _Layout:
     blocks: Mapping[str, Block]
     wiring: Wiring
     live: set[Node] = field(default_factory=set)
-    """What other blocks need in every step."""
+    """What is fetched after every step: what other blocks need, or is watched."""
     place: dict[Node, int] = field(default_factory=dict)
     held: dict[Node, int] = field(default_factory=dict)
 
@@ -119,9 +121,15 @@ class _Layout:
         return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[0]))
 
 
-def lay_out(blocks: Mapping[str, Block], wiring: Wiring, order: Order, columns: Sequence[Node]) -> Bus:
-    """Gives every value its place and wires the blocks to it."""
-    layout = _Layout(blocks, wiring, {node for link in wiring.links for node in link.source})
+def lay_out(
+    blocks: Mapping[str, Block],
+    wiring: Wiring,
+    order: Order,
+    columns: Sequence[Node],
+    watched: Sequence[Node] = (),
+) -> Bus:
+    """Gives every value its place and wires the blocks to it. `watched` are fetched after every step."""
+    layout = _Layout(blocks, wiring, {node for link in wiring.links for node in link.source} | set(watched))
     outputs = {name: layout.outputs(name, columns) for name in blocks}
     for name, elements in outputs.items():
         for element in elements:
@@ -132,7 +140,8 @@ def lay_out(blocks: Mapping[str, Block], wiring: Wiring, order: Order, columns: 
     values = np.zeros(first_held + len(delayed))
     seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
     delay = Delay(np.array([layout.place[node] for node in delayed], np.intp), first_held) if delayed else None
-    return Bus(values, seats, np.array([layout.place[node] for node in columns], np.intp), delay)
+    places = [np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, watched)]
+    return Bus(values, seats, *places, delay)
 
 
 def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) -> Seat:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .bus import Bus
+from .clock import EXACT
 from .interrupt import interruptible
 from .recording import REPORT_EVERY, Progress, Recording, check_finite
 from .slave import Exchange, Slave
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from .master import Master
 
 _SOURCE = Path(__file__).with_name("loop.c")
-_EXACT = 2**53
-"""Whole numbers below it are exact as doubles."""
 _SET, _STEP, _GET = range(3)
 
 _Pointer, _Size = c.c_void_p, c.c_size_t
@@ -78,6 +77,10 @@ class _Loop(c.Structure):
         ("column_count", _Size),
         ("rows", _Pointer),
         ("interval", c.c_int64),
+        ("watched", _Pointer),
+        ("watched_count", _Size),
+        ("watched_rows", _Pointer),
+        ("watched_first", c.c_int64),
         ("numerator", c.c_double),
         ("denominator", c.c_double),
         ("count", c.c_int64),
@@ -92,7 +95,7 @@ class _Loop(c.Structure):
 def compiled_loop(master: Master, bus: Bus, recording: Recording) -> CompiledLoop | None:
     """The loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
     slaves = [seat.block for seat in bus.seats if isinstance(seat.block, Slave)]
-    exact = master.clock.steps * master.clock.numerator < _EXACT and master.clock.denominator < _EXACT
+    exact = master.clock.steps * master.clock.numerator < EXACT and master.clock.denominator < EXACT
     if len(slaves) != len(bus.seats) or not exact or (library := _library()) is None:
         return None
     return CompiledLoop(master, bus, slaves, recording, library)
@@ -125,6 +128,9 @@ class CompiledLoop:
         loop.columns, loop.column_count = self._whole(bus.columns), len(bus.columns)
         loop.rows = self._floats(recording.values)
         loop.interval = self._clock.interval
+        self._watch = master.watch
+        loop.watched, loop.watched_count = self._whole(bus.watched), len(bus.watched)
+        loop.watched_rows = self._floats(self._watch.rows if self._watch else recording.values)
         loop.numerator, loop.denominator = self._clock.numerator, self._clock.denominator
         self._kept.append(seats)
 
@@ -156,7 +162,7 @@ class CompiledLoop:
         with interruptible() as interrupted:
             try:
                 while loop.count < steps and not interrupted:
-                    if self._run(c.byref(loop), min(loop.count + stretch, steps)):
+                    if self._run(c.byref(loop), min(loop.count + stretch, steps, self._room())):
                         self._fail()
                     now = perf_counter()
                     if now - reported < REPORT_EVERY / 2:
@@ -170,6 +176,15 @@ class CompiledLoop:
             finally:
                 recording.steps, recording.wall = loop.count, perf_counter() - begun
                 recording.interrupted = bool(interrupted)
+
+    def _room(self) -> int:
+        """How far it may run until what is watched has to be handed on."""
+        if self._watch is None:
+            return self._clock.steps
+        if self._loop.count == self._watch.last:
+            self._watch.flush(self._loop.count)
+        self._loop.watched_first = self._watch.first
+        return self._watch.last
 
     def _fail(self) -> None:
         """Raises the BlockError that the loop in Python raises at the same place."""

@@ -1,12 +1,12 @@
 """What a scenario expects of its run, and what the run shows of it.
 
-Looked at are the recorded samples, those of the window `after` to `before` at which `when` is true.
+Looked at is every base step, recorded or not, in the window `after` to `before` at which `when` is true.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,7 +89,13 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
     faults: list[str] = []
     notes: list[str] = []
     shortened = ("duration",) in scenario.source.options
+    first: dict[str, int] = {}
     for number, expectation in enumerate(scenario.expect):
+        name = " ".join(expectation.name.split())
+        if not name or first.setdefault(name, number) != number:
+            said = f"is that of expect[{first[name] + 1}], too; expected another" if name else "must not be blank"
+            faults.append(scenario.error(("expect", number, "name"), said))
+            continue
         if shortened and expectation.after is not None and expectation.after > scenario.duration:
             notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")
             continue
@@ -114,6 +120,9 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
     if expectation.after is not None and expectation.after > scenario.duration:
         message = f"{expectation.after:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
         raise InputError(scenario.error((*key, "after"), message))
+    for name in ("after", "before"):
+        if (limit := getattr(expectation, name)) is not None and limit < 0.0:
+            raise InputError(scenario.error((*key, name), f"expected zero or more, found {limit:.10g} s"))
     if expectation.before is not None and expectation.before < (expectation.after or 0.0):
         message = f"{expectation.before:.10g} s lies before {expectation.after or 0.0:.10g} s, where the span begins"
         raise InputError(scenario.error((*key, "before"), message))
@@ -178,6 +187,8 @@ def _bounded(
 
 def _end(end: Any, variable: Variable) -> tuple[float, Unit | None]:
     number, unit = parse(end) if isinstance(end, str) else (float(end), None)
+    if not math.isfinite(number):
+        raise QuantityError(f"expected a finite number, found {end}")
     if unit is not None and not unit.fits(variable.unit or ONE):
         if variable.unit is None:
             raise QuantityError(f"{variable.name} has no unit, so expected a bare number, found {end!r}")
@@ -185,49 +196,104 @@ def _end(end: Any, variable: Variable) -> tuple[float, Unit | None]:
     return number, unit
 
 
-# ---------------------------------------------------------------- after the run
+# ---------------------------------------------------------------- during the run
 
 
-def judge(check: Check, time: Floats, columns: Mapping[Node, Floats]) -> Outcome:
-    """What the recorded samples show."""
-    expectation = check.expectation
-    chosen = np.ones(len(time), bool)
-    slack = 1e-9 * max(1.0, abs(time[-1])) if len(time) else 0.0
-    if expectation.after is not None:
-        chosen &= time >= expectation.after - slack
-    if expectation.before is not None:
-        chosen &= time <= expectation.before + slack
-    note = ""
-    if check.when is not None and chosen.any():
-        chosen &= columns[check.when] != 0.0
-        if not chosen.any():
-            note = f"{expectation.when} is never true"
-    samples = int(chosen.sum())
-    if not samples:
-        return _outcome(check, False, None, None, None, 0, note or "no sample lies in this span of time")
-    times = time[chosen]
-    values = np.column_stack([columns[node][chosen] for node in check.nodes])
-    if expectation.zeros is not None:
-        return _zeros(check, expectation.zeros, times, values[:, 0])
-    if expectation.measure == "norm":
-        values = np.sqrt((values * values).sum(axis=1, keepdims=True))
-    if (check.factor, check.offset) != (1.0, 0.0):
-        values = values * check.factor + check.offset
-    margins = np.minimum(values - check.low, check.high - values)
-    worst = margins.argmin(axis=1)
-    of_sample = margins[np.arange(samples), worst]  # a sample is as good as its worst element
-    sample = int(of_sample.argmin() if expectation.always else of_sample.argmax())
-    margin, found = float(of_sample[sample]), float(values[sample, worst[sample]])
-    passed = margin > 0.0 if check.strict else margin >= 0.0
-    return _outcome(check, passed, found, margin if check.low != check.high else None, float(times[sample]), samples)
+class Judge:
+    """Looks at an expectation's signal piece by piece, and tells in the end what was found."""
+
+    def __init__(self, check: Check) -> None:
+        self.check = check
+        self._samples = 0
+        self._inside = False
+        """Whether a sample lay in the span of time, whatever `when` says."""
+        self._worst: tuple[float, float, float] | None = None
+        """Of the sample that decides: margin, value and time."""
+        self._sign = 0.0
+        self._changes = 0
+        self._changed: float | None = None
+        self._final = 0.0
+        self._peak: tuple[float, float] | None = None
+        """The value of largest magnitude, and its time."""
+
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before."""
+        if not len(time):
+            return
+        check, expectation = self.check, self.check.expectation
+        values = np.column_stack([columns[node] for node in check.nodes])
+        if expectation.measure == "norm":
+            values = np.sqrt((values * values).sum(axis=1, keepdims=True))
+        if (check.factor, check.offset) != (1.0, 0.0):
+            values = values * check.factor + check.offset
+        self._highlight(time, values)
+        chosen = np.ones(len(time), bool)
+        if expectation.after is not None:
+            chosen &= time >= expectation.after - _slack(expectation.after)
+        if expectation.before is not None:
+            chosen &= time <= expectation.before + _slack(expectation.before)
+        self._inside |= bool(chosen.any())
+        if check.when is not None:
+            chosen &= columns[check.when] != 0.0
+        if chosen.any():
+            self._samples += int(chosen.sum())
+            (self._bound if expectation.zeros is None else self._count)(time[chosen], values[chosen])
+
+    def _bound(self, time: Floats, values: Floats) -> None:
+        check, always = self.check, self.check.expectation.always is not None
+        margins = np.minimum(values - check.low, check.high - values)
+        worst = margins.argmin(axis=1)
+        of_sample = margins[np.arange(len(time)), worst]  # a sample is as good as its worst element
+        sample = int(of_sample.argmin() if always else of_sample.argmax())
+        margin = float(of_sample[sample])
+        if self._worst is None or (margin < self._worst[0] if always else margin > self._worst[0]):
+            self._worst = margin, float(values[sample, worst[sample]]), float(time[sample])
+
+    def _count(self, time: Floats, values: Floats) -> None:
+        signs = np.sign(values[:, 0])
+        some = signs != 0.0
+        signs = np.concatenate(([self._sign or 0.0], signs[some]))
+        changes = np.flatnonzero(signs[1:] * signs[:-1] < 0.0)
+        self._changes += len(changes)
+        if len(changes) and self._changed is None:
+            self._changed = float(time[some][changes[0]])
+        self._sign = float(signs[-1])
+
+    def _highlight(self, time: Floats, values: Floats) -> None:
+        largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
+        peak = int(np.abs(largest).argmax())
+        self._final = float(largest[-1])
+        if self._peak is None or abs(largest[peak]) > abs(self._peak[0]):
+            self._peak = float(largest[peak]), float(time[peak])
+
+    @property
+    def outcome(self) -> Outcome:
+        """What was found up to now."""
+        check, expectation, samples = self.check, self.check.expectation, self._samples
+        if not samples:
+            never = self._inside and f"{expectation.when} is never true"
+            return _outcome(check, False, None, None, None, 0, never or "no sample lies in this span of time")
+        if expectation.zeros is not None:
+            if self._sign == 0.0:
+                return _outcome(check, False, None, None, None, samples, "always 0, so it has no sign")
+            passed = self._changes == expectation.zeros
+            return _outcome(check, passed, float(self._changes), None, self._changed, samples)
+        assert self._worst is not None
+        margin, found, time = self._worst
+        passed = margin > 0.0 if check.strict else margin >= 0.0
+        return _outcome(check, passed, found, margin if check.low != check.high else None, time, samples)
+
+    @property
+    def highlight(self) -> Highlight | None:
+        """The signal's final and peak values; None for what is no number."""
+        if self._peak is None or not self.check.number:
+            return None
+        unit = "" if str(self.check.unit) == "1" else str(self.check.unit)
+        return Highlight(_signal(self.check.expectation), unit, self._final, *self._peak)
 
 
-def _zeros(check: Check, wanted: int, times: Floats, values: Floats) -> Outcome:
-    signs = np.sign(values)
-    some = signs != 0.0
-    changes = np.flatnonzero(np.diff(signs[some]) != 0.0)
-    when = float(times[some][changes[0] + 1]) if len(changes) else None
-    return _outcome(check, len(changes) == wanted, float(len(changes)), None, when, len(values))
+def _slack(time: float) -> float:
+    return 1e-9 * max(1.0, abs(time))
 
 
 def _outcome(
@@ -246,22 +312,12 @@ def _outcome(
     )
 
 
-def highlights(checks: list[Check], time: Floats, columns: Mapping[Node, Floats]) -> list[Highlight]:
-    """Final and peak values of the numbers that the expectations look at."""
-    found: dict[tuple[str, str], Highlight] = {}
-    for check in checks if len(time) else ():
-        expectation = check.expectation
-        key = (expectation.signal, expectation.measure)
-        if key in found or not check.number:
-            continue
-        values = np.column_stack([columns[node] for node in check.nodes])
-        if expectation.measure == "norm":
-            values = np.sqrt((values * values).sum(axis=1, keepdims=True))
-        values = values * check.factor + check.offset
-        largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
-        peak = int(np.abs(largest).argmax())
-        unit = "" if str(check.unit) == "1" else str(check.unit)
-        found[key] = Highlight(_signal(expectation), unit, float(largest[-1]), float(largest[peak]), float(time[peak]))
+def highlights(judges: Iterable[Judge]) -> list[Highlight]:
+    """Final and peak values of the numbers that the expectations look at, each once."""
+    found: dict[str, Highlight] = {}
+    for judge in judges:
+        if (highlight := judge.highlight) is not None:
+            found.setdefault(highlight.signal, highlight)
     return list(found.values())
 
 

@@ -28,7 +28,7 @@ LATCHED = "latched"
 
 @dataclass(frozen=True)
 class Hold:
-    """What became of one hold. Times in s, those of recorded samples."""
+    """What became of one hold. Times in s."""
 
     name: str
     signal: str
@@ -119,32 +119,53 @@ def _flag(scenario: Scenario, key: Key, name: str, models: Mapping[str, Model]) 
     return nodes[0]
 
 
-def judge(look: Look, time: Floats, columns: Mapping[Node, Floats]) -> Hold:
-    """What the recorded samples show of a hold."""
+class Judge:
+    """Looks at a hold piece by piece, and tells in the end what became of it."""
+
+    def __init__(self, name: str, signal: str) -> None:
+        self.name, self.signal = name, signal
+        self._spans: list[tuple[float, float | None]] = []
+        self._seen = self._held = self._from_zero = False
+        self._since: dict[str, float] = {}
+        """The limits that stand, and since when."""
+
+    def see(
+        self,
+        time: Floats,
+        held: NDArray[np.bool_],
+        kept: Floats,
+        limits: Mapping[str, NDArray[np.bool_]] | None = None,
+    ) -> None:
+        """Takes in what follows: `held` (n,) true while `kept` (n, m) keep their values; `limits` (n,) flags by name."""
+        if not len(time):
+            return
+        if not self._seen:
+            self._seen, self._from_zero = True, bool(held[0]) and not kept[0].any()
+        for i in np.flatnonzero(held != np.concatenate(([self._held], held[:-1]))):
+            if held[i]:
+                self._spans.append((float(time[i]), None))
+            else:
+                self._spans[-1] = self._spans[-1][0], float(time[i])
+        self._held = bool(held[-1])
+        for said, flag in (limits or {}).items():
+            off = np.flatnonzero(~flag)
+            if len(off):
+                self._since.pop(said, None)
+            if flag[-1]:
+                self._since.setdefault(said, float(time[off[-1] + 1 if len(off) else 0]))
+
+    @property
+    def hold(self) -> Hold:
+        """What became of it up to now."""
+        outcome = AT_ZERO if self._from_zero else RELEASED
+        if not self._spans or self._held:
+            outcome = LATCHED if self._held else NEVER
+        standing = dict(self._since) if self._held else {}
+        return Hold(self.name, self.signal, outcome, list(self._spans), self._from_zero, standing)
+
+
+def see(look: Look, judge: Judge, time: Floats, columns: Mapping[Node, Floats]) -> None:
+    """Shows a hold's signals to its judge."""
     held = columns[look.flag] != 0.0
     kept = np.column_stack([columns[node] for node in look.kept])
-    limits = {said: columns[node] != 0.0 for said, node in look.limits.items()}
-    return classify(look.entry.name, look.entry.signal, time, held, kept, limits)
-
-
-def classify(
-    name: str,
-    signal: str,
-    time: Floats,
-    held: NDArray[np.bool_],
-    kept: Floats,
-    limits: Mapping[str, NDArray[np.bool_]] | None = None,
-) -> Hold:
-    """The outcome of a hold: `held` (n,) true while `kept` (n, m) keep their values; `limits` (n,) flags by name."""
-    starts = np.flatnonzero(held & ~np.concatenate(([False], held[:-1])))
-    ends = np.flatnonzero(~held & np.concatenate(([False], held[:-1])))
-    spans = [(float(time[i]), float(time[ends[j]]) if j < len(ends) else None) for j, i in enumerate(starts)]
-    from_zero = bool(len(starts)) and starts[0] == 0 and not kept[0].any()
-    latched = bool(spans) and spans[-1][1] is None
-    standing = {}
-    for said, flag in (limits or {}).items():
-        if latched and flag[-1]:
-            off = np.flatnonzero(~flag)
-            standing[said] = float(time[off[-1] + 1 if len(off) else 0])
-    outcome = NEVER if not spans else LATCHED if latched else AT_ZERO if from_zero else RELEASED
-    return Hold(name, signal, outcome, spans, from_zero, standing)
+    judge.see(time, held, kept, {said: columns[node] != 0.0 for said, node in look.limits.items()})

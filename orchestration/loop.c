@@ -51,7 +51,11 @@ typedef struct {
     size_t column_count;
     double *rows;
     int64_t interval;
-    double numerator; /* of the base step, s */
+    const int64_t *watched; /* what is kept after every base step, */
+    size_t watched_count;
+    double *watched_rows;  /* and where: */
+    int64_t watched_first; /* the base step of the first row */
+    double numerator;      /* of the base step, s */
     double denominator;
     /* where the loop stopped */
     int64_t count; /* whole base steps done */
@@ -207,6 +211,10 @@ int run_loop(Loop *loop, int64_t until)
             for (size_t i = 0; i < loop->column_count; i++) {
                 row[i] = loop->bus[loop->columns[i]];
             }
+        }
+        double *watched = loop->watched_rows + (size_t)(count - loop->watched_first) * loop->watched_count;
+        for (size_t i = 0; i < loop->watched_count; i++) {
+            watched[i] = loop->bus[loop->watched[i]];
         }
     }
     return 0;

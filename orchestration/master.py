@@ -27,7 +27,7 @@ from .faults import Faults
 from .interrupt import interruptible
 from .model import Element
 from .order import Order
-from .recording import REPORT_EVERY, Progress, Recording, check_finite, not_finite
+from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite, not_finite
 from .starts import Start
 from .wiring import Node, Wiring
 
@@ -47,6 +47,8 @@ class Master:
     compiled: bool = False
     """Whether the loop in C is used where the blocks and this machine allow it."""
     faults: Faults = field(default_factory=Faults)
+    watch: Watch | None = None
+    """What looks at some of the columns after every base step; None for nothing."""
 
     def run(self, starts: Mapping[str, Sequence[Start]], progress: Progress | None = None) -> Recording:
         """Initializes and runs. A failing block or Ctrl-C ends the run, and the recording says so."""
@@ -54,9 +56,11 @@ class Master:
         rows = 0
         try:
             self._initialize(starts)
-            bus = lay_out(self.blocks, self.wiring, self.order, self.columns)
+            bus = lay_out(self.blocks, self.wiring, self.order, self.columns, self.watch.columns if self.watch else ())
             self._leave(bus)
             bus.values.take(bus.columns, 0, recording.values[0], "clip")
+            if self.watch:
+                bus.values.take(bus.watched, 0, self.watch.row(0), "clip")
             rows = 1
             loop = compiled_loop(self, bus, recording) if self.compiled and not self.faults else None
             if loop is not None:
@@ -67,6 +71,8 @@ class Master:
             recording.failure = error
         if rows:
             rows += recording.steps // self.clock.interval
+            if self.watch:
+                self.watch.flush(recording.steps)
         recording.time, recording.values = recording.time[:rows], recording.values[:rows]
         return recording
 
@@ -121,6 +127,7 @@ class Master:
         """The loop in Python; compiled.py has the same in C."""
         advance = self._advance(bus)
         take, columns, rows = bus.values.take, bus.columns, recording.values
+        watch, watched = self.watch, bus.watched
         delay = bus.delay.keeper(bus.values) if bus.delay else None
         steps, interval = self.clock.steps, self.clock.interval
         count = 0
@@ -135,6 +142,8 @@ class Master:
                     count += 1
                     if count % interval == 0:
                         take(columns, 0, rows[count // interval], "clip")
+                    if watch is not None:
+                        take(watched, 0, watch.row(count), "clip")
                     if progress is not None and perf_counter() > due:
                         progress(self.clock.time(count))
                         due = perf_counter() + REPORT_EVERY

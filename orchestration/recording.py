@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from .block import Block, Floats
 from .bus import Seat
+from .clock import Clock
 from .errors import BlockError
 from .model import Element
 from .wiring import Node
@@ -17,6 +20,8 @@ Progress = Callable[[float], None]
 
 REPORT_EVERY = 0.05
 """Seconds of wall time from one report of the progress to the next, at least."""
+_ROWS = 4096
+"""How many base steps a watch keeps at a time."""
 
 
 @dataclass
@@ -32,6 +37,35 @@ class Recording:
     """Seconds that the loop took."""
     failure: BlockError | None = None
     interrupted: bool = False
+
+
+class Watch:
+    """Hands on the values of some elements after every base step, where only some of the steps are recorded."""
+
+    def __init__(self, columns: Sequence[Node], clock: Clock, see: Callable[[Floats, Floats], None]) -> None:
+        """`see` is given times (n,) and values (n, columns), piece by piece."""
+        self.columns, self._clock, self._see = list(columns), clock, see
+        self.rows = np.empty((min(_ROWS, clock.steps + 1), len(self.columns)))
+        self.first = 0
+        """The base step of the first row."""
+
+    @property
+    def last(self) -> int:
+        """The base step of the last row."""
+        return self.first + len(self.rows) - 1
+
+    def row(self, count: int) -> Floats:
+        """Where the values after base step `count` belong; it follows those before it."""
+        if count > self.last:
+            self.flush(count - 1)
+        return self.rows[count - self.first]
+
+    def flush(self, count: int) -> None:
+        """Hands on what there is up to base step `count`."""
+        n = count + 1 - self.first
+        if n > 0:
+            self._see(self._clock.times(self.first, n), self.rows[:n])
+            self.first += n
 
 
 def check_finite(seat: Seat, time: float | None = None) -> None:

@@ -8,11 +8,11 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from . import expectations, figures, holds, order, signals, starts, swap, wiring
-from .block import Block
-from .clock import Clock, clock
+from .block import Block, Floats
+from .clock import Clock, check_size, clock
 from .errors import BlockError, InputError, nearest
 from .expectations import Check
 from .faults import Faults, resolve
@@ -21,7 +21,7 @@ from .manifest import manifest
 from .master import Master
 from .model import Model
 from .order import Hook, Order
-from .recording import Progress
+from .recording import Progress, Watch
 from .result import Result
 from .scenario import Scenario, load
 from .starts import Start
@@ -29,8 +29,6 @@ from .wiring import Node, Wiring
 
 if TYPE_CHECKING:
     from .fmu import Fmu
-
-T = TypeVar("T")
 
 
 @dataclass
@@ -53,40 +51,41 @@ class Plan:
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
     """Checks a scenario against what its blocks offer. Raises InputError; what several checks find comes together."""
+    (times, remarks), values, (wired, sequence, amiss), recorded, (checks, more), drawn, held = _together(
+        lambda: clock(scenario),
+        lambda: starts.resolve(scenario, models),
+        lambda: _wired(scenario, models, feedthrough),
+        lambda: signals.recorded(scenario, models),
+        lambda: expectations.prepare(scenario, models),
+        lambda: figures.check(scenario, models),
+        lambda: holds.prepare(scenario, models),
+    )
+    columns = list(dict.fromkeys([*recorded, *(node for look in (*checks, *held) for node in look.needed), *drawn]))
+    check_size(scenario, times, len(columns))
+    notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *amiss.notes]
+    return Plan(scenario, models, times, wired, values, sequence, checks, held, columns, notes, amiss)
+
+
+def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None) -> tuple[Wiring, Order, Faults]:
+    wired = wiring.connect(scenario, models)
+    sequence, amiss = _together(
+        lambda: order.sort(scenario, models, wired, feedthrough), lambda: resolve(scenario, models, wired)
+    )
+    return wired, sequence, amiss
+
+
+def _together(*checks: Callable[[], Any]) -> list[Any]:
+    """What the checks return. Raises InputError with the faults of all of them."""
+    found: list[Any] = []
     faults: list[str] = []
-    times = _checked(faults, lambda: clock(scenario))
-    values = _checked(faults, lambda: starts.resolve(scenario, models))
-    wired = _checked(faults, lambda: wiring.connect(scenario, models))
-    sequence = _checked(faults, lambda: order.sort(scenario, models, wired, feedthrough)) if wired else None
-    amiss = _checked(faults, lambda: resolve(scenario, models, wired)) if wired else None
-    columns = _checked(faults, lambda: signals.recorded(scenario, models))
-    checks = _checked(faults, lambda: expectations.prepare(scenario, models))
-    drawn = _checked(faults, lambda: figures.check(scenario, models))
-    held = _checked(faults, lambda: holds.prepare(scenario, models))
+    for check in checks:
+        try:
+            found.append(check())
+        except InputError as error:
+            faults += error.messages
     if faults:
         raise InputError(*faults)
-    assert drawn is not None
-    assert held is not None
-    assert times is not None
-    assert values is not None
-    assert wired is not None
-    assert amiss is not None
-    assert sequence is not None
-    assert columns is not None
-    assert checks is not None
-    needed = dict.fromkeys([*columns, *(node for check in checks[0] for node in check.needed), *drawn])
-    needed.update((node, None) for look in held for node in look.needed)
-    notes = [*times[1], *wired.warnings, *sequence.warnings, *checks[1], *amiss.notes]
-    return Plan(scenario, models, times[0], wired, values, sequence, checks[0], held, list(needed), notes, amiss)
-
-
-def _checked(faults: list[str], check: Callable[[], T]) -> T | None:
-    """What the check returns, or None with its faults collected."""
-    try:
-        return check()
-    except InputError as error:
-        faults.extend(error.messages)
-        return None
+    return found
 
 
 def run(
@@ -191,20 +190,34 @@ def run_blocks(
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
+    judges = [expectations.Judge(check) for check in ready.checks]
+    watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
+    watched = list(dict.fromkeys(node for look in (*ready.checks, *ready.holds) for node in look.needed))
+
+    def see(time: Floats, values: Floats) -> None:
+        columns = {node: values[:, i] for i, node in enumerate(watched)}
+        for judge in judges:
+            judge.see(time, columns)
+        for look, watcher in watchers:
+            holds.see(look, watcher, time, columns)
+
+    between = bool(watched) and ready.clock.interval > 1  # else all of it is recorded
+    watch = Watch(watched, ready.clock, see) if between else None
     master = Master(
-        blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults
+        blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults, watch
     )
     recording = master.run(ready.starts, progress)
-    columns = {node: recording.values[:, i] for i, node in enumerate(recording.columns)}
+    if watch is None:
+        see(recording.time, recording.values[:, [recording.columns.index(node) for node in watched]])
     return Result(
         scenario=scenario,
         models=ready.models,
         time=recording.time,
         samples=recording.values,
         columns=recording.columns,
-        outcomes=[expectations.judge(check, recording.time, columns) for check in ready.checks],
-        holds=[holds.judge(look, recording.time, columns) for look in ready.holds if len(recording.time)],
-        highlights=expectations.highlights(ready.checks, recording.time, columns),
+        outcomes=[judge.outcome for judge in judges],
+        holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
+        highlights=expectations.highlights(judges),
         warnings=ready.notes,
         steps=recording.steps,
         wall=recording.wall,

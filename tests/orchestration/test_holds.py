@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orchestration.errors import InputError
-from orchestration.holds import AT_ZERO, LATCHED, NEVER, RELEASED, classify
+from orchestration.holds import AT_ZERO, LATCHED, NEVER, RELEASED, Judge
 from tests.orchestration import mocks
 from tests.orchestration.mocks import law
 
@@ -14,7 +14,15 @@ RUNNING = np.full((8, 2), 3.0)
 
 def outcome(held, kept=RUNNING, **limits):
     flags = {name.replace("_", " "): np.array(flag, bool) for name, flag in limits.items()}
-    return classify("commands", "law.holding", TIME, np.array(held, bool), kept, flags)
+    found = []
+    for piece in (len(TIME), 3, 1):  # in one piece or in several, the outcome is the same
+        judge = Judge("commands", "law.holding")
+        for i in range(0, len(TIME), piece):
+            part = slice(i, i + piece)
+            judge.see(TIME[part], np.array(held, bool)[part], kept[part], {k: f[part] for k, f in flags.items()})
+        found.append(judge.hold)
+    assert found == [found[0]] * 3
+    return found[0]
 
 
 def test_a_run_without_a_hold_is_called_never_held():
