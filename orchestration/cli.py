@@ -148,7 +148,7 @@ def run(
 
         source = swapped(source, swaps, maps)
     for text in sets:
-        source = source.with_start(*_assignment(text), option="--set ")
+        source = source.with_start(*assignment(text), option="--set ")
     for key, value in (("step", step), ("duration", duration), ("flavour", flavour)):
         if value is not None:
             source = source.with_value(key, value, f"--{key}")
@@ -181,7 +181,8 @@ def run(
     ctx.exit(0 if result.passed else EXPECTATION_FAILED)
 
 
-def _assignment(text: str) -> tuple[str, Any]:
+def assignment(text: str) -> tuple[str, Any]:
+    """Name and value of `block.parameter=value`. Raises InputError."""
     from .source import parse
 
     name, equals, value = text.partition("=")

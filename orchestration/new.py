@@ -14,7 +14,9 @@ from .fmu import shown
 @click.command("new")
 @click.argument("block")
 @click.argument("folder", required=False, type=click.Path(path_type=Path), metavar="[DIR]")
-@click.option("--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="What they write it in.")
+@click.option(
+    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="What they write it in."
+)
 @click.option(
     "--scenario",
     type=click.Path(path_type=Path),
@@ -36,7 +38,9 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
     target = folder or Path(f"{block}_{lang}")
     run = scenario or kit.SCENARIO
     if not run.exists():
-        raise InputError(f"{shown(run)}: there is no such file; --scenario names the run that the test vector is taken from")
+        raise InputError(
+            f"{shown(run)}: there is no such file; --scenario names the run that the test vector is taken from"
+        )
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file; expected a folder")
     rows = record(run, block, target / "vector")

@@ -1,7 +1,7 @@
 /* Generated from interface.toml; do not edit. */
 #include "actuators.h"
 
-#define BLOCK_GUID "{29bb60bf-06a5-3fa9-bf9f-f7250540c025}"
+#define BLOCK_GUID "{ab5cc31f-020f-325e-6c3e-92ac7c4c8e0c}"
 #define BLOCK_VARIABLES 25u
 #define BLOCK_REAL_OUTPUTS 5u
 

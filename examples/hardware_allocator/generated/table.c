@@ -26,7 +26,7 @@ const Variable variables[BLOCK_VARIABLES] = {
     ROW("coil_max", p.coil_max, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 25000.0, 1.0, INFINITY, NULL)
     ROW("coil_step", p.coil_step, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 100.0, 0.0, INFINITY, NULL)
     ROW("coil_dead_band", p.coil_dead_band, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 50.0, 0.0, INFINITY, NULL)
-    ROW("cycle", p.cycle, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 1.0, 0.01, INFINITY, NULL)
+    ROW("cycle", p.cycle, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 2.0, 0.01, INFINITY, NULL)
     ROW("off_time", p.off_time, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 0.1, 0.0, INFINITY, NULL)
     ROW("rotor_inertia", p.rotor_inertia, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 147.0, 0.001, INFINITY, NULL)
     ROW("motor_max", p.motor_max, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 3.0, 1e-06, INFINITY, NULL)
