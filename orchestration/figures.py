@@ -13,6 +13,7 @@ import numpy as np
 from . import signals
 from .block import Floats
 from .errors import InputError
+from .faults import sentence
 from .quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from .scenario import FigureEntry, Panel, Scenario
 from .source import Key
@@ -109,6 +110,11 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> N
         for crossing in zero_crossings(time, result[entry.mark][shown_rows]):
             axes.axvline(crossing, color="0.35", linewidth=0.8, linestyle=":")
             notes.append(f"dotted: {entry.mark} = 0 at {crossing:.2f} s")
+    for fault in result.scenario.faults:
+        begin, end = max(fault.at, low), min(high if fault.until is None else fault.until, high)
+        if begin < end:
+            axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
+            notes.append(f"red: {sentence(fault)}")
     axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(
