@@ -149,9 +149,9 @@ def _differences(
     comparison: Comparison, ports: Sequence[Variable], bounds: dict[str, Tolerance], every: int
 ) -> list[Difference]:
     ours, played = comparison.ours, comparison.played
-    chosen = (
-        np.isfinite(np.column_stack([*played.outputs.values()])).all(axis=1) if played.outputs else np.ones(0, bool)
-    )
+    chosen: Any = np.ones(0, bool)
+    if played.outputs:
+        chosen = np.isfinite(np.column_stack([*played.outputs.values()])).all(axis=1)
     chosen &= played.rows[: len(chosen)] % every == 0
     rows = played.rows[: len(chosen)][chosen]
     differences = []
@@ -308,7 +308,7 @@ def verdict(comparison: Comparison) -> str:
 
 def rows_of_differences(comparison: Comparison) -> list[tuple[bool, tuple[str, ...]]]:
     """Whether it is within its tolerance, and the cells: output, largest, relative, when, rms, tolerance."""
-    rows = []
+    rows: list[tuple[bool, tuple[str, ...]]] = []
     for d in comparison.differences:
         if d.largest is None:
             rows.append((d.passed, (d.output, d.note, "", "", "", "")))

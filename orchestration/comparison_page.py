@@ -86,7 +86,7 @@ def _open_loop(comparison: Comparison) -> str:
 
 
 def _closed_loop(comparison: Comparison) -> str:
-    claims = [
+    claims: list[tuple[str, tuple[str, ...]]] = [
         (
             "" if b is None else "ok" if b.passed else "failed",
             (a.name, found(a), "not judged, since theirs lacks an output" if b is None else found(b), a.expected),
