@@ -21,7 +21,8 @@ class Block(Protocol):
 
     Calls come in this order: `set` of start values; `enter`; `get` and `set` in turn; `wire`; `leave`;
     `get_all`; then for each step `set_inputs`, `do_step` and one of `get_live` and `get_all`; `close`
-    at the end, whatever happened.
+    at the end, whatever happened. Between two steps `get` and `set` may come again, for what changes
+    during the run. What goes wrong in `do_step` may be raised by the getter after it.
     """
 
     name: str
