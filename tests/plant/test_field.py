@@ -9,7 +9,7 @@ import numpy as np
 import ppigrf
 import pytest
 
-from plant import tables
+from plant import orbit, tables
 from plant.geomagnetic import REFERENCE_RADIUS, Field
 from tests.authorities import field as authority
 from tests.plant.motion import checked
@@ -44,6 +44,18 @@ def test_a_truncated_field_is_ppigrfs_of_that_degree(degree):
     )
     east, north, up = (float(np.squeeze(c)) for c in theirs)
     assert ours * 1e9 == pytest.approx([north, east, -up], abs=0.1)
+
+
+@pytest.mark.parametrize("degree", [1, 4])
+def test_the_plants_field_has_the_degree_asked_for(degree):
+    p = checked(field_degree=degree, epoch="2010-01-01T00:00:00Z")
+    r = p.orbit.position_velocity(0.0)[0]
+    latitude, longitude, height = authority.geodetic_by_search(orbit.earth_fixed(0.0, p.gmst0).T @ r)
+    theirs = ppigrf.igrf(
+        math.degrees(longitude), math.degrees(latitude), height / 1e3, datetime(2010, 1, 1), max_degree=degree
+    )
+    size = math.sqrt(sum(float(np.squeeze(c)) ** 2 for c in theirs))
+    assert np.linalg.norm(p.field.at(0.0)) * 1e9 == pytest.approx(size, abs=0.01)
 
 
 def test_degree_1_is_a_dipole():

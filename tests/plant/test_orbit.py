@@ -156,6 +156,7 @@ def test_geodetic_coordinates_come_back_from_their_own_forward_formula():
         ([0.0, 0.0, 0.0], [7e3, 0.0, 0.0], "parallel or zero"),
         ([7e6, 0.0, 0.0], [0.0, 11e3, 0.0], "escape speed"),
         ([7e6, 0.0, 0.0], [0.0, 6e3, 0.0], "100 km above the equator"),
+        ([9.8e6, 0.0, 0.0], [0.0, 5.6e3, 0.0], "100 km above the equator"),  # its mean distance is 8,000 km
     ],
 )
 def test_a_start_that_gives_no_orbit_above_100_km_is_refused(r, v, message):

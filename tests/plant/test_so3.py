@@ -11,7 +11,16 @@ from scipy.spatial.transform import Rotation
 from plant import so3
 
 ANGLES = [0.0, 1e-9, 0.3, 2.0, math.pi - 1e-9, math.pi]
-AXES = [np.eye(3)[0], np.eye(3)[1], np.eye(3)[2], np.array([1.0, -2.0, 2.0]) / 3.0, np.array([-2.0, -1.0, 2.0]) / 3.0]
+AXES = [
+    np.eye(3)[0],
+    np.eye(3)[1],
+    np.eye(3)[2],
+    np.array([1.0, -2.0, 2.0]) / 3.0,
+    np.array([-2.0, -1.0, 2.0]) / 3.0,
+    np.array([6.0, 2.0, -3.0]) / 7.0,
+    np.array([2.0, 6.0, 3.0]) / 7.0,
+    np.array([-2.0, 3.0, 6.0]) / 7.0,
+]
 
 
 @pytest.mark.parametrize("angle", ANGLES)
