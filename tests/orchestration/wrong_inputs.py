@@ -101,6 +101,7 @@ def _truncate(folder: Path) -> None:
 
 
 MOTOR, EXPECT = "blocks.motor", "expect[1]"
+EXPECT_BEGIN = "expect:\n"
 CASES = [
     # ---------------------------------------------------------------- the file
     Case("no such scenario", "lop.yaml: there is no such file; did you mean 'loop.yaml'?", options=("lop.yaml",)),
@@ -574,6 +575,37 @@ CASES = [
         "motor.fmu: motor: fmi2Instantiate in initialization: gave no instance\n  motor said: [error] expected the GUID probe, found other",
         spoil=lambda f: fmus.write(f / "motor.fmu", fmus.description("motor", guid="other"), fmus.library()),
         runs=True,
+    ),
+    # ---------------------------------------------------------------- faults and isolation
+    Case(
+        "a fault that sets a fixed parameter",
+        "loop.yaml:18: faults[1].set: motor.inertia is fixed: FMI lets only tunable parameters and inputs be set during a run",
+        EXPECT_BEGIN,
+        "faults:\n  - {at: 1 s, set: motor.inertia = 2}\n" + EXPECT_BEGIN,
+    ),
+    Case(
+        "a fault of a misspelt signal",
+        "faults[1].freeze: motor has no input or output or parameter 'sped'; did you mean 'speed'?",
+        EXPECT_BEGIN,
+        "faults:\n  - {at: 1 s, freeze: motor.sped}\n" + EXPECT_BEGIN,
+    ),
+    Case(
+        "a fault in a unit that does not fit",
+        "faults[1].bias: by: the unit 'V' does not fit that of speed, rad/s",
+        EXPECT_BEGIN,
+        "faults:\n  - {at: 1 s, bias: motor.speed, by: 3 V}\n" + EXPECT_BEGIN,
+    ),
+    Case(
+        "a fault that says twice what goes wrong",
+        "faults[1]: expected exactly one of set, freeze, bias, cut; found freeze and cut",
+        EXPECT_BEGIN,
+        "faults:\n  - {at: 1 s, freeze: motor.speed, cut: motor.speed}\n" + EXPECT_BEGIN,
+    ),
+    Case(
+        "a time limit without a process",
+        "loop.yaml:7: blocks.motor.timeout: only an FMU in a process of its own has this limit; remedy: isolation: process",
+        "    fmu: motor.fmu\n",
+        "    fmu: motor.fmu\n    timeout: 5 s\n    isolation: none\n",
     ),
     # ---------------------------------------------------------------- FMUs that fail
     Case(
