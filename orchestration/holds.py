@@ -54,7 +54,7 @@ class Hold:
         start, end = self.spans[-1]
         if end is not None:
             return self._released
-        before = f" after {_times(len(self.spans) - 1)} released" if len(self.spans) > 1 else ""
+        before = f" after {_releases(len(self.spans) - 1)}" if len(self.spans) > 1 else ""
         what = "at zero from the start" if self.from_zero and len(self.spans) == 1 else f"since t = {start:.6g} s"
         at = "".join(f", {limit} since {since:.6g} s" for limit, since in self.limits.items())
         return f"{LATCHED}: held {what} to the end of the run{before}{at}"
@@ -66,11 +66,11 @@ class Hold:
         if len(self.spans) == 1:
             return f"{what} to {last:.6g} s, then released"
         longest = max(end - start for start, end in self.spans if end is not None)
-        return f"{what}; {_times(len(self.spans))} in all, the longest for {longest:.6g} s, released for good at {last:.6g} s"
+        return f"{what}; {len(self.spans)} times in all, the longest for {longest:.6g} s, released for good at {last:.6g} s"
 
 
-def _times(n: int) -> str:
-    return "once" if n == 1 else f"{n} times"
+def _releases(n: int) -> str:
+    return "one release" if n == 1 else f"{n} releases"
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
     """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
-    from orchestration.cli import _assignment
+    from orchestration.source import parse
     from orchestration.source import read as source_of
 
     from .momentum_bound import balance
@@ -69,7 +69,10 @@ def momentum_bound(
 
     source = source_of(scenario)
     for text in sets:
-        source = source.with_start(*_assignment(text), option="--set ")
+        name, _, value = text.partition("=")
+        if not name.strip() or not value.strip():
+            raise InputError(f"--set {text}: expected block.parameter=value")
+        source = source.with_start(name.strip(), parse(value, f"--set {text}").data, "--set ")
     wanted = _quantity("--time", time, SECOND)
     limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
     longest = _quantity("--horizon", horizon, SECOND) or 0.0

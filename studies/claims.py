@@ -35,6 +35,10 @@ class Claim:
     of_limits: bool = False
     """Has no meaning for actuators without limits."""
     show: Callable[[float], str] = lambda value: f"{value:.3g}"
+    short: str = ""
+    """What it is about, in a word."""
+    graded: bool = True
+    """Whether its margin says anything."""
 
     def margin(self, seen: Seen) -> Array:
         """Positive where the claim holds; NaN where there is no value, and then it does not hold."""
@@ -58,15 +62,27 @@ def _crossing(seen: Seen) -> Array:
 
 
 VB = (
-    Claim("errors reach zero", "in less than 1/30 orbit (193 s)", lambda s: s.settled, ORBIT / 30, "s", show=_settled),
-    Claim("each torquer's dipole", "below 15 A m²", lambda s: s.dipole, 15.0, "A m²"),
-    Claim("wheel momentum", "below 3.5 mN m s", lambda s: 1e3 * s.wheel_momentum, 3.5, "mN m s"),
+    Claim(
+        "errors reach zero",
+        "in less than 1/30 orbit (193 s)",
+        lambda s: s.settled,
+        ORBIT / 30,
+        "s",
+        show=_settled,
+        short="settling",
+    ),
+    Claim("each torquer's dipole", "below 15 A m²", lambda s: s.dipole, 15.0, "A m²", short="dipole"),
+    Claim(
+        "wheel momentum", "below 3.5 mN m s", lambda s: 1e3 * s.wheel_momentum, 3.5, "mN m s", short="wheel momentum"
+    ),
     Claim(
         "least |b₁|, the field along the wheel",
         "never near zero",
         lambda s: np.where(s.crossings == 0, s.b_wheel, 0.0),
         0.1,
         below=False,
+        show=lambda v: f"{v:.3f}" if v else "crosses zero",
+        short="b₁",
     ),
     Claim(
         "inputs are held",
@@ -76,11 +92,21 @@ VB = (
         implied=True,
         of_limits=True,
         show=_yes,
+        short="no hold",
+        graded=False,
     ),
 )
 VC = (
-    Claim("errors reach zero", "in less than 1/20 orbit (290 s)", lambda s: s.settled, ORBIT / 20, "s", show=_settled),
-    Claim("wheel momentum", "below 4 mN m s", lambda s: 1e3 * s.wheel_momentum, 4.0, "mN m s"),
+    Claim(
+        "errors reach zero",
+        "in less than 1/20 orbit (290 s)",
+        lambda s: s.settled,
+        ORBIT / 20,
+        "s",
+        show=_settled,
+        short="settling",
+    ),
+    Claim("wheel momentum", "below 4 mN m s", lambda s: 1e3 * s.wheel_momentum, 4.0, "mN m s", short="wheel momentum"),
     Claim(
         "b₁ crosses zero once, at",
         "a short while after the start",
@@ -88,15 +114,19 @@ VC = (
         30.0,
         "s",
         show=lambda v: f"{v:.1f}" if math.isfinite(v) else "never, or more than once",
+        short="b₁'s crossing",
+        graded=False,
     ),
     Claim(
-        "a torquer's demand in the hold",
-        "20 A m² (80%): all inputs are held",
+        "a torquer's largest demand in the hold",
+        "20 A m² (0.8 times): all inputs are held",
         lambda s: s.hold_by_rod,
         0.8 - 1e-12,
-        "of its limit",
+        "times its limit",
         below=False,
         of_limits=True,
+        short="demand in the hold",
+        graded=False,
     ),
     Claim(
         "what is held",
@@ -107,6 +137,8 @@ VC = (
         below=False,
         implied=True,
         of_limits=True,
+        short="running command",
+        graded=False,
     ),
     Claim(
         "the hold is released at",
@@ -117,8 +149,19 @@ VC = (
         implied=True,
         show=lambda v: f"{v:.1f}" if math.isfinite(v) else "never",
         of_limits=True,
+        short="release",
+        graded=False,
     ),
-    Claim("a torquer saturates", "none does", lambda s: s.saturated, 0.5, of_limits=True, show=_yes),
+    Claim(
+        "a torquer saturates",
+        "none does",
+        lambda s: s.saturated,
+        0.5,
+        of_limits=True,
+        show=_yes,
+        short="saturation",
+        graded=False,
+    ),
 )
 CLAIMS = {"V.B": VB, "V.C": VC}
 ROOT = Path(__file__).parents[1]

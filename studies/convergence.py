@@ -205,6 +205,16 @@ def measured_eigenvalues(law: controller.Parameters, which: int, n: float = ORBI
     return _ordered(np.linalg.eigvals(A))
 
 
+def at_rest(law: controller.Parameters) -> controller.Parameters:
+    """The law with the constant gains that [10] has where the loop rests at a half turn, having started there."""
+    return replace(
+        law,
+        gain_schedule="constant",
+        kappa0=law.kappa0 * (law.a1 + math.pi) / (law.a2 + math.pi),
+        lambda0=law.lambda0 * law.c1 / law.c2,
+    )
+
+
 def _ordered(values: Array) -> Array:
     return values[np.lexsort((values.imag, -values.real))]
 

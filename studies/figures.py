@@ -69,6 +69,7 @@ def lyapunov(done: dict[str, Any]) -> Any:
         demand = np.linalg.norm(s["tau_cmd_B"], axis=1)
         met = 1.0 - np.linalg.norm(s["tau_residual_B"], axis=1) / np.maximum(demand, 1e-300)
         row[2].plot(t, 100.0 * met, color=GREEN)
+        row[2].set_ylim(0.0, 105.0)
         held = s["holding"].astype(bool)
         if held.any():
             row[2].axvspan(t[held][0], t[held][-1] + 0.1, color="0.8")
@@ -79,7 +80,7 @@ def lyapunov(done: dict[str, Any]) -> Any:
             "1 − |unmet|/|demand|, %",
             f"{which}: share of the demand met" + (" (start)" if held.any() else ""),
         )
-        for ax in row[:2]:
+        for ax in row if not held.any() else row[:2]:
             ax.set_xlim(0, t[-1])
             _orbits(ax)
     return figure
@@ -97,7 +98,7 @@ def momentum(done: dict[str, Any]) -> Any:
                 BOUND_NODES, times.simple, color=colour, linestyle=":", label=f"{dipole:g} A m² a rod: along ΔH only"
             )
         ax.axhline(claimed, color="0.2", linestyle=(0, (5, 3)), linewidth=1)
-        ax.text(4, claimed + 8, f"the paper: {claimed:.0f} s", fontsize=8, color="0.2")
+        ax.text(346, claimed - 24, f"the paper: {claimed:.0f} s", fontsize=8, color="0.2", ha="right")
         ax.set_xlim(0, 350)
         ax.set_ylim(0, None)
         _label(ax, "node longitude, °E", "least time, s", f"{which} in SI units: times below each line are impossible")
@@ -113,11 +114,12 @@ def _map(ax: Any, code: Array, x: Array, y: Array, colours: tuple[str, ...]) -> 
     ax.pcolormesh(x, y, code, cmap=cmap, vmin=-0.5, vmax=len(colours) - 0.5, shading="nearest")
 
 
-def _legend(figure: Any, names: tuple[str, ...], colours: tuple[str, ...], columns: int = 3) -> None:
+def _legend(figure: Any, names: tuple[str, ...], colours: tuple[str, ...], shown: Array) -> None:
+    """What the colours mean, of those that occur in `shown`."""
     from matplotlib.patches import Patch
 
-    handles = [Patch(facecolor=c, edgecolor="0.5", label=n) for n, c in zip(names, colours, strict=True)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
+    handles = [Patch(facecolor=colours[i], edgecolor="0.5", label=names[i]) for i in np.unique(shown)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False)
 
 
 def _both(done: dict[str, Any], key: str, shape: tuple[int, int]) -> Array:
@@ -133,22 +135,21 @@ _BOTH_COLOURS = (GREEN, SKY, AMBER, "#eeeeee")
 def _maps(
     done: dict[str, Any], key: str, x: Array, y: Array, labels: tuple[str, str], nominal: tuple[float, float]
 ) -> Any:
+    from matplotlib.patches import Patch
+
     figure, axes = _new(1, 3, 4.6, 4.0, sharey=True)
     shape = (len(y), len(x))
-    for ax, which in zip(axes[0], CLAIMS, strict=False):
-        _map(ax, outcome(which, done[f"{which}: {key}"]).reshape(shape), x, y, _OUTCOME_COLOURS)
-        _label(ax, labels[0], labels[1], which)
+    codes = [outcome(which, done[f"{which}: {key}"]).reshape(shape) for which in CLAIMS]
+    for ax, which, code in zip(axes[0][:2], CLAIMS, codes, strict=True):
+        _map(ax, code, x, y, _OUTCOME_COLOURS)
+        _label(ax, labels[0], labels[1] if which == "V.B" else "", which)
     _map(axes[0][2], _both(done, key, shape), x, y, _BOTH_COLOURS)
     _label(axes[0][2], labels[0], "", "every claim holds in")
     for ax in axes[0]:
         ax.plot(*nominal, marker="+", color="black", markersize=10, markeredgewidth=1.5)
-    from matplotlib.patches import Patch
-
-    axes[0][2].legend(
-        handles=[Patch(facecolor=c, edgecolor="0.5", label=n) for n, c in zip(_BOTH, _BOTH_COLOURS, strict=True)],
-        fontsize=8, loc="upper right", framealpha=0.9,
-    )  # fmt: skip
-    _legend(figure, OUTCOMES, _OUTCOME_COLOURS)
+    handles = [Patch(facecolor=c, edgecolor="0.5", label=n) for n, c in zip(_BOTH, _BOTH_COLOURS, strict=True)]
+    axes[0][2].legend(handles=handles, fontsize=8, loc="upper right", framealpha=0.9)
+    _legend(figure, OUTCOMES, _OUTCOME_COLOURS, np.array(codes))
     return figure
 
 
@@ -178,13 +179,15 @@ def steps(done: dict[str, Any]) -> Any:
     """Node longitude against control step."""
     figure, axes = _new(1, 2, 5.6, 3.4, sharey=True)
     rows = np.arange(len(sweep.STEPS))
+    shown = []
     for ax, which in zip(axes[0], CLAIMS, strict=True):
         code = np.array([outcome(which, done[f"{which}: step {s:g} s"]) for s in sweep.STEPS])
+        shown.append(code)
         _map(ax, code, sweep.NODES, rows, _OUTCOME_COLOURS)
         ax.set_yticks(rows, [f"{s:g}" for s in sweep.STEPS])
         ax.plot(158.0, sweep.STEPS.index(0.1), marker="+", color="black", markersize=10, markeredgewidth=1.5)
-        _label(ax, "node longitude, °E", "control step, s", which)
-    _legend(figure, OUTCOMES, _OUTCOME_COLOURS)
+        _label(ax, "node longitude, °E", "control step, s" if which == "V.B" else "", which)
+    _legend(figure, OUTCOMES, _OUTCOME_COLOURS, np.array(shown))
     return figure
 
 
@@ -210,7 +213,7 @@ def latch(done: dict[str, Any]) -> Any:
         _orbits(ax)
     for y in (-30.0, 30.0):
         axes[0][2].axhline(y, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
-    _legend(figure, HOLDS, _HOLD_COLOURS)
+    _legend(figure, HOLDS, _HOLD_COLOURS, code)
     return figure
 
 
@@ -256,7 +259,7 @@ def robustness(done: dict[str, Any]) -> Any:
         axes[0][1].axvline(PAPER_LIMITS[which][1], color=colour, linestyle=(0, (5, 3)), linewidth=0.9)
         axes[0][2].hist(seen.dipole, np.arange(10.0, 22.0, 0.5), histtype="step", color=colour, label=which)
     axes[0][0].axvline(1e-5, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
-    axes[0][0].text(9e-6, axes[0][0].get_ylim()[0] * 1.2, "the paper's 1e-5 N m ", fontsize=8, ha="right", va="bottom")
+    axes[0][0].text(8e-6, 0.2, "the paper's 10⁻⁵ N m", fontsize=8, ha="right", va="bottom")
     _label(axes[0][0], "drag moment at the end (SI), N m", "attitude error at the end, °", "unmodelled drag")
     axes[0][1].set_xlim(165, 240)
     _label(axes[0][1], "settled at, s", "cases of 200", "inertia off by up to 10%")
@@ -269,16 +272,23 @@ def robustness(done: dict[str, Any]) -> Any:
 def orbit(done: dict[str, Any]) -> Any:
     """LVLH hold over an orbit."""
     figure, axes = _new(1, 3, 4.6, 3.2)
-    r: Run = done["hold over an orbit"]
-    minutes = r.time / 60.0
-    s = r.signals
-    axes[0][0].plot(minutes, s["b_wheel"], color=BLUE)
+    for key, colour, text in (
+        ("hold over an orbit", BLUE, "drag as modelled"),
+        ("with drag", RED, "drag of 10⁻⁵ N m (SI)"),
+    ):
+        r: Run = done[key]
+        s, minutes = r.signals, r.time / 60.0
+        if colour == BLUE:
+            axes[0][0].plot(minutes, s["b_wheel"], color=BLUE)
+        axes[0][1].semilogy(minutes[1:], np.degrees(s["attitude_error"][1:]), color=colour, label=text)
+        axes[0][2].semilogy(minutes[1:], s["demand_fraction"][1:], color=colour, label=text)
     axes[0][0].axhline(0.0, color="0.3", linewidth=0.8)
     _label(axes[0][0], "time, min", "b₁ (unit field along the wheel)", "LVLH hold, one orbit, node at 158° E")
-    axes[0][1].plot(minutes, np.degrees(s["attitude_error"]), color=RED)
+    axes[0][1].set_ylim(1e-6, None)
     _label(axes[0][1], "time, min", "attitude error, °", "what drag leaves")
-    axes[0][2].semilogy(minutes, s["demand_fraction"], color=GREEN)
+    axes[0][1].legend(fontsize=8, frameon=False)
     axes[0][2].axhline(0.8, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
+    axes[0][2].set_ylim(1e-8, 3.0)
     _label(axes[0][2], "time, min", "largest demand over limit", "dashed: the hold's 80%")
     for ax in axes[0]:
         ax.set_xlim(0, minutes[-1])

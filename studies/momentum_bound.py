@@ -118,15 +118,13 @@ class MomentumBalance:
         self._G = _across(self._B)
         x = plant.start(p, plant.Inputs(np.zeros(3), 0.0))
         self.H0 = x.R @ x.Pi
-        reference = self._reference(0.0)
         self._turn = max(float(np.linalg.norm(self._reference(t).Omega_d)) for t in times[:: max(1, len(times) // 50)])
         rate = self._turn * 1.0001
         chord = 2.0 * math.sin(0.5 * min(tolerance.attitude, math.pi))
         self._tolerance = float(moments[2]) * tolerance.rate + chord * (self.l_max + spread * rate)
         self._disturbance = self._disturbances(spread, times)
         self._J = p.body.J
-        end = float(np.linalg.norm(self._J @ reference.Omega_d))
-        self._fall = rate * (end + self.l_max) + self.rho * self._B_max + self._disturbance
+        self._fall = rate * (float(moments[2]) * rate + self.l_max) + self.rho * self._B_max + self._disturbance
         # An Omega_d that changes (an eccentric orbit) moves D as well: |J dOmega_d|, taken at its largest sampled value.
         change = max(float(np.linalg.norm(self._reference(t).dOmega_d)) for t in times[:: max(1, len(times) // 50)])
         self._fall += 1.1 * float(moments[2]) * change

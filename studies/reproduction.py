@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from . import convergence, sweep
-from .claims import CLAIMS, DURATION, ORBIT, READINGS, ROOT, SCENARIOS, STEP, constants
+from .claims import CLAIMS, DURATION, MASS, ORBIT, READINGS, ROOT, SCENARIOS, STEP, constants
 from .momentum_bound import MomentumBalance, Verdict
 from .setup import Loop, read
 from .vectors import Array
@@ -68,9 +68,14 @@ def _rod_fraction(loop: Loop, s: dict[str, Array]) -> Array:
     return found
 
 
-def orbit_hold(which: str) -> Run:
-    """One orbit of LVLH hold, from rest in LVLH, with gravity gradient and drag."""
+def orbit_hold(which: str, drag_moment: float | None = None) -> Run:
+    """One orbit of LVLH hold, from rest in LVLH, with gravity gradient and drag.
+
+    `drag_moment`, N m in SI units: what drag is scaled to, as it is at the end of the manoeuvre; None: as modelled.
+    """
+    one = sweep.drag_moments(which)[0] / sweep.DRAG_FACTORS[0]
     changes = {
+        "plant.drag_factor": (1.0 if drag_moment is None else drag_moment / one) / MASS,
         "plant.Q0": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         "plant.omega_B0": [0.0, -2.0 * math.pi / ORBIT, 0.0],
     }
@@ -135,7 +140,7 @@ def jobs() -> list[Job]:
     both = tuple(CLAIMS)
     made += [Job(f"{w}: bound {m:g} A m2", bounds, (w, m)) for w in both for m in (PAPER_LIMITS[w][0], 25.0)]
     made += [Job(f"{w}: bound per mass", bounds, (w, PAPER_LIMITS[w][0], 50.0)) for w in both]
-    made += [Job("hold over an orbit", orbit_hold, ("V.B",))]
+    made += [Job("hold over an orbit", orbit_hold, ("V.B",)), Job("with drag", orbit_hold, ("V.B", 1e-5))]
     made += [Job(f"{w}: run {r.letter}", run, (w, r.letter)) for w in both for r in READINGS]
     made += [Job("latched run", run, ("V.C", "a", {"plant.node_longitude": math.radians(200.0)}))]
     return made

@@ -144,23 +144,25 @@ def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, 
     at = len(good) - 1 if math.isinf(constant.nominal) else int(np.abs(constant.values - constant.nominal).argmin())
     if not good[at]:
         return None
-    low = high = at
-    while low > 0 and good[low - 1]:
-        low -= 1
-    while high < len(good) - 1 and good[high + 1]:
-        high += 1
-    return (
-        float(constant.values[low]),
-        float(constant.values[high]),
-        _failing(which, seen, low - 1),
-        _failing(which, seen, high + 1),
-    )
+    n, circle = len(good), constant.unit == "°"
+
+    def end(step: int) -> int:
+        i = at
+        while (circle or 0 <= i + step < n) and good[(i + step) % n] and abs(i + step - at) < n:
+            i += step
+        return i
+
+    def beyond(i: int) -> str:
+        return _failing(which, seen, i % n) if circle or 0 <= i < n else ""
+
+    low, high = end(-1), end(1)
+    return float(constant.values[low % n]), float(constant.values[high % n]), beyond(low - 1), beyond(high + 1)
 
 
 def _failing(which: str, seen: Seen, at: int) -> str:
-    if not 0 <= at < len(seen.settled):
-        return ""
-    return ", ".join(c.text for c in CLAIMS[which] if not c.holds(seen)[at])
+    if seen.latched[at] == 1:
+        return "the hold latches"
+    return ", ".join(c.short for c in CLAIMS[which] if not c.holds(seen)[at])
 
 
 # ---------------------------------------------------------------- robustness

@@ -62,7 +62,7 @@ def test_a_hold_that_the_end_finds_in_place_is_latched_and_names_the_limits_that
     assert hold.outcome == LATCHED
     assert (
         hold.text
-        == "latched: held since t = 2 s to the end of the run after once released, the wheel at its limit since 2.5 s"
+        == "latched: held since t = 2 s to the end of the run after one release, the wheel at its limit since 2.5 s"
     )
 
 
