@@ -173,6 +173,8 @@ def _mapped(found: Fit, name: str, entry: PortMap, taken: dict[Element, str]) ->
             found.say("fault", "mapping", str(error), key=(*key, "theirs"))
             return
     _link(found, known[name], tuple(elements), entry, key, taken)
+    for element in elements:  # told once, if it does not fit
+        taken.setdefault(element, name)
 
 
 def _elements(model: Model, name: str) -> list[Element]:
@@ -395,12 +397,17 @@ def _items(variable: Variable) -> str:
 
 
 def _lacking(found: Fit, ours: Variable, theirs: Model, taken: Mapping[Element, str]) -> None:
-    free = [v.name for v in theirs.of(ours.causality) if v.name not in found.reference.model.variables]
-    near = nearest(ours.name, free)
-    near = near if "did you mean" in near else ""
-    meant = near.removeprefix("; did you mean ").rstrip("?").strip("'") if near else "THEIRS"
-    key = f"'{ours.name}: {meant}' under ports in the mapping"
-    text = f"{ours.causality} {ours.name}, {ours.kind}, is missing{near}"
+    free = [v for v in theirs.of(ours.causality) if v.name not in found.reference.model.variables]
+    free = [v for v in free if not any(element in taken for element in v.elements)]
+    near = nearest(ours.name, (v.name for v in free))
+    meant = [near.removeprefix("; did you mean ").strip("?'")] if "did you mean" in near else []
+    alike = [v.name for v in free if v.type == ours.type and v.size == ours.size and _unit_fits(ours, v)]
+    meant += [name for name in alike if name not in meant]
+    key = f"'{ours.name}: {meant[0] if meant else 'THEIRS'}' under ports in the mapping"
+    kind = f"{ours.kind}" + (f" in {ours.unit}" if str(ours.unit or ONE) != "1" else "")
+    text = f"{ours.causality} {ours.name}, {kind}, is missing"
+    if meant:
+        text += f"; by name or unit it may be {' or '.join(meant[:3])}"
     if ours.causality == "input":
         found.say("fault", "missing", text, f"{key}; or list it under ignore, if theirs does without")
         return
@@ -412,6 +419,12 @@ def _lacking(found: Fit, ours: Variable, theirs: Model, taken: Mapping[Element, 
     else:
         text += "; a scenario that gives it a value is refused"
         found.say("note", "missing", text, f"none needed, or {key}, or list it under ignore")
+
+
+def _unit_fits(ours: Variable, theirs: Variable) -> bool:
+    if ours.type != "real" or str(ours.unit or ONE) == "1" or theirs.unit is None:
+        return False
+    return (ours.unit or ONE).fits(theirs.unit)
 
 
 def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> None:
