@@ -126,7 +126,7 @@ def paper_growth() -> float:
     "Relative equilibrium: largest angle from LVLH over three orbits of the stable body",
     source="symmetry: a principal body at rest in LVLH stays there",
     unit="rad",
-    tolerance=1e-11,
+    tolerance=3e-11,
 )
 @cache
 def relative_equilibrium() -> float:
