@@ -1,24 +1,31 @@
 """The command `orchestrate`.
 
 Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, nothing was run; 3 an FMU failed;
-130 interrupted by Ctrl-C.
+4 the results could not be written; 70 an error of this program; 128 + n ended by signal n, so 130 by Ctrl-C;
+141 nobody read what it printed, where that was all it had to do.
 """
 
 from __future__ import annotations
 
+import errno
 import os
+import signal
+import sys
 from pathlib import Path
 from typing import Any, cast
 
 import click
 
-from .console import Progress, complain, say, summary
-from .errors import BlockError, InputError, nearest
+from .console import Progress, complain, lost, open_streams, say, silence, summary
+from .errors import BlockError, InputError, ResultsError, nearest
+from .interrupt import stoppable
 
-EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, INTERNAL, INTERRUPTED = 1, 2, 3, 70, 130
+EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, UNWRITTEN, INTERNAL, SIGNALLED = 1, 2, 3, 4, 70, 128
 
 
-_LATER = {"check": "check", "compare": "compare", "new": "new"}
+_PIPE = 13
+"""The number of SIGPIPE."""
+_LATER = {"check": "check", "compare": "compare", "new": "new", "export": "export"}
 """Commands that are imported when they are called, and the modules whose `command` they are."""
 
 
@@ -40,6 +47,22 @@ class _Commands(click.Group):
             args = ["run", *args]
         return super().parse_args(ctx, args)
 
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        open_streams()
+        try:
+            with stoppable():
+                return super().main(*args, **kwargs)
+        except SystemExit:
+            if type(sys.stdout).__name__.endswith("PacifyFlushWrapper"):  # click's way with a pipe that is closed
+                raise SystemExit(SIGNALLED + _PIPE) from None
+            raise
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                raise
+            silence()
+            complain(f"{error.filename or 'standard output'} cannot be written: {error.strerror}")
+            raise SystemExit(UNWRITTEN) from None
+
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
@@ -50,13 +73,16 @@ class _Commands(click.Group):
         except BlockError as error:
             complain(str(error))
             ctx.exit(BLOCK_FAILED)
-        except (KeyboardInterrupt, click.Abort):
+        except ResultsError as error:
+            complain(str(error))
+            ctx.exit(UNWRITTEN)
+        except (KeyboardInterrupt, click.Abort) as error:
             complain("interrupted")
-            ctx.exit(INTERRUPTED)
+            ctx.exit(SIGNALLED + getattr(error, "number", signal.SIGINT))
         except (click.exceptions.Exit, click.ClickException, BrokenPipeError):
             raise
         except Exception as error:
-            if os.environ.get("ORCHESTRATE_TRACEBACK"):
+            if os.environ.get("ORCHESTRATE_TRACEBACK") or getattr(error, "errno", None) == errno.ENOSPC:
                 raise
             complain(f"internal error: {type(error).__name__}: {error} (ORCHESTRATE_TRACEBACK=1 shows where)")
             ctx.exit(INTERNAL)
@@ -67,7 +93,8 @@ class _Commands(click.Group):
 def main() -> None:
     """Runs FMI 2.0 co-simulation FMUs from a scenario file: orchestrate SCENARIO.yaml
 
-    Exit status: 0 all well, 1 an expectation failed, 2 wrong input and nothing run, 3 an FMU failed.
+    Exit status: 0 all well, 1 an expectation failed, 2 wrong input and nothing run, 3 an FMU failed,
+    4 results not written, 128 + n ended by signal n.
     """
 
 
@@ -130,10 +157,13 @@ def run(
 ) -> None:
     """Run a scenario (the default command)."""
     from . import folder, runner
+    from .figures import require
     from .scenario import load
     from .source import read
 
     folder.check(format_)
+    if figures:
+        require()
     if (
         not scenario.suffix
         and not scenario.exists()
@@ -160,25 +190,27 @@ def run(
         result = runner.execute(loaded, progress, log, loop == "compiled")
     finally:
         progress.close()
-    written = bool(len(result.time))
-    if written:
-        result.save(target, format_)
-        if figures:
-            result.draw(target / "figures")
     for warning in result.warnings:
         if not quiet:
             say(f"note: {warning}", error=True, fg="yellow")
-    if not quiet and written:
-        summary(result, str(target))
+    if not quiet and len(result.time):
+        summary(result)
+    status = 0 if result.passed else EXPECTATION_FAILED
     if result.failure is not None:
         complain(str(result.failure))
-        ctx.exit(BLOCK_FAILED)
-    if result.interrupted:
-        ctx.exit(INTERRUPTED)
-    for outcome in result.outcomes:
-        if quiet and not outcome.passed:
-            complain(f"expectation failed: {outcome.name}")
-    ctx.exit(0 if result.passed else EXPECTATION_FAILED)
+        status = BLOCK_FAILED
+    elif result.interrupted:
+        status = SIGNALLED + result.interrupted
+    else:
+        for outcome in result.outcomes:
+            if quiet and not outcome.passed:
+                complain(f"expectation failed: {outcome.name}")
+    result.save(target, format_)
+    if figures and len(result.time):
+        result.draw(target / "figures")
+    if not quiet:
+        say(f"\nresults in {target}")
+    ctx.exit(UNWRITTEN if lost() else status)
 
 
 def assignment(text: str) -> tuple[str, Any]:
@@ -231,7 +263,8 @@ def schema() -> None:
     """Print the JSON Schema of scenario files."""
     from .schema import text
 
-    click.echo(text(), nl=False)
+    say(text().removesuffix("\n"))
+    click.get_current_context().exit(UNWRITTEN if lost() else 0)
 
 
 if __name__ == "__main__":

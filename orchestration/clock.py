@@ -13,7 +13,6 @@ from .block import Floats
 from .errors import InputError
 from .scenario import Scenario
 
-
 EXACT = 2**53
 """Whole numbers below it are exact as doubles."""
 _MEMORY = 64 * 10**9

@@ -175,7 +175,7 @@ class CompiledLoop:
                         progress(self._clock.time(loop.count))
             finally:
                 recording.steps, recording.wall = loop.count, perf_counter() - begun
-                recording.interrupted = bool(interrupted)
+                recording.interrupted = interrupted[0] if interrupted else 0
 
     def _room(self) -> int:
         """How far it may run until what is watched has to be handed on."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +18,48 @@ _PATIENCE = 0.3
 """Seconds that a run may last without a progress bar."""
 
 
+_lost: list[OSError] = []
+"""Why what was to be printed could not be."""
+
+
 def say(text: str = "", error: bool = False, **style: Any) -> None:
-    """Prints a line; colours only on a terminal, and not where NO_COLOR is set."""
-    click.echo(
-        click.style(text, **style) if style else text, err=error, color=False if os.environ.get("NO_COLOR") else None
-    )
+    """Prints a line; colours only on a terminal, and not where NO_COLOR is set. It ends nothing where it cannot."""
+    try:
+        click.echo(
+            click.style(text, **style) if style else text,
+            err=error,
+            color=False if os.environ.get("NO_COLOR") else None,
+        )
+    except OSError as problem:
+        silence(error)
+        if not error and not isinstance(problem, BrokenPipeError):  # who closes a pipe has seen enough
+            _lost.append(problem)
+            complain(f"what was to be printed cannot be written: {problem.strerror}")
+
+
+def silence(error: bool = False) -> None:
+    """Lets all that is still printed vanish, also what lies in buffers when the program ends."""
+    stream = sys.stderr if error else sys.stdout
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+def lost() -> bool:
+    """Whether something could not be printed, since the last time this was asked."""
+    found = bool(_lost)
+    _lost.clear()
+    return found
+
+
+def open_streams() -> None:
+    """Opens those of the three standard streams that are closed, so that no file of a run takes their place."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the first number that is free
 
 
 def complain(message: str) -> None:
@@ -32,7 +70,7 @@ class Progress:
     """A bar with the simulated time, for runs that last long enough. Rich is imported only then."""
 
     def __init__(self, duration: float, wanted: bool) -> None:
-        self.duration, self.wanted = duration, wanted and sys.stdout.isatty()
+        self.duration, self.wanted = duration, wanted and sys.stdout is not None and sys.stdout.isatty()
         self._begun = perf_counter()
         self._bar: Any = None
         self._task: Any = None
@@ -56,8 +94,8 @@ class Progress:
             self._bar.stop()
 
 
-def summary(result: Result, folder: str | None) -> None:
-    """The figures that matter, what was expected and found, and where the results are."""
+def summary(result: Result) -> None:
+    """The figures that matter, and what was expected and found."""
     from .faults import sentence
 
     reached = result.time[-1] if len(result.time) else 0.0
@@ -96,8 +134,9 @@ def summary(result: Result, folder: str | None) -> None:
             say(f"{hold.name}: {hold.text}", fg="yellow", bold=True)
         else:
             say(f"{hold.name}: {hold.text}")
-    if folder:
-        say(f"\nresults in {folder}")
+    true = [f"{name} first at {since:.5g} s" for name, since in result.flags.items() if since is not None]
+    if true:
+        say(f"\ntrue at some time: {', '.join(true)}")
 
 
 def found(outcome: Any) -> str:

@@ -38,6 +38,12 @@ class BlockError(RuntimeError):
         return "\n".join([text, *(f"  {self.block} said: {line}" for line in self.log)])
 
 
+class ResultsError(RuntimeError):
+    """The results could not be written. Exit status 4. `result` is what could not be, where it is known."""
+
+    result: Any = None
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """ "; did you mean 'x'?" where one of the names is near, or "; there are a, b" where they are few."""
     from difflib import get_close_matches

@@ -63,12 +63,19 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     return list(needed)
 
 
+def require() -> None:
+    """Refuses to go on without what figures need, before a run is spent on them."""
+    from importlib.util import find_spec
+
+    if find_spec("matplotlib") is None:
+        raise InputError("figures need Matplotlib: pip install matplotlib")
+
+
 def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
     """Draws every figure of the scenario into the folder and returns the files. Raises InputError without Matplotlib."""
-    try:
-        from matplotlib.figure import Figure
-    except ModuleNotFoundError:
-        raise InputError("figures need Matplotlib: pip install matplotlib") from None
+    require()
+    from matplotlib.figure import Figure
+
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for entry in result.scenario.figures:

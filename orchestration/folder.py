@@ -1,6 +1,7 @@
 """The folder of a run: signals, manifest, expectations.
 
-It is written over what an earlier run left in it; files that are not a run's own are not touched.
+It takes the place of what an earlier run left in it; files that are not a run's own are not touched. Its files
+get their names only when all of them are complete, the manifest last.
 
 `signals.csv` has `time` as its first column and then `block.variable`, with `[i]` for an element of a
 vector and `[i][j]` for one of a matrix, since common readers split at commas even between quotes.
@@ -12,13 +13,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, ResultsError
 
 if TYPE_CHECKING:
     from .result import Result
@@ -28,26 +30,41 @@ _ROWS = 4096
 
 
 def write(result: Result, folder: Path, format: str = "csv") -> Path:
-    """Writes the folder and returns it. Raises InputError where it cannot be written."""
+    """Writes the folder and returns it. Raises ResultsError where it cannot be written; nothing of a run is then in it.
+
+    Of a run that did not come to its first sample there are no signals.
+    """
     check(format)
+    expected = {
+        "complete": _complete(result),
+        "passed": result.passed,
+        "expectations": [asdict(outcome) for outcome in result.outcomes],
+        "holds": [{**asdict(hold), "text": hold.text} for hold in result.holds],
+    }
+    files: dict[str, Callable[[Path], None]] = {
+        "expectations.json": lambda path: _json(path, expected),
+        "manifest.json": lambda path: _json(path, result.manifest),  # the last one, since it vouches for the others
+    }
+    if len(result.time):
+        files = {f"signals.{format}": lambda path: FORMATS[format][0](result, path), **files}
+    parts = {folder / name: folder / f"{name}.part" for name in files}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in FORMATS:
-            (folder / f"signals.{name}").unlink(missing_ok=True)
-        FORMATS[format][0](result, folder / f"signals.{format}")
-        outcomes = [asdict(outcome) for outcome in result.outcomes]
-        _json(
-            folder / "expectations.json",
-            {
-                "complete": _complete(result),
-                "passed": result.passed,
-                "expectations": outcomes,
-                "holds": [{**asdict(hold), "text": hold.text} for hold in result.holds],
-            },
-        )
-        _json(folder / "manifest.json", result.manifest)
+        for name in ("manifest.json", "expectations.json", *(f"signals.{name}" for name in FORMATS)):
+            (folder / name).unlink(missing_ok=True)
+        for path, part in parts.items():
+            files[path.name](part)
+        for path, part in parts.items():
+            os.replace(part, path)
     except OSError as error:
-        raise InputError(f"the results cannot be written: {error.filename or folder}: {error.strerror}") from None
+        where = str(error.filename or folder).removesuffix(".part")
+        problem = ResultsError(f"the results cannot be written: {where}: {error.strerror or error}")
+        problem.result = result
+        raise problem from None
+    finally:
+        for part in parts.values():
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
     return folder
 
 

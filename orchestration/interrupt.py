@@ -1,4 +1,4 @@
-"""Ctrl-C as a flag, so that it ends a run between two steps and never inside an FMU."""
+"""Ctrl-C and its like as flags, so that they end a run between two steps and never inside an FMU."""
 
 from __future__ import annotations
 
@@ -7,27 +7,61 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import NoReturn
+
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""What ends a run: Ctrl-C, a `kill`, a terminal that is closed."""
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal other than that of Ctrl-C asks the program to end."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    raise Stopped(number)
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """Lets the other signals raise an exception as Ctrl-C does, where nobody has said what they do (nohup has)."""
+    ours = threading.current_thread() is threading.main_thread()
+    taken = [n for n in SIGNALS if ours and signal.getsignal(n) is signal.SIG_DFL]
+    for number in taken:
+        signal.signal(number, _stop)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, signal.SIG_DFL)
 
 
 @contextmanager
 def interruptible() -> Iterator[list[int]]:
-    """A list that is empty until Ctrl-C is pressed. Pressed twice, it raises KeyboardInterrupt as always.
+    """A list that is empty until one of the signals comes, and then holds its number. The second raises as always.
 
     Without this, the interrupt would be raised in whatever Python code runs, that of a Python FMU
     included, which would report it as its own failure.
     """
-    pressed: list[int] = []
+    came: list[int] = []
     ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield pressed
-        return
+    before = {n: signal.getsignal(n) for n in SIGNALS if ours}
+    before = {n: handler for n, handler in before.items() if handler in (signal.default_int_handler, _stop)}
 
-    def press(number: int, frame: FrameType | None) -> None:
-        pressed.append(number)
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
-    signal.signal(signal.SIGINT, press)
+    def note(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        restore()
+
+    for number in before:
+        signal.signal(number, note)
     try:
-        yield pressed
+        yield came
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        restore()

@@ -11,8 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from .faults import sentence
+from .interfaces import starts_of
 from .isolation import limits
-from .model import Model
+from .model import Element, Model
 from .signals import label
 from .starts import Start
 
@@ -34,6 +35,8 @@ def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, A
         "scenario_file": scenario.source.file,
         "options": sorted(set(scenario.source.options.values())),
         "scenario": _resolved(plan),
+        "parameters": {name: _parameters(fmu, plan, name) for name, fmu in fmus.items()},
+        "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
         "order": plan.order.blocks,
         "notes": plan.notes,
         "faults": [sentence(fault) for fault in scenario.faults],
@@ -84,6 +87,22 @@ def _resolved(plan: Plan) -> dict[str, Any]:
     for block, values in plan.starts.items():
         data["blocks"][block]["start"] = _starts(plan.models[block], values)
     return data
+
+
+def _parameters(fmu: Fmu, plan: Plan, block: str) -> dict[str, Any]:
+    """All parameters with the values in force: the FMU's own, but where the scenario gives others."""
+    own = starts_of(fmu.description, fmu.model)
+    declared = {element: value for element, value in own.items() if _is_parameter(fmu.model, element)}
+    given = {s.element: s.value for s in plan.starts[block] if _is_parameter(plan.models[block], s.element)}
+    model = Model(fmu.model.name, {**plan.models[block].variables, **fmu.model.variables})
+    values = {**declared, **given}
+    places = list(model.variables)
+    order = sorted(values, key=lambda element: (places.index(element.variable), element.position))
+    return _starts(model, [Start(element, values[element]) for element in order])
+
+
+def _is_parameter(model: Model, element: Element) -> bool:
+    return model.variables[element.variable].causality == "parameter"
 
 
 def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:

@@ -149,7 +149,7 @@ class Master:
                         due = perf_counter() + REPORT_EVERY
             finally:
                 recording.steps, recording.wall = count, perf_counter() - begun
-                recording.interrupted = bool(interrupted)
+                recording.interrupted = interrupted[0] if interrupted else 0
 
     def _advance(self, bus: Bus) -> Callable[[int], None]:
         """What makes one base step, up to the given count."""

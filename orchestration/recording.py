@@ -36,7 +36,8 @@ class Recording:
     wall: float = 0.0
     """Seconds that the loop took."""
     failure: BlockError | None = None
-    interrupted: bool = False
+    interrupted: int = 0
+    """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
 
 
 class Watch:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import signals
 from .block import Floats
-from .errors import BlockError, nearest
+from .errors import BlockError, ResultsError, nearest
 from .expectations import Highlight, Outcome
 from .holds import Hold
 from .model import Element, Model, Variable
@@ -42,7 +42,8 @@ class Result(Mapping[str, NDArray[Any]]):
     steps: int = 0
     wall: float = 0.0
     failure: BlockError | None = None
-    interrupted: bool = False
+    interrupted: int = 0
+    """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
 
     @property
     def labels(self) -> list[str]:
@@ -53,6 +54,17 @@ class Result(Mapping[str, NDArray[Any]]):
     def passed(self) -> bool:
         """Whether the run came to its end and every expectation is met."""
         return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
+
+    @property
+    def flags(self) -> dict[str, float | None]:
+        """When each boolean output that was recorded was true first, s; None for never."""
+        found: dict[str, float | None] = {}
+        for node in self.columns if len(self.time) else ():
+            variable = self.models[node.block].variables[node.element.variable]
+            if variable.type == "boolean" and variable.causality == "output":
+                true = np.flatnonzero(self.column(node))
+                found[signals.label(node, self.models)] = float(self.time[true[0]]) if len(true) else None
+        return found
 
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]
@@ -102,4 +114,7 @@ class Result(Mapping[str, NDArray[Any]]):
         """Draws the scenario's figures into a folder; `format` is one that Matplotlib writes."""
         from . import figures
 
-        return figures.draw(self, Path(folder), format)
+        try:
+            return figures.draw(self, Path(folder), format)
+        except OSError as error:
+            raise ResultsError(f"figures cannot be written: {error.filename or folder}: {error.strerror}") from None

@@ -22,6 +22,7 @@ from .master import Master
 from .model import Model
 from .order import Hook, Order
 from .recording import Progress, Watch
+from .refusal import refusal
 from .result import Result
 from .scenario import Scenario, load
 from .starts import Start
@@ -103,7 +104,7 @@ def run(
     `out` is a folder to write the results to; without it nothing is written. `compiled` False asks for the
     step loop in Python, which is otherwise used only where the one in C cannot be; both give the same bits.
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
-    to then is its `result`. Ctrl-C ends the run, and the result is marked as interrupted.
+    to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result is marked as interrupted.
     """
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, overrides)
     result = execute(loaded, progress, verbose, compiled)
@@ -207,6 +208,8 @@ def run_blocks(
         blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults, watch
     )
     recording = master.run(ready.starts, progress)
+    if recording.failure and (refused := refusal(scenario, ready.models, recording.failure)):
+        raise InputError(refused)
     if watch is None:
         see(recording.time, recording.values[:, [recording.columns.index(node) for node in watched]])
     return Result(
@@ -239,3 +242,5 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         return ensure(fmu, flavour)
     except BuildError as error:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
+    except OSError as error:
+        raise InputError(f"the block {fmu!r} cannot be built: {error.filename}: {error.strerror}") from None
