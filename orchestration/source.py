@@ -114,7 +114,11 @@ def _copied(data: Any) -> Any:
 
 
 def read(path: Path) -> Source:
-    """The data of a YAML file with their lines. Raises InputError."""
+    """The data of a YAML file with their lines, or of an SSP archive. Raises InputError."""
+    if path.suffix == ".ssp" and path.exists():
+        from . import ssp_reader
+
+        return ssp_reader.read(path)
     try:
         text = path.read_text("utf-8")
     except FileNotFoundError:
