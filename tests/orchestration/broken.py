@@ -340,7 +340,9 @@ def page() -> str:
     for case in CASES:
         found = outcomes()[case.name]
         first, *rest = [line for line in found.output.splitlines() if line]
-        said = list(dict.fromkeys(line.strip() for line in rest))[-2:]
+        lines_said = list(dict.fromkeys(line.strip() for line in rest))
+        # Where it was ended in the middle of a line, that one is left out.
+        said = [a for a in lines_said if not any(b != a and b.startswith(a) for b in lines_said)][-2:]
         shown = "<br>".join(f"`{re.sub('[|`]', '¦', line)}`" for line in [first, *said])
         lines.append(f"| {case.name} | {shown} | {found.status} | {found.samples if found.status == 3 else ''} |")
     return "\n".join(lines) + "\n"
