@@ -16,6 +16,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import fmpy
 import numpy as np
 
 from .bus import Bus
@@ -201,28 +202,39 @@ class CompiledLoop:
 
 @cache
 def _library() -> c.CDLL | None:
-    """loop.c as a library of this machine, compiled when it is missing or out of date; None without a compiler."""
-    from fmus.build import ROOT
+    """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a compiler."""
+    from fmus import places
 
-    sources = _SOURCE, *(ROOT / "fmus" / "native" / name for name in ("fmi2.h", "toolchain.py"))
-    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    path = ROOT / "build" / "loop" / f"{platform.system()}-{platform.machine()}-{digest}"
+    path = places.ready(f"loop/{fmpy.platform}{fmpy.sharedLibraryExtension}")
     try:
-        if not path.exists():
-            _compile(path)
-        library = c.CDLL(str(path))
+        library = c.CDLL(str(path or _compiled(places.work() / "loop")))
     except (RuntimeError, OSError):  # no compiler, or no folder to write to: the loop in Python will do
         return None
     library.run_loop.argtypes = (c.POINTER(_Loop), c.c_int64)
     return library
 
 
-def _compile(path: Path) -> None:
+def _compiled(folder: Path) -> Path:
+    from fmus import places
+
+    native = Path(places.__file__).with_name("native")
+    sources = _SOURCE, *(native / name for name in ("fmi2.h", "toolchain.py"))
+    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
+    if not path.exists():
+        from fmus.native import toolchain
+
+        host = toolchain.host_platform()
+        data = libraries([host])[host]
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
+            file.write(data)
+        os.replace(file.name, path)
+    return path
+
+
+def libraries(platforms: Sequence[str]) -> dict[str, bytes]:
+    """The loop's library for each of FMI's platforms. Raises CompilerError."""
     from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
 
-    host = toolchain.host_platform()
-    data = toolchain.compile_library("loop", [_SOURCE], [Path(toolchain.__file__).parent], [host])[host]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-        file.write(data)
-    os.replace(file.name, path)
+    return toolchain.compile_library("loop", [_SOURCE], [Path(toolchain.__file__).parent], platforms)
