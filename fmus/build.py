@@ -18,9 +18,10 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
+from . import places
 from .interface import BLOCKS, Interface, load
 
-ROOT = Path(__file__).parents[1]
+ROOT = places.REPOSITORY
 FLAVOURS = ("python", "native")
 
 _HERE = Path(__file__).parent
@@ -65,7 +66,7 @@ def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: 
         path = _path(block.name, flavour, out)
         stamp = _fingerprint(block, flavour).encode()
         try:
-            data = package(block.interface, block.folder, ROOT / "LICENSE")
+            data = package(block.interface, block.folder, places.shared("LICENSE"))
         except Exception as error:
             raise BuildError(f"{block.name}: {error}") from error
         _write(path, data, stamp)
@@ -74,14 +75,16 @@ def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: 
 
 
 def fmu_path(block: str, flavour: str = "python") -> Path:
-    """Where a block of this project is built by default."""
-    return _path(block, flavour, None)
+    """Where a block of this project is by default: where it is built, or ready-made in an installed wheel."""
+    return places.ready(f"{flavour}/{block}.fmu") or _path(block, flavour, None)
 
 
 def ensure(block: str | Block, flavour: str = "python", out: Path | None = None) -> Path:
     """The path of a block's FMU, which is built first when it is missing or its sources have changed."""
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
+    if isinstance(block, str) and out is None and (made := places.ready(f"{flavour}/{block}.fmu")):
+        return made
     path = _path(chosen.name, flavour, out)
     if _stamp(path) != _fingerprint(chosen, flavour).encode():
         build([chosen], flavour, out)
@@ -90,13 +93,19 @@ def ensure(block: str | Block, flavour: str = "python", out: Path | None = None)
 
 def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
     """Imported here, since it takes long and `ensure` seldom needs it."""
-    from . import native, packaging
+    if flavour == "native":
+        from . import native
 
-    return native.package if flavour == "native" else packaging.package
+        return native.package
+    try:
+        from . import packaging
+    except ModuleNotFoundError as error:
+        raise BuildError(f"building the Python flavour needs the package {error.name}: pip install {error.name}") from None
+    return packaging.package
 
 
 def _path(name: str, flavour: str, out: Path | None) -> Path:
-    return (out or ROOT / "build" / "fmus" / flavour) / f"{name}.fmu"
+    return (out or places.work() / "fmus" / flavour) / f"{name}.fmu"
 
 
 def _check(flavour: str) -> None:
@@ -116,7 +125,7 @@ def _stamp(path: Path) -> bytes | None:
 def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
-    paths = [ROOT / "LICENSE", *(_HERE / name for name in _MAKERS.split()), *_files(block.folder)]
+    paths = [places.shared("LICENSE"), *(_HERE / name for name in _MAKERS.split()), *_files(block.folder)]
     paths += sorted((_HERE / "interfaces").glob("*.svg"))
     paths += _files(_HERE / "native")
     if flavour == "native":
