@@ -1,7 +1,7 @@
 """Builds blocks as FMUs, and rebuilds them when what they are made of has changed.
 
-build()                      # all blocks, into build/fmus/python/
-build(flavour="native")      # in C, into build/fmus/native/
+build()                      # all blocks in C, into build/fmus/native/
+build(flavour="python")      # the Python reference, into build/fmus/python/
 ensure("plant")              # the path of plant.fmu, built when missing or out of date
 """
 
@@ -22,13 +22,9 @@ from . import places
 from .interface import BLOCKS, Interface, load
 
 ROOT = places.REPOSITORY
-FLAVOURS = ("python", "native")
+FLAVOURS = ("native", "python")
 
 _HERE = Path(__file__).parent
-_MAKERS = (
-    "build.py contents.py description.py documentation.py icon.py interface.py memory.py packaging.py shell.c shell.py "
-    "slave.py terminals.py units.py"
-)
 
 
 class BuildError(RuntimeError):
@@ -57,7 +53,7 @@ class Block:
         return cls(load(name), Path(spec.submodule_search_locations[0]))
 
 
-def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: Path | None = None) -> dict[str, Path]:
+def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "native", out: Path | None = None) -> dict[str, Path]:
     """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError."""
     _check(flavour)
     package = _packager(flavour)
@@ -74,12 +70,12 @@ def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "python", out: 
     return paths
 
 
-def fmu_path(block: str, flavour: str = "python") -> Path:
+def fmu_path(block: str, flavour: str = "native") -> Path:
     """Where a block of this project is by default: where it is built, or ready-made in an installed wheel."""
     return places.ready(f"{flavour}/{block}.fmu") or _path(block, flavour, None)
 
 
-def ensure(block: str | Block, flavour: str = "python", out: Path | None = None) -> Path:
+def ensure(block: str | Block, flavour: str = "native", out: Path | None = None) -> Path:
     """The path of a block's FMU, which is built first when it is missing or its sources have changed."""
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
@@ -125,8 +121,8 @@ def _stamp(path: Path) -> bytes | None:
 def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
-    paths = [places.shared("LICENSE"), *(_HERE / name for name in _MAKERS.split()), *_files(block.folder)]
-    paths += sorted((_HERE / "interfaces").glob("*.svg"))
+    makers = [path for kind in ("*.py", "*.c", "interfaces/*.svg") for path in sorted(_HERE.glob(kind))]
+    paths = [places.shared("LICENSE"), *makers, *_files(block.folder)]
     paths += _files(_HERE / "native")
     if flavour == "native":
         paths += _files(block.folder / "native")
@@ -164,13 +160,16 @@ def _version(name: str) -> str:
 def _write(path: Path, data: bytes, stamp: bytes) -> None:
     """Writes at one stroke, so that another process never sees half an FMU."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-        file.write(data)
+    descriptor, name = tempfile.mkstemp(".tmp", dir=path.parent)
     try:
-        with zipfile.ZipFile(file.name, "a") as archive:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(data)
+        with zipfile.ZipFile(name, "a") as archive:
             archive.comment = stamp
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, path)
-    except BaseException:
-        os.unlink(file.name)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException as error:
+        os.unlink(name)
+        if isinstance(error, OSError):
+            error.filename = str(path)  # no name where the disk is full, else that of the temporary file
         raise

@@ -253,7 +253,7 @@ def build(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     except BuildError as error:
         raise InputError(str(error)) from None
     except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror}") from None
+        raise InputError(f"{error.filename or 'the disk'}: {error.strerror}") from None
     for path in paths.values():
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 

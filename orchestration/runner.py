@@ -243,4 +243,4 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
     except BuildError as error:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
     except OSError as error:
-        raise InputError(f"the block {fmu!r} cannot be built: {error.filename}: {error.strerror}") from None
+        raise InputError(f"the block {fmu!r} cannot be built: {error.filename or 'the disk'}: {error.strerror}") from None

@@ -12,4 +12,4 @@ from fmus.build import build
 @pytest.fixture(scope="session")
 def built_fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """This project's FMUs in the Python flavour, by block."""
-    return build(out=tmp_path_factory.mktemp("fmus"))
+    return build(flavour="python", out=tmp_path_factory.mktemp("fmus"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from fmus.build import ROOT, BuildError, build, ensure
+from fmus.build import ROOT, BuildError, build, ensure, fmu_path
 from fmus.interface import BLOCKS
 
 from .host import Host
@@ -25,7 +26,9 @@ from .toy import toy
 def test_the_same_sources_give_the_same_bytes_in_another_folder_process_and_order_of_hashing(
     built_fmus: dict[str, Path], tmp_path: Path
 ) -> None:
-    code = f"from fmus.build import build; from pathlib import Path; build(out=Path({str(tmp_path)!r}))"
+    code = (
+        f"from fmus.build import build; from pathlib import Path; build(flavour='python', out=Path({str(tmp_path)!r}))"
+    )
     environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
     for block, path in built_fmus.items():
@@ -35,7 +38,7 @@ def test_the_same_sources_give_the_same_bytes_in_another_folder_process_and_orde
 def test_the_guid_follows_the_content(tmp_path: Path) -> None:
     guids = set()
     for name, version in (("a", 1), ("b", 1), ("c", 2)):
-        path = build([toy(tmp_path / name, version)], out=tmp_path / f"{name}_out")["toy"]
+        path = build([toy(tmp_path / name, version)], "python", tmp_path / f"{name}_out")["toy"]
         guids.add(fmpy.read_model_description(str(path)).guid)
     assert len(guids) == 2
 
@@ -43,7 +46,7 @@ def test_the_guid_follows_the_content(tmp_path: Path) -> None:
 def test_two_versions_of_one_fmu_in_one_process_run_their_own_code(tmp_path: Path) -> None:
     speeds = []
     hosts = [
-        Host(build([toy(tmp_path / f"v{version}", version)], out=tmp_path / f"out{version}")["toy"]).started(
+        Host(build([toy(tmp_path / f"v{version}", version)], "python", tmp_path / f"out{version}")["toy"]).started(
             rate=[3.0, 4.0]
         )
         for version in (1, 2)
@@ -56,7 +59,7 @@ def test_two_versions_of_one_fmu_in_one_process_run_their_own_code(tmp_path: Pat
 
 
 def test_an_fmu_unpacked_again_reads_its_own_data_after_the_first_copy_is_deleted(tmp_path: Path) -> None:
-    path = build([toy(tmp_path)], out=tmp_path)["toy"]
+    path = build([toy(tmp_path)], "python", tmp_path)["toy"]
     for copy in ("first", "second"):
         with Host(path, folder=tmp_path / copy) as host:
             host.started(label="tables").step(0)
@@ -135,13 +138,47 @@ def _exports(library: bytes) -> set[str]:
 
 def test_ensure_builds_once_and_again_when_a_source_changes(tmp_path: Path) -> None:
     block = toy(tmp_path)
-    path = ensure(block, out=tmp_path)
+    path = ensure(block, "python", tmp_path)
     first = path.stat().st_mtime_ns, hashlib.sha256(path.read_bytes()).hexdigest()
     time.sleep(0.01)
-    assert ensure(block, out=tmp_path) == path
+    assert ensure(block, "python", tmp_path) == path
     assert path.stat().st_mtime_ns == first[0]
     (block.folder / "helper.py").write_text("VERSION = 3\n")
-    assert hashlib.sha256(ensure(block, out=tmp_path).read_bytes()).hexdigest() != first[1]
+    assert hashlib.sha256(ensure(block, "python", tmp_path).read_bytes()).hexdigest() != first[1]
+
+
+def test_what_is_built_by_default_is_native() -> None:
+    assert fmu_path("plant") == ensure("plant") == ROOT / "build" / "fmus" / "native" / "plant.fmu"
+
+
+def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fmus import build as module
+
+    copy = tmp_path / "fmus"
+    shutil.copytree(module._HERE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(module, "_HERE", copy)
+    block = module.Block.named("plant")
+    seen = {module._fingerprint(block, "native")}
+    for number, name in enumerate(("units.py", "shell.c", "interfaces/plant.svg", "a_new_file.py"), start=2):
+        with (copy / name).open("a") as file:
+            file.write("\n")
+        seen.add(module._fingerprint(block, "native"))
+        assert len(seen) == number, name
+
+
+def test_a_full_disk_leaves_no_temporary_file_and_is_told_with_the_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("fmus.build.os.fdopen", full)
+    with pytest.raises(OSError, match="No space left") as info:
+        build([toy(tmp_path / "toy")], "python", tmp_path / "out")
+    assert info.value.filename == str(tmp_path / "out" / "toy.fmu")
+    assert list((tmp_path / "out").iterdir()) == []
 
 
 def test_ensure_does_not_import_what_only_a_build_needs() -> None:
@@ -167,4 +204,4 @@ def test_a_block_whose_ports_are_not_those_of_its_interface_is_refused_with_the_
     code = block.folder / "block.py"
     code.write_text(code.read_text().replace("    order: int\n", "    ordre: int\n"))
     with pytest.raises(BuildError, match=r"'order' is missing in the toy_.*Parameters"):
-        build([block], out=tmp_path)
+        build([block], "python", tmp_path)

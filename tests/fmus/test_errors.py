@@ -24,7 +24,7 @@ ERROR = 3
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("toy")
-    return build([toy(folder)], out=folder)["toy"]
+    return build([toy(folder)], "python", folder)["toy"]
 
 
 def _fails(host: Host, call: Callable[[], object]) -> str:

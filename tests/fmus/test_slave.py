@@ -18,7 +18,7 @@ from .toy import toy
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("toy")
-    return build([toy(folder)], out=folder)["toy"]
+    return build([toy(folder)], "python", folder)["toy"]
 
 
 def test_start_values_are_those_of_the_interface_whatever_their_type(path: Path) -> None:
