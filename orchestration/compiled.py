@@ -222,19 +222,12 @@ def _compiled(folder: Path) -> Path:
     digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
     if not path.exists():
-        from fmus.native import toolchain
+        from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
 
         host = toolchain.host_platform()
-        data = libraries([host])[host]
+        data = toolchain.compile_library("loop", [_SOURCE], [native], [host])[host]
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
             file.write(data)
         os.replace(file.name, path)
     return path
-
-
-def libraries(platforms: Sequence[str]) -> dict[str, bytes]:
-    """The loop's library for each of FMI's platforms. Raises CompilerError."""
-    from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
-
-    return toolchain.compile_library("loop", [_SOURCE], [Path(toolchain.__file__).parent], platforms)
