@@ -14,14 +14,14 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..build import ROOT
+from .. import places
 from ..description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native.generate import block_header, ports_header, table
 from .templates import block_c, block_h, package_py, python_block
 
 LANGUAGES = ("c", "python")
-SCENARIO = ROOT / "scenarios" / "paper_singularity.yaml"
+SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
 """The run of which the test vector is a part, if no other is asked for."""
 
 _HERE = Path(__file__).parent
@@ -38,7 +38,7 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
         files |= {f"generated/{name}": text for name, text in generated(interface).items()}
         files |= {f"tools/{name}": (_HERE / name).read_bytes() for name in ("pack.c", "vector.c")}
         files |= {f"fmi_shell/{name}": data for name, data in shell().items()}
-        files["fmi_shell/LICENSE"] = (ROOT / "LICENSE").read_bytes() if (ROOT / "LICENSE").exists() else ""
+        files["fmi_shell/LICENSE"] = places.shared("LICENSE").read_bytes()
         kept["Makefile"] = makefile(interface, "fmi_shell", "tools")
         kept |= {f"{interface.name}.h": block_h(interface), f"{interface.name}.c": block_c(interface)}
     else:
