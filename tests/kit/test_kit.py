@@ -1,0 +1,129 @@
+"""The kit: what another team is given builds at once, is valid, and knows when it is right."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from fmpy.validation import validate_fmu
+
+from fmus import kit
+from fmus.interface import BLOCKS, load
+from orchestration.cli import main
+
+ROOT = Path(__file__).parents[2]
+needs_compiler = pytest.mark.skipif(not kit.has_compiler(), reason="a C kit needs make and a C compiler")
+
+
+def orchestrate(*arguments):
+    result = CliRunner().invoke(main, [str(a) for a in arguments])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["make", *targets], cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module", params=BLOCKS)
+def c_kit(request, tmp_path_factory) -> tuple[str, Path]:
+    folder = tmp_path_factory.mktemp("kits") / request.param
+    result = orchestrate("new", request.param, folder, "--lang", "c")
+    assert result.exit_code == 0, result.output
+    return request.param, folder
+
+
+@needs_compiler
+def test_a_fresh_c_kit_builds_a_valid_fmu_that_fits(c_kit):
+    block, folder = c_kit
+    built = make(folder)
+    assert built.returncode == 0, built.stderr
+    fmu = folder / f"{block}.fmu"
+    assert validate_fmu(str(fmu)) == []
+    with zipfile.ZipFile(fmu) as archive:
+        assert archive.testzip() is None
+    checked = orchestrate("check", fmu, "--as", block)
+    assert checked.exit_code == 0, checked.stdout
+    assert "missing" not in checked.stdout
+
+
+@needs_compiler
+def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
+    block, folder = c_kit
+    empty = make(folder, "vector")
+    assert empty.returncode != 0
+    assert "outputs differ from what is expected" in empty.stdout
+    source = ROOT / block / "native"
+    for path in (*source.glob("*.c"), *source.glob("*.h")):
+        if path.name != "ports.h":  # the kit has its own
+            shutil.copy(path, folder)
+    if (source / "tables.py").exists():
+        from plant.native.tables import generated
+
+        for name, text in generated().items():
+            (folder / name).write_text(text)
+    right = make(folder, "vector", "CFLAGS=-O1")
+    assert right.returncode == 0, right.stdout + right.stderr
+    assert "all outputs are as expected" in right.stdout
+
+
+@needs_compiler
+def test_orchestrate_plays_the_vector_too(c_kit):
+    block, folder = c_kit
+    from fmus.build import ensure
+
+    right = orchestrate("check", ensure(block, "native"), "--as", block, "--vector", folder / "vector")
+    assert right.exit_code == 0, right.stdout
+    assert right.stdout.count("vector ") >= len(load(block).of("output"))
+
+
+def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
+    folder = tmp_path / "mine"
+    assert orchestrate("new", "allocator", folder, "--lang", "python").exit_code == 0
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    built = subprocess.run(
+        [sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert built.returncode == 0, built.stderr
+    fmu = folder / "allocator.fmu"
+    assert validate_fmu(str(fmu)) == []
+    empty = orchestrate("check", fmu, "--as", "allocator", "--vector", folder / "vector")
+    assert empty.exit_code == 1
+    assert "FAULT   vector       dipole_cmd: differs by" in empty.stdout
+    for path in (ROOT / "allocator").glob("*.py"):
+        shutil.copy(path, folder / "allocator")
+    subprocess.run([sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, check=True)
+    right = orchestrate("check", fmu, "--as", "allocator", "--vector", folder / "vector")
+    assert right.exit_code == 0, right.stdout
+
+
+def test_what_a_team_has_written_is_kept(tmp_path):
+    interface = load("controller")
+    kit.write(interface, tmp_path, "c")
+    (tmp_path / "controller.c").write_text("/* ours */")
+    (tmp_path / "generated" / "table.c").write_text("/* spoilt */")
+    kit.write(interface, tmp_path, "c")
+    assert (tmp_path / "controller.c").read_text() == "/* ours */"
+    assert "ROW(" in (tmp_path / "generated" / "table.c").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("new", "alocator"), "there is no block 'alocator'; did you mean 'allocator'?"),
+        (("new", "allocator", "--scenario", "no.yaml"), "no.yaml: there is no such file"),
+        (("new", "allocator", "--scenario", "scenarios/minimal.yaml"), "minimal.yaml has no block 'allocator'"),
+        (("check", "allocator.fmu", "--as", "allocator", "--vector", "docs"), "there is no FMU"),
+    ],
+)
+def test_a_wrong_call_is_refused(arguments, message, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    result = orchestrate(*arguments)
+    assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
