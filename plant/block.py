@@ -17,7 +17,6 @@ from .parameters import Parameters
 from .so3 import Array, to_quaternion
 from .wheel import Segment, momentum_saturated, net_torque, segments
 
-
 INTERNAL_STEPS_MAX = 1e6
 """In one communication step."""
 
