@@ -302,7 +302,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     } else if (resources == NULL) {
         (void)append(text, sizeof text, 0, "the location of the resources is missing");
     } else {
-        static const char about[] = "this FMU needs a process that holds Python; PythonFMU's library cannot be loaded: ";
+        static const char about[] = "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is the native flavour of this block, "
+                                    "which needs nothing. PythonFMU's library cannot be loaded: ";
         const size_t used = append(text, sizeof text, 0, about);
         if (connect_inner(text + used, sizeof text - used)) {
             text[0] = '\0';
