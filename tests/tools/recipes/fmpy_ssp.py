@@ -1,0 +1,19 @@
+from fmpy.ssp import simulation
+
+plain = simulation.instantiate_fmu
+
+
+def instantiate(component, folder, start, stop=None, given=None):
+    """FMPy passes over the parameter sets of an SSP, and gives every input 0 in the first step."""
+    for values in component.parameterBindings[0].parameterValues:
+        for parameter in values.parameters:
+            parameter.name = f"{component.name}.{parameter.name}"
+        plain(component, folder, start, stop, values)
+    for connector in component.connectors:
+        connector.value = simulation.get_value(component, connector.name)
+
+
+simulation.instantiate_fmu = instantiate
+step = 0.1
+result = simulation.simulate_ssp("adcs.ssp", stop_time=120, step_size=step)
+time, error = result["time"] + step, result["controller.attitude_error"]
