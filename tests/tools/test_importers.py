@@ -1,0 +1,89 @@
+"""Our native FMUs in other tools: one by one, and the whole loop, beside what `orchestrate` makes of them."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from . import measure
+from .measure import LOOPS, ONES, STEPS, Recipe
+
+MODULES = {
+    "FMPy": "fmpy",
+    "libcosimpy": "libcosimpy",
+    "ecospy": "ecospy",
+    "fmu-manipulation-toolbox": "fmu_manipulation_toolbox",
+}
+
+
+def _needs(recipe: Recipe) -> None:
+    """Skips where the importer cannot be loaded; on CI that is a failure."""
+    module = MODULES[recipe.package]
+    if recipe.package == "ecospy":  # it loads its library when it is imported, and prints where that fails
+        done = subprocess.run([sys.executable, "-c", "import ecospy.lib"], capture_output=True, text=True, check=False)
+        reason = done.stderr.strip().rpartition("\n")[2] if done.returncode else ""
+    else:
+        try:
+            importlib.import_module(module)
+            reason = ""
+        except ImportError as error:
+            reason = str(error)
+    if reason:
+        if os.environ.get("CI"):
+            pytest.fail(f"{recipe.tool} cannot be loaded: {reason}")
+        pytest.skip(f"{recipe.tool} cannot be loaded: {reason}")
+
+
+@pytest.mark.parametrize("recipe", ONES, ids=lambda r: r.tool)
+def test_the_plant_alone_tumbles_in_every_tool_as_it_does_here(recipe: Recipe, exported: Path) -> None:
+    _needs(recipe)
+    time, rate = measure.play(recipe, exported)
+    index = np.rint(time / 0.1).astype(int)
+    assert index[-1] == 600
+    np.testing.assert_allclose(rate, measure.alone("plant", measure.PLANT, "omega_B[2]")[index], rtol=0, atol=1e-14)
+
+
+LAWS = {
+    "controller": ({"r_N[1]": 7.1e6}, "tau_cmd_B[2]"),
+    "allocator": ({"tau_cmd_B[1]": 1e-5}, "dipole_cmd[2]"),
+}
+
+
+@pytest.mark.parametrize("block", LAWS)
+@pytest.mark.parametrize("recipe", ONES, ids=lambda r: r.tool)
+def test_the_laws_alone_give_in_every_tool_what_they_give_here(recipe: Recipe, block: str, exported: Path) -> None:
+    _needs(recipe)
+    start, signal = LAWS[block]
+    time, seen = measure.play(recipe, exported, replace=measure.changed(recipe, block, start, signal))
+    expected = measure.alone(block, start, signal)[np.rint(time / 0.1).astype(int)]
+    assert np.abs(expected).max() > 0
+    np.testing.assert_allclose(seen, expected, rtol=1e-13, atol=0)
+
+
+@pytest.mark.parametrize("recipe", LOOPS, ids=lambda r: r.script.removesuffix(".py"))
+def test_the_loop_differs_from_ours_by_the_exchange_alone_and_less_as_the_step_shrinks(
+    recipe: Recipe, exported: Path
+) -> None:
+    """With our exchange set to the tool's the difference is rounding; from our default it is of first order in the step."""
+    _needs(recipe)
+    found = [measure.difference(recipe, exported, step) for step in STEPS]
+    assert max(d.same for d in found) < 1e-13
+    if recipe.exchange == "sequential":
+        return
+    sizes = [d.sequential for d in found]
+    assert sizes[0] < 0.02
+    assert all(1.8 < coarse / fine < 2.2 for coarse, fine in pairwise(sizes))
+
+
+def test_fmpy_s_ssp_simulation_without_the_recipe_s_lines_is_refused_by_the_controller(exported: Path) -> None:
+    recipe = LOOPS[0]
+    plain = {"simulation.instantiate_fmu = instantiate\n": ""}
+    with pytest.raises(AssertionError, match="R_NB"):
+        measure.play(recipe, exported / "step_0.1", replace=plain)
