@@ -75,7 +75,7 @@ def calls(table: Table, flavour: str, count: int) -> None:
             each = (time.perf_counter() - begun) / count
             fmu.terminate()
             fmu.freeInstance()
-        table.add_row(f"doStep of {block}.fmu, {flavour}, through ctypes", f"{1e6 * each:.2f} us", "")
+        table.add_row(f"doStep of {block}.fmu, {flavour}", f"{1e6 * each:.2f} us", "through ctypes")
 
 
 def process(table: Table, runs: int) -> None:
@@ -93,10 +93,14 @@ def process(table: Table, runs: int) -> None:
 
 def isolation(table: Table) -> None:
     """What a step costs more when a block runs in a process of its own."""
-    from tests.orchestration.bench_isolation import costs
+    from orchestration.fmu import open_fmu
+    from tests.orchestration.bench_isolation import measure
 
-    for name, seconds in costs().items():
-        table.add_row(name, f"{1e6 * seconds:.1f} us", "a step")
+    for block in ("controller", "plant"):
+        found = measure(open_fmu(locate(block, ROOT, "native")))
+        name = f"whole step of {block}.fmu"
+        table.add_row(f"{name}, in this process", f"{found['none'][0]:.1f} us", "Python loop")
+        table.add_row(f"{name}, in its own process", f"{found['process'][0]:.1f} us", "Python loop")
 
 
 def basilisk(table: Table) -> None:
