@@ -132,7 +132,7 @@ rate error below 10⁻³ rad/s from then to the end of the run. “Never near ze
 
 In (a) the demand in V.C's hold does not stop at 80%: as b₁ passes zero it grows to {vc.hold_by_rod[0]:.0f} times the limit, and the hold bridges that. In (b) times and angles are those of (a), as they must be: without limits, dividing
 inertia, gains and moments by one number changes nothing but the size of the torques. The rods would have to give {rods / 15.0:.0f} times their 15 A m², and the wheel's share grows without bound as b₁ passes zero.
-In (c) the demand lies above 80% from the start, so zero is held; what V.C meets there it meets because nothing is commanded. Over a whole orbit in (c), from 24 longitudes of the node for each manoeuvre, {settled} of
+In (c) the demand lies above 80% from the start, so zero is held; what V.C meets there it meets because nothing is commanded, and in V.B the tumble lowers the demand now and then until the command it catches is kept for good. Over a whole orbit in (c), from 24 longitudes of the node for each manoeuvre, {settled} of
 {sum(len(s.settled) for s in si)} runs have settled at the end.
 
 {_picture("lyapunov", "V, dV/dt and the share of the demand that is met, for V.B and V.C")}
@@ -343,7 +343,11 @@ held, held at zero from the start, held and released, or latched with the time a
 {_picture("latch", "outcome of the hold by node longitude, and a run that latches")}
 
 Of the {int(stuck.sum())} runs that latch with the scenario's gains, {int(wheel.sum())} end with the wheel at its 30 mN m s, and none is within {math.degrees(float(seen.attitude_error[stuck].min())):.0f}° of its goal.
-Where the hold is released, that takes {np.min(seen.hold_longest[released]):.1f} to {np.max(seen.hold_longest[released]):.1f} s. At 200° E the summary of the run says:
+Where the hold is released, that takes {np.min(seen.hold_longest[released]):.1f} to {np.max(seen.hold_longest[released]):.1f} s. At 200° E
+
+    orchestrate scenarios/paper_singularity.yaml --set plant.node_longitude="200 deg"
+
+ends with status 1 and the line
 
 > commands: {latched.hold}
 """
@@ -451,7 +455,7 @@ mass-normalised:
 
 {_picture("robustness", "offset by drag, and settling with wrong inertia")}
 
-The law has no integral action, so drag leaves an offset in proportion to it; “robust” is fair at the moment that the atmosphere gives and at the paper's. Wrong inertia changes when it settles, not whether: with exact torque and gains [10],
+The law has no integral action, so drag leaves an offset in proportion to it (below 10⁻⁶ N m the figure shows what is left of the transient); “robust” is fair at the moment that the atmosphere gives and at the paper's. Wrong inertia changes when it settles, not whether: with exact torque and gains [10],
 {int(np.isfinite(w.converged).sum())} of {len(w.converged)} random starts settle on bodies 10% off. Where a claim is lost it is the settling time.
 """
 
