@@ -265,3 +265,23 @@ def _then(first: Callable[[], None], second: Callable[[], None]) -> Callable[[],
         second()
 
     return both
+
+
+def handed_on(fit: Fit, starts: Iterable[tuple[Element, Any]]) -> dict[Element, Any]:
+    """What theirs is given for start values of ours, by their elements; those of the mapping among them."""
+    recorder: Any = _Recorder()
+    recorder.set(fit.start.items())
+    Adapter(recorder, fit).set(starts)
+    return dict(recorder.values)
+
+
+class _Recorder:
+    """Stands for a block, and keeps what it is set to."""
+
+    name = ""
+
+    def __init__(self) -> None:
+        self.values: dict[Element, Any] = {}
+
+    def set(self, values: Iterable[tuple[Element, Any]]) -> None:
+        self.values.update(values)

@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
 
 
-def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, Any]:
-    """The manifest of a run, ready for JSON."""
+def manifest(
+    plan: Plan, fmus: Mapping[str, Fmu], result: Result, handed_on: Mapping[str, Mapping[Element, Any]]
+) -> dict[str, Any]:
+    """The manifest of a run, ready for JSON. `handed_on` are the start values of adapted blocks, by their elements."""
     ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
     scenario = plan.scenario
     return {
@@ -35,7 +37,7 @@ def manifest(plan: Plan, fmus: Mapping[str, Fmu], result: Result) -> dict[str, A
         "scenario_file": scenario.source.file,
         "options": sorted(set(scenario.source.options.values())),
         "scenario": _resolved(plan),
-        "parameters": {name: _parameters(fmu, plan, name) for name, fmu in fmus.items()},
+        "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
         "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
         "order": plan.order.blocks,
         "notes": plan.notes,
@@ -89,12 +91,13 @@ def _resolved(plan: Plan) -> dict[str, Any]:
     return data
 
 
-def _parameters(fmu: Fmu, plan: Plan, block: str) -> dict[str, Any]:
-    """All parameters with the values in force: the FMU's own, but where the scenario gives others."""
+def _parameters(fmu: Fmu, plan: Plan, block: str, handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
+    """All parameters of an FMU with the values in force: its own, but where the scenario gives others."""
     own = starts_of(fmu.description, fmu.model)
     declared = {element: value for element, value in own.items() if _is_parameter(fmu.model, element)}
-    given = {s.element: s.value for s in plan.starts[block] if _is_parameter(plan.models[block], s.element)}
-    model = Model(fmu.model.name, {**plan.models[block].variables, **fmu.model.variables})
+    starts = handed_on[block] if block in handed_on else {s.element: s.value for s in plan.starts[block]}
+    given = {element: value for element, value in starts.items() if _is_parameter(fmu.model, element)}
+    model = fmu.model
     values = {**declared, **given}
     places = list(model.variables)
     order = sorted(values, key=lambda element: (places.index(element.variable), element.position))

@@ -151,5 +151,6 @@ def load(path: Path) -> tuple[Mapping, Any]:
     """The mapping that a file holds, and the file's `Source` for messages. Raises InputError."""
     from . import complaints, source
 
-    read = source.read(path)
+    here = Path.cwd()
+    read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
     return complaints.checked(Mapping, read), read

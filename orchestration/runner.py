@@ -17,6 +17,7 @@ from .errors import BlockError, InputError, nearest
 from .expectations import Check
 from .faults import Faults, resolve
 from .holds import Look
+from .interfaces import is_path
 from .manifest import manifest
 from .master import Master
 from .model import Model
@@ -127,6 +128,9 @@ def execute(
     paths: dict[Path, Fmu] = {}
     for name, entry in scenario.blocks.items():
         key = ("blocks", name, "fmu")
+        if entry.flavour and is_path(entry.fmu):
+            message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
+            faults.append(scenario.error(("blocks", name, "flavour"), message))
         try:
             path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
             fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
@@ -143,7 +147,7 @@ def execute(
         result = run_blocks(ready, blocks, progress, compiled)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
-    result.manifest = manifest(ready, fmus, result)
+    result.manifest = manifest(ready, fmus, result, prepared.handed_on(ready.starts))
     return result
 
 
@@ -231,7 +235,9 @@ def run_blocks(
 
 def locate(fmu: str, folder: Path, flavour: str) -> Path:
     """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
-    if fmu.endswith(".fmu") or "/" in fmu or "\\" in fmu:
+    if "://" in fmu:
+        raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
+    if is_path(fmu):
         return (folder / Path(fmu).expanduser()).resolve()
     from fmus.build import BLOCKS, BuildError, ensure
 

@@ -22,6 +22,7 @@ from .model import Element, Model
 from .order import Hook
 from .scenario import BlockEntry, Scenario, load, split
 from .source import Key, Source
+from .starts import Start
 
 if TYPE_CHECKING:
     from .fmu import Fmu
@@ -49,6 +50,13 @@ class Prepared:
         from .adapter import Adapter
 
         return Adapter(block, found, often)
+
+    def handed_on(self, starts: Mapping[str, Sequence[Start]]) -> dict[str, dict[Element, Any]]:
+        """What the adapted blocks are given for a scenario's start values, by their own elements."""
+        from .adapter import handed_on
+
+        found = {name: fit for name, fit in self.fits.items() if self.models[name] is not fit.theirs}
+        return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in found.items()}
 
 
 def interface_of(scenario: Scenario, name: str) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
@@ -322,6 +323,13 @@ def test_the_scenario_may_say_it_itself_and_the_manifest_can_be_run_again(tmp_pa
     data = load(path).source.data
     data["blocks"]["regulator"]["map"] = inline
     np.testing.assert_array_equal(run(data)["motor.speed"], result["motor.speed"])
+
+
+def test_the_manifest_tells_the_values_in_force_in_theirs(tmp_path, monkeypatch):
+    path = swapped(tmp_path, monkeypatch)
+    orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")
+    told = json.loads(Path("out/manifest.json").read_text())["parameters"]["regulator"]
+    assert told == {"fault": 0, "fault_time": 0.0, "kp": pytest.approx(-vendor.GAIN)}
 
 
 def test_other_names_alone_change_no_bit(tmp_path, monkeypatch):

@@ -19,7 +19,7 @@ from click.testing import CliRunner
 
 from orchestration.cli import main
 
-from . import fmus
+from . import fmus, vendor
 
 SCENARIO = """\
 name: loop
@@ -608,6 +608,36 @@ CASES = [
         "    fmu: motor.fmu\n    timeout: 5 s\n    isolation: none\n",
     ),
     # ---------------------------------------------------------------- FMUs that fail
+    Case(
+        "a swap of a block that there is not",
+        "--swap regulater=vendor.fmu: there is no block 'regulater'; did you mean 'regulator'?",
+        options=("loop.yaml", "--swap", "regulater=vendor.fmu"),
+        spoil=vendor.write,
+    ),
+    Case(
+        "a swap that does not fit",
+        "input speed, a real scalar in rad/s, is missing; by name or unit it may be rate; remedy: 'speed: rate'",
+        options=("loop.yaml", "--swap", "regulator=vendor.fmu"),
+        spoil=vendor.write,
+    ),
+    Case(
+        "a value that a swapped FMU would not get",
+        "vendor.fmu has no parameter gain, so this value would be lost; remedy: map it",
+        options=("loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "short.yaml"),
+        spoil=lambda folder: (
+            vendor.write(folder),
+            (folder / "short.yaml").write_text("ports: {speed: rate, voltage: command}\n"),
+        ),
+    ),
+    Case(
+        "a mapping whose unit does not fit",
+        "input speed = rate: ours, rad/s, over 2 kg does not come out in rpm",
+        options=("loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "short.yaml"),
+        spoil=lambda folder: (
+            vendor.write(folder),
+            (folder / "short.yaml").write_text("ports: {speed: {theirs: rate, divide: 2 kg}, voltage: command}\n"),
+        ),
+    ),
     Case(
         "an FMU that refuses its parameters",
         "motor: fmi2ExitInitializationMode in initialization: gave status error\n  motor said: [error] the gain is refused: 0",
