@@ -162,6 +162,7 @@ class Difference:
     """From what it gives with the tool's own exchange."""
 
 
+@cache
 def difference(recipe: Recipe, folder: Path, step: float) -> Difference:
     time, error = play(recipe, folder / f"step_{step:g}", step)
     index = np.rint(time / step).astype(int)
