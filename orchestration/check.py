@@ -20,7 +20,7 @@ import numpy as np
 from . import binaries, mapping, order, rotation
 from .errors import InputError
 from .fit import Finding, Fit, Link, fit, model
-from .fmu import entries, shown
+from .fmu import entries, refuse_entities, shown
 from .interfaces import Reference, reference, starts_of
 from .model import Element, Model, describe
 
@@ -115,6 +115,7 @@ def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding]
             xml = archive.read("modelDescription.xml")
         except Exception as error:
             raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
+    refuse_entities(path, xml)
     findings: list[Finding] = []
     description = _description(path, xml, findings)
     if description is None:

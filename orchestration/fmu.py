@@ -107,7 +107,7 @@ def entries(path: Path) -> set[str]:
     return set(names)
 
 
-def _refuse_entities(path: Path, xml: bytes) -> None:
+def refuse_entities(path: Path, xml: bytes) -> None:
     """Entities can grow without bound and can read files; FMI has no use for the DOCTYPE that defines them."""
 
     def doctype(*_: Any) -> None:
@@ -137,7 +137,7 @@ def _description(path: Path) -> Any:
         raise InputError(
             f"{shown(path)} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
         )
-    _refuse_entities(path, head)
+    refuse_entities(path, head)
     try:
         description = read_model_description(str(path))
     except ValidationError as error:

@@ -288,6 +288,15 @@ def test_a_dependence_that_closes_a_loop_with_the_other_blocks_does_not_fit(here
         assert name in told
 
 
+def test_a_hostile_description_is_not_read(here):
+    xml = fmus.description("regulator").replace(
+        "<fmiModelDescription", '<!DOCTYPE x [<!ENTITY a "b">]>\n<fmiModelDescription', 1
+    )
+    fmus.write(here / "vendor.fmu", xml)
+    result = orchestrate("vendor.fmu", "--as", "regulator.fmu")
+    assert (result.exit_code, "has a DOCTYPE" in result.stderr) == (2, True)
+
+
 def test_an_interface_is_one_of_the_project_s_or_an_fmu(here):
     for arguments, message in (
         (("regulator.fmu", "--as", "alocator"), "this project has no interface 'alocator'; did you mean 'allocator'?"),
