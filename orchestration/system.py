@@ -49,7 +49,7 @@ class Component:
     fmu: Fmu
     ports: tuple[Port, ...]
     values: tuple[Value, ...]
-    """Start values that differ from the FMU's own, and the values at t = 0 of the inputs that are connected."""
+    """The scenario's start values, and the values at t = 0 of the inputs that are connected."""
     free: tuple[Port, ...]
     """Its parameters, and the inputs that are not connected."""
 
@@ -115,7 +115,7 @@ def flat(scenario: Scenario) -> System:
         told = [
             Value(names[name][n], model.variables[n.element.variable], value)
             for n, value in values.items()
-            if own.get(n.element) != value
+            if _worth(model.variables[n.element.variable], value, own.get(n.element))
         ]
         others = [(n, v, kind) for kind in ("input", "parameter") for v in model.of(kind) for n in _nodes(name, v)]
         free = [Port(names[name][n], v, kind) for n, v, kind in others if (name, names[name][n]) not in targets]
@@ -128,7 +128,8 @@ def _initial(scenario: Scenario) -> dict[Node, Scalar]:
     from . import runner
 
     keys: list[Key] = [(key,) for key in _LEFT_OUT]
-    short = load(scenario.source.without(keys).with_value("duration", scenario.step, "export"))
+    longest = max(entry.every for entry in scenario.blocks.values())
+    short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))
     result = runner.execute(short)
     if result.failure is not None:
         raise result.failure
@@ -142,6 +143,11 @@ def _initial(scenario: Scenario) -> dict[Node, Scalar]:
 
 def _converted(value: Scalar, factor: float, offset: float) -> Scalar:
     return value if (factor, offset) == (1.0, 0.0) else factor * float(value) + offset
+
+
+def _worth(variable: Variable, value: Scalar, own: object) -> bool:
+    """Whether a value is told. Several tools cannot set text and items, so those that are the FMU's own are not."""
+    return variable.type not in ("string", "enumeration") or value != own
 
 
 def _nodes(block: str, variable: Variable) -> list[Node]:
