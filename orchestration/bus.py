@@ -140,8 +140,8 @@ def lay_out(
     values = np.zeros(first_held + len(delayed))
     seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
     delay = Delay(np.array([layout.place[node] for node in delayed], np.intp), first_held) if delayed else None
-    places = [np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, watched)]
-    return Bus(values, seats, *places, delay)
+    recorded, seen = (np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, watched))
+    return Bus(values, seats, recorded, seen, delay)
 
 
 def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) -> Seat:

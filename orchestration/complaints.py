@@ -116,5 +116,5 @@ def _missing(message: str) -> str | None:
 
 def _begin(text: str) -> str:
     """The first sentence of a description, to stand within another one."""
-    first = text.split(". ")[0].split("\n")[0].rstrip(".;")
+    first = " ".join(text.split()).split(". ")[0].rstrip(".;")
     return first[:1].lower() + first[1:]

@@ -16,7 +16,7 @@ from . import signals
 from .block import Floats
 from .errors import InputError
 from .model import Model, Variable
-from .quantities import ONE, QuantityError, Unit, parse
+from .quantities import ONE, QuantityError, Unit, parse, real
 from .scenario import Bound, Expectation, Scenario
 from .source import Key
 from .starts import item
@@ -186,7 +186,7 @@ def _bounded(
 
 
 def _end(end: Any, variable: Variable) -> tuple[float, Unit | None]:
-    number, unit = parse(end) if isinstance(end, str) else (float(end), None)
+    number, unit = parse(end) if isinstance(end, str) else (real(end), None)
     if not math.isfinite(number):
         raise QuantityError(f"expected a finite number, found {end}")
     if unit is not None and not unit.fits(variable.unit or ONE):

@@ -78,6 +78,14 @@ def parse(text: str) -> tuple[float, Unit | None]:
     return float(number), parse_unit(unit) if unit else None
 
 
+def real(value: float) -> float:
+    """A number as a double. Raises QuantityError where it has too many digits for one."""
+    try:
+        return float(value)
+    except OverflowError:
+        raise QuantityError("expected a number below 1.8e308, found a larger one") from None
+
+
 def value_in(value: object, unit: Unit) -> float:
     """A finite number, given as such or as text with a unit, in `unit`. Raises QuantityError."""
     if isinstance(value, str):
@@ -85,7 +93,7 @@ def value_in(value: object, unit: Unit) -> float:
         if own is not None:
             number = convert(number, own, unit)
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        number = float(value)
+        number = real(value)
     else:
         raise QuantityError(f"expected a number or text with a unit, found {said(value)}")
     if not math.isfinite(number):
@@ -143,16 +151,42 @@ _UNITS = {
     "rpm": _unit("rad s-1", math.pi / 30),
     "degC": _unit("K", 1.0, 273.15),
 }
+_SI = _PREFIXABLE.keys() | {prefix + name for prefix in _PREFIXES for name in _PREFIXABLE}
 _FACTOR = re.compile(r"([^\s\d./*^\N{MIDDLE DOT}()+-]+|1)(?:(?:\^|\*\*)?\(?([-+]?\d+)\)?)?")
 _BETWEEN = re.compile(r"\s*(\*(?!\*)|\.|\N{MIDDLE DOT}|/|\s)\s*")
+
+
+_TOKEN = re.compile(
+    r"\s+|[./()\N{MIDDLE DOT}]|\*(?!\*)|(?<!.)1(?!\w)|(?<!\w)[^\W\d](?:[^\W\d]|\d{1,2}(?!\d))*|[%\N{DEGREE SIGN}]"
+    r"|(?P<power>(?:(?:\^|\*\*)\s*\(?[-+]?|\(?[-+])\d{1,2}(?!\d)\)?)"
+)
+
+
+def _is_written_as_usual(text: str) -> bool:
+    """Whether it holds names, products, quotients and exponents only. Pint computes all else, too: 9**9**9**9 forever."""
+    position, powers = 0, 0
+    while match := _TOKEN.match(text, position):
+        position = match.end()
+        if not match[0].isspace():
+            powers = powers + 1 if match["power"] else 0
+        if powers > 1:
+            return False
+    return position == len(text)
 
 
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> Unit:
     """The unit of this name, from the table above or else from Pint. Raises QuantityError."""
+    if not _is_written_as_usual(text):
+        raise QuantityError(f"unknown unit {text!r}; expected names such as N.m/s2, digits only as exponents")
     factors = _factors(text.strip())
     if factors is None or any(name not in _UNITS for name, _ in factors):
-        return _from_pint(text, factors)
+        unit = _from_pint(text, factors)
+        for product in _run_together(text):
+            if unit.exponents != parse_unit(product).exponents:
+                read = str(_registry().Unit(text)).replace("_", " ")
+                raise QuantityError(f"the unit {text!r} would be read as {read!r}; did you mean {product!r}?")
+        return unit
     if len(factors) == 1 and factors[0][1] == 1:
         return Unit(text, *_UNITS[factors[0][0]])
     exponents, factor = _ONE, 1.0
@@ -161,7 +195,10 @@ def parse_unit(text: str) -> Unit:
         if offset:
             raise QuantityError(f"{name!r} has an offset, so it cannot stand in the product {text!r}")
         exponents = tuple(a + power * b for a, b in zip(exponents, base, strict=True))
-        factor *= scale**power
+        try:
+            factor *= scale**power
+        except OverflowError:
+            raise QuantityError(f"the unit {text!r} is too large") from None
     return Unit(text, exponents, factor)
 
 
@@ -190,6 +227,17 @@ def _registry() -> Any:
         return pint.UnitRegistry()
 
 
+def _meant(text: str) -> str:
+    """ "; did you mean 'N.m'?" of the names of two units that are run together, or of one in another case."""
+    found = [*_run_together(text), *(name for name in _UNITS if name.casefold() == text.casefold() and name != text)]
+    return f"; did you mean {' or '.join(map(repr, found[:3]))}?" if found else ""
+
+
+def _run_together(text: str) -> list[str]:
+    """ "Nm" as ["N.m"]."""
+    return [f"{text[:i]}.{text[i:]}" for i in range(1, len(text)) if text[:i] in _SI and text[i:] in _SI]
+
+
 def _from_pint(text: str, factors: list[tuple[str, int]] | None) -> Unit:
     expression = "*".join(f"{name}**({power})" for name, power in factors) if factors else text
     registry = _registry()
@@ -198,7 +246,7 @@ def _from_pint(text: str, factors: list[tuple[str, int]] | None) -> Unit:
         one = registry.Quantity(1.0, expression).to_base_units()
         powers = {str(base): power for base, power in one.unit_items()}
     except Exception:
-        raise QuantityError(f"unknown unit {text!r}") from None
+        raise QuantityError(f"unknown unit {text!r}{_meant(text)}") from None
     names = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
     exponents = [powers.pop(name, 0) for name in names]
     if powers or any(power != int(power) for power in exponents):

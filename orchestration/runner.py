@@ -135,7 +135,7 @@ def execute(
             path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
             fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
         except InputError as error:
-            faults += [scenario.error(key, message) for message in error.messages]
+            faults += [scenario.error(key, message + _remedy(message, scenario, name)) for message in error.messages]
     if faults:
         raise InputError(*faults)
     prepared = swap.prepare(scenario, fmus)
@@ -181,11 +181,21 @@ def instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose:
         try:
             task()
         except InputError as error:
-            raise InputError(ready.scenario.error(("blocks", name, "fmu"), str(error))) from None
+            message = f"{error}{_remedy(str(error), ready.scenario, name)}"
+            raise InputError(ready.scenario.error(("blocks", name, "fmu"), message)) from None
         except BlockError as error:
             message = f"{shown(fmus[name].path)}: {error}"
             raise InputError(ready.scenario.error(("blocks", name, "fmu"), message)) from None
     return blocks
+
+
+def _remedy(message: str, scenario: Scenario, name: str) -> str:
+    """What helps where a block of this project was built, and its file has been spoilt since."""
+    entry = scenario.blocks[name]
+    if "damaged" not in message or is_path(entry.fmu):
+        return ""
+    option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
+    return f"; remedy: orchestrate build {entry.fmu}{option}"
 
 
 def run_blocks(
@@ -197,7 +207,8 @@ def run_blocks(
     parallel = scenario.exchange == "parallel"
     judges = [expectations.Judge(check) for check in ready.checks]
     watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
-    watched = list(dict.fromkeys(node for look in (*ready.checks, *ready.holds) for node in look.needed))
+    looks: list[Check | Look] = [*ready.checks, *ready.holds]
+    watched = list(dict.fromkeys(node for look in looks for node in look.needed))
 
     def see(time: Floats, values: Floats) -> None:
         columns = {node: values[:, i] for i, node in enumerate(watched)}
@@ -249,4 +260,6 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
     except BuildError as error:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
     except OSError as error:
-        raise InputError(f"the block {fmu!r} cannot be built: {error.filename or 'the disk'}: {error.strerror}") from None
+        raise InputError(
+            f"the block {fmu!r} cannot be built: {error.filename or 'the disk'}: {error.strerror}"
+        ) from None

@@ -74,7 +74,10 @@ def _bytes(value: Any) -> int:
     match = re.fullmatch(r"\s*(\d+\.?\d*)\s*([A-Za-z]*)\s*", str(value))
     if match is None or match[2] not in _BYTES or isinstance(value, bool):
         raise ValueError(f"expected an amount of memory such as '2 GB', found {said(value)}")
-    count = round(float(match[1]) * _BYTES[match[2]])
+    size = float(match[1]) * _BYTES[match[2]]
+    if size > 1e18:
+        raise ValueError(f"expected at most 1e18 bytes, found {size:g}")
+    count = round(size)
     if count < 10**6:
         raise ValueError(f"expected at least 1 MB, found {count} bytes")
     return count
@@ -285,7 +288,7 @@ class Scenario(Model):
     """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
 
     name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
-    """Also the name of the results' folder: letters, digits, and . _ -"""
+    """Its name, and that of the results' folder: letters, digits, `.`, `_` and `-`."""
     description: str = ""
     """What the scenario shows."""
     step: Period

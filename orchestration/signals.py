@@ -37,6 +37,9 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     if scenario.record.signals is None:
         for block, model in models.items():
             nodes.update((Node(block, e), None) for v in model.of("output") if v.type in TYPES for e in v.elements)
+    elif not scenario.record.signals and scenario.source.file is not None:
+        message = "must not be empty; without it all outputs of all blocks are recorded"
+        raise InputError(scenario.error(("record", "signals"), message))
     faults: list[str] = []
     for number, reference in enumerate(scenario.record.signals or ()):
         key: Key = ("record", "signals", number)

@@ -177,7 +177,11 @@ class _Reader:
             return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
         if node.id == "mapping":
             return self._mapping(node, key)
-        return _scalar(node)
+        try:
+            return _scalar(node)
+        except ValueError:
+            place = self.source.error(key, "")
+            raise InputError(f"{place}expected a number, found {_shortened(node.value)}") from None
 
     def _mapping(self, node: Any, key: Key) -> dict[str, Any]:
         data: dict[str, Any] = {}
@@ -187,6 +191,8 @@ class _Reader:
             if name_node.id != "scalar":
                 raise InputError(f"{place}: expected a name before the colon")
             name = str(name_node.value)
+            if name == "<<" and name_node.style is None:
+                raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
             if name in data:
                 first = self.source.lines[(*key, name)]
                 raise InputError(f"{place}: {name!r} stands here a second time; first in line {first}")
@@ -195,8 +201,14 @@ class _Reader:
         return data
 
 
+_DIGITS_MAX = 300
+"""More than a double can hold."""
 _INTEGER = re.compile(r"[-+]?\d+$")
 _FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+
+def _shortened(text: str) -> str:
+    return repr(text) if len(text) < 40 else f"{text[:20]!r} ... of {len(text)} digits"
 
 
 def _scalar(node: Any) -> Any:
@@ -206,6 +218,8 @@ def _scalar(node: Any) -> Any:
     if tag == "bool":
         return text.lower() in ("true", "yes", "on")
     if node.style is None and _INTEGER.match(text):
+        if len(text) > _DIGITS_MAX:
+            raise ValueError
         return int(text)
     if node.style is None and _FLOAT.match(text):
         return float(text)

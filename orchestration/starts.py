@@ -28,18 +28,32 @@ def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[S
     faults: list[str] = []
     for block, entry in scenario.blocks.items():
         found: dict[Element, Scalar] = {}
+        first: dict[Element, str] = {}
         for name, value in entry.start.items():
+            key = ("blocks", block, "start", name)
             try:
-                found.update(values_of(block, models[block], name, value))
+                values = values_of(block, models[block], name, value)
+                if key not in scenario.source.options:  # an option takes the place of what the file says
+                    _refuse_twice(scenario, key, first, values)
+                found.update(values)
             except (QuantityError, NameUnknown) as error:
                 # The place ends with the variable's name only where the variable is known.
                 known = name.partition("[")[0] in models[block].variables
-                shown = ("blocks", block, "start", name) if known else ("blocks", block, "start")
-                faults.append(_at(scenario, ("blocks", block, "start", name), shown, str(error)))
+                faults.append(_at(scenario, key, key if known else key[:-1], str(error)))
         starts[block] = [Start(element, value) for element, value in found.items()]
     if faults:
         raise InputError(*faults)
     return starts
+
+
+def _refuse_twice(
+    scenario: Scenario, key: tuple[str, ...], first: dict[Element, str], values: Mapping[Element, Scalar]
+) -> None:
+    if again := next((element for element in values if element in first), None):
+        line = scenario.source.lines.get((*key[:-1], first[again]))
+        place = f", in line {line}" if line else ""
+        raise QuantityError(f"has a start value already, by {first[again]!r}{place}")
+    first.update(dict.fromkeys(values, key[-1]))
 
 
 def _at(scenario: Scenario, key: tuple[str, ...], shown: tuple[str, ...], text: str) -> str:

@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 import fmpy
@@ -308,6 +309,30 @@ CASES = [
         "cooled: 1",
     ),
     Case("a number for text", f"loop.yaml:9: {MOTOR}.start.label: expected text, found 5", "inertia: 0.5", "label: 5"),
+    Case(
+        "two units run together",
+        f"loop.yaml:9: {MOTOR}.start.inertia: the unit 'Nm' would be read as 'number meter'; did you mean 'N.m'?",
+        "inertia: 0.5",
+        "inertia: 1 Nm",
+    ),
+    Case(
+        "an element twice",
+        f"loop.yaml:10: {MOTOR}.start.axis[2]: has a start value already, by 'axis', in line 9",
+        "inertia: 0.5",
+        "axis: [1, 0, 0]\n      'axis[2]': 1",
+    ),
+    Case(
+        "a number of too many digits",
+        f"loop.yaml:9: {MOTOR}.start.inertia: expected a number, found '1{'0' * 19}' ... of 400 digits",
+        "inertia: 0.5",
+        f"inertia: 1{'0' * 399}",
+    ),
+    Case(
+        "a merge key",
+        "loop.yaml:9: merging by '<<' is not supported; remedy: write the entries out",
+        "inertia: 0.5",
+        "<<: {inertia: 0.5}",
+    ),
     # ---------------------------------------------------------------- options
     Case(
         "--set without a value",
@@ -443,6 +468,24 @@ CASES = [
         "signals: [motor.label]",
     ),
     Case(
+        "nothing recorded",
+        "loop.yaml:16: record.signals: must not be empty",
+        "interval: 0.1 s",
+        "signals: []",
+    ),
+    Case(
+        "a bound that nothing passes",
+        f"loop.yaml:20: {EXPECT}.always.below: expected a finite number, found inf",
+        "30 rpm",
+        ".inf",
+    ),
+    Case(
+        "two expectations of one name",
+        "loop.yaml:21: expect[2].name: is that of expect[1], too; expected another",
+        "    always: {below: 30 rpm}",
+        "    zeros: 0\n  - {name: the motor stops, signal: motor.speed, zeros: 1}",
+    ),
+    Case(
         "an expectation of an unknown signal",
         f"loop.yaml:19: {EXPECT}.signal: motor has no variable 'sped'; did you mean 'speed'?",
         "signal: motor.speed",
@@ -508,6 +551,18 @@ CASES = [
         f"loop.yaml:6: {MOTOR}.fmu: there is no FMU moter.fmu; did you mean 'motor.fmu'?",
         "fmu: motor.fmu",
         "fmu: moter.fmu",
+    ),
+    Case(
+        "an address",
+        f"loop.yaml:6: {MOTOR}.fmu: http://x/y.fmu is an address; expected the path of an .fmu file",
+        "fmu: motor.fmu",
+        "fmu: http://x/y.fmu",
+    ),
+    Case(
+        "a flavour of a file",
+        f"loop.yaml:7: {MOTOR}.flavour: only this project's own blocks have a flavour; motor.fmu is a file",
+        "fmu: motor.fmu",
+        "fmu: motor.fmu\n    flavour: python",
     ),
     Case(
         "a folder instead of an FMU",
@@ -639,6 +694,12 @@ CASES = [
         ),
     ),
     Case(
+        "a start value that the FMU refuses, and names",
+        "loop.yaml:12: blocks.regulator.start.gain: the gain is refused: -1",
+        options=("loop.yaml", "--set", "regulator.fault=5"),
+        runs=True,
+    ),
+    Case(
         "an FMU that refuses its parameters",
         "motor: fmi2ExitInitializationMode in initialization: gave status error\n  motor said: [error] the gain is refused: 0",
         options=("loop.yaml", "--set", "motor.fault=5"),
@@ -719,7 +780,8 @@ def page() -> str:
     for case in CASES:
         with tempfile.TemporaryDirectory() as folder:
             status, output = outcome(case, Path(folder))
-        first = [line for line in output.splitlines() if line][: 1 + output.count(" said: ")]
+        told, *more = [line for line in output.splitlines() if line]
+        first = [told, *takewhile(lambda line: line.startswith("  "), more)]
         shown = "<br>".join(f"`{re.sub('[|]', '¦', line.strip())}`" for line in first)
         lines.append(f"| {case.name} | {shown} | {status} |")
     return "\n".join(lines) + "\n"
