@@ -205,7 +205,11 @@ def run(
         for outcome in result.outcomes:
             if quiet and not outcome.passed:
                 complain(f"expectation failed: {outcome.name}")
+    told = len(result.warnings)
     result.save(target, format_)
+    for warning in result.warnings[told:]:
+        if not quiet:
+            say(f"note: {warning}", error=True, fg="yellow")
     if figures and len(result.time):
         result.draw(target / "figures")
     if not quiet:

@@ -1,4 +1,4 @@
-"""The folder of a run: signals, manifest, expectations.
+"""The folder of a run: signals, manifest, expectations, and a page that shows them.
 
 It takes the place of what an earlier run left in it; files that are not a run's own are not touched. Its files
 get their names only when all of them are complete, the manifest last.
@@ -50,7 +50,7 @@ def write(result: Result, folder: Path, format: str = "csv") -> Path:
     parts = {folder / name: folder / f"{name}.part" for name in files}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in ("manifest.json", "expectations.json", *(f"signals.{name}" for name in FORMATS)):
+        for name in ("manifest.json", "expectations.json", "report.html", *(f"signals.{name}" for name in FORMATS)):
             (folder / name).unlink(missing_ok=True)
         for path, part in parts.items():
             files[path.name](part)
@@ -65,7 +65,23 @@ def write(result: Result, folder: Path, format: str = "csv") -> Path:
         for part in parts.values():
             with suppress(OSError):
                 part.unlink(missing_ok=True)
+    _report(result, folder)
     return folder
+
+
+def _report(result: Result, folder: Path) -> None:
+    """Writes the page. Where that fails, the results stand without it, and a warning of the run says why."""
+    path, part = folder / "report.html", folder / "report.html.part"
+    try:
+        from . import report
+
+        report.write(result, part)
+        os.replace(part, path)
+    except Exception as error:
+        result.warnings.append(f"{path} cannot be written: {type(error).__name__}: {error}")
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def check(format: str) -> None:

@@ -1,0 +1,226 @@
+"use strict";
+// Draws the plots of report.html from the JSON in its element #data.
+(() => {
+  const page = JSON.parse(document.getElementById("data").textContent);
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const drawn = new Map(); // the plot in each place
+  const PAPER = { one: 680, many: 330 }; // widths in print, px
+  let printing = false;
+
+  // ---------------------------------------------------------------- data
+
+  const unpacked = new Map();
+  function array(place) {
+    if (!unpacked.has(place)) {
+      const { type, data } = page.arrays[place];
+      const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+      const view = new DataView(bytes.buffer);
+      const size = { u1: 1, f4: 4, f8: 8 }[type];
+      const read = { u1: (i) => view.getUint8(i), f4: (i) => view.getFloat32(i, true), f8: (i) => view.getFloat64(i, true) }[type];
+      const values = Array.from({ length: bytes.length / size }, (_, i) => read(i * size));
+      unpacked.set(place, values.map((v) => (Number.isFinite(v) ? v : null))); // null is a gap
+    }
+    return unpacked.get(place);
+  }
+
+  // ---------------------------------------------------------------- numbers
+
+  const sign = (text) => text.replace(/-/g, "\u2212");
+  const plain = (v) => (v === 0 || (Math.abs(v) >= 1e-4 && Math.abs(v) < 1e7));
+  function figures(v, n) {
+    if (v == null) return "\u2013";
+    const rounded = Number(v.toPrecision(n));
+    return sign(plain(rounded) ? String(rounded) : rounded.toExponential());
+  }
+  // Labels of ticks: as many decimals as their distance wants.
+  function labels(ticks) {
+    const distance = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
+    const largest = Math.max(...ticks.map(Math.abs));
+    if (largest >= 1e6 || (largest > 0 && largest < 1e-3)) {
+      const decimals = Math.max(0, Math.floor(Math.log10(largest)) - Math.floor(Math.log10(distance) + 1e-9));
+      return ticks.map((v) => (v === 0 ? "0" : sign(v.toExponential(Math.min(decimals, 12)))));
+    }
+    const decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(distance) + 1e-9)));
+    return ticks.map((v) => sign((Object.is(v, -0) ? 0 : v).toFixed(decimals)));
+  }
+  function ticks(low, high, count) {
+    const rough = (high - low) / Math.max(1, count);
+    if (!(rough > 0)) return [low];
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const step = power * [1, 2, 5, 10].find((m) => m * power >= rough * (1 - 1e-9));
+    const found = [];
+    for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) found.push(i * step);
+    return found;
+  }
+
+  // ---------------------------------------------------------------- a plot
+
+  function theme() {
+    const style = getComputedStyle(document.documentElement);
+    const paper = { "--text": "#1b1f24", "--quiet": "#59636e", "--grid": "#e9ecef", "--limit": "#5b6570", "--page": "#fff",
+      "--shade": "rgba(90, 100, 115, .2)", "--fault": "rgba(200, 40, 30, .08)" };
+    return (name) => (printing ? paper[name] : style.getPropertyValue(name).trim());
+  }
+  const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3]];
+  const onDark = { "#000000": "#f0f0f0", "#0072b2": "#4aa3df", "#999999": "#b5b5b5" };
+  function colour(i) {
+    const own = page.colours[i % page.colours.length];
+    return (!printing && dark.matches && onDark[own]) || own;
+  }
+
+  function draw(place) {
+    const plot = page.plots[place.dataset.plot];
+    const before = drawn.get(place);
+    const css = theme();
+    const x = array(plot.x), ys = plot.curves.map((curve) => array(curve.y));
+    const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
+    const zoomed = (u) => u.scales.x.min > first || u.scales.x.max < last;
+    const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif";
+    const axis = { font, labelFont: font, stroke: css("--quiet"), labelSize: 18, ticks: { show: false }, grid: { stroke: css("--grid"), width: 1 },
+      border: { show: true, stroke: css("--limit"), width: 1 } };
+    const splits = (period) => (u, i, low, high) =>
+      ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / 75)).map((v) => v * period);
+    const axes = [
+      { ...axis, label: "time, s", size: 28, gap: 4, splits: splits(1), values: (u, at) => labels(at) },
+      { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at), space: 30,
+        size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
+    ];
+    if (page.cycle) {
+      axes.push({ ...axis, side: 0, scale: "x", label: page.cycle.name, size: 26, gap: 2, grid: { show: false },
+        splits: splits(page.cycle.period), values: (u, at) => labels(at.map((t) => t / page.cycle.period)) });
+    }
+    const time = (u, v) => (v == null ? "\u2013" : `${figures(v, 7)} s` + (page.cycle ? `, ${figures(v / page.cycle.period, 4)} ${page.cycle.name}` : ""));
+    const options = {
+      width: width(place), height: height(place), axes,
+      scales: {
+        x: { time: false, range: (u, low, high) => (low == null ? [first, last] : [low, high]) },
+        y: { range: (u, low, high) => {
+          if (low == null) [low, high] = plot.lines.length ? [Infinity, -Infinity] : [0, 1];
+          if (!zoomed(u)) for (const line of plot.lines) { low = Math.min(low, line); high = Math.max(high, line); }
+          const pad = low < high ? 0.06 * (high - low) : 0.1 * Math.abs(low) || 1;
+          return [low - pad, high + pad];
+        } },
+      },
+      series: [
+        { label: "time", value: time },
+        ...plot.curves.map((curve, i) => ({
+          label: curve.name, stroke: colour(i), width: 1.6, dash: DASHES[Math.floor(i / page.colours.length) % DASHES.length],
+          value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
+          points: { show: x.length < 40 }, show: before ? before.series[i + 1].show : true,
+        })),
+      ],
+      legend: { markers: { width: 0, fill: (u, i) => colour(i - 1) } },
+      cursor: { drag: { x: true, y: false }, points: { size: 7 },
+        sync: plot.linked && !printing ? { key: "time", setSeries: false, scales: ["x", null] } : undefined },
+      hooks: { drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)] },
+    };
+    let range = null;
+    if (before) {
+      if (zoomed(before)) range = { min: before.scales.x.min, max: before.scales.x.max };
+      before.destroy();
+    }
+    const u = new uPlot(options, [x, ...ys], place);
+    u.setScale("x", range || { min: first, max: last });
+    drawn.set(place, u);
+    u.over.addEventListener("dblclick", () => u.setScale("x", { min: first, max: last }));
+    u.root.querySelectorAll(".u-series:not(:first-child) th").forEach((th, i) => {
+      th.tabIndex = 0;
+      th.setAttribute("role", "button");
+      const say = () => th.setAttribute("aria-pressed", u.series[i + 1].show);
+      th.addEventListener("click", () => queueMicrotask(say));
+      th.addEventListener("keydown", (event) => {
+        if (event.key === "Enter" || event.key === " ") { event.preventDefault(); th.click(); }
+      });
+      say();
+    });
+  }
+
+  function clipped(u, paint) {
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+    u.ctx.clip();
+    paint(u.ctx, uPlot.pxRatio);
+    u.ctx.restore();
+  }
+  function spans(u, plot, css) {
+    clipped(u, (ctx, ratio) => {
+      for (const [list, name] of [[page.faults, "--fault"], [plot.shade, "--shade"]]) {
+        ctx.fillStyle = css(name);
+        for (const [from, to] of list) {
+          const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
+          ctx.fillRect(a, u.bbox.top, Math.max(b - a, 1.5 * ratio), u.bbox.height); // the shortest stays visible
+        }
+      }
+    });
+  }
+  function lines(u, plot, css) {
+    clipped(u, (ctx, ratio) => {
+      ctx.strokeStyle = css("--limit");
+      ctx.lineWidth = 1.1 * ratio;
+      const stroke = (dash, x0, y0, x1, y1) => {
+        ctx.setLineDash(dash.map((d) => d * ratio));
+        ctx.beginPath();
+        ctx.moveTo(x0, y0);
+        ctx.lineTo(x1, y1);
+        ctx.stroke();
+      };
+      for (const line of plot.lines) {
+        const y = u.valToPos(line, "y", true);
+        stroke([6, 4], u.bbox.left, y, u.bbox.left + u.bbox.width, y);
+      }
+      for (const mark of plot.marks) {
+        const x = u.valToPos(mark, "x", true);
+        stroke([1.5, 3], x, u.bbox.top, x, u.bbox.top + u.bbox.height);
+      }
+    });
+  }
+
+  // ---------------------------------------------------------------- the page
+
+  const single = (place) => place.parentElement.classList.contains("n1");
+  function width(place) {
+    return printing ? (single(place) ? PAPER.one : PAPER.many) : Math.max(200, place.clientWidth);
+  }
+  const height = (place) => (printing ? 205 : single(place) ? 320 : 280);
+  const visible = (place) => place.clientWidth > 0;
+  function show(place) {
+    if (drawn.has(place) || !visible(place)) return;
+    try {
+      draw(place);
+    } catch (error) {
+      place.textContent = `This plot cannot be drawn: ${error.message}`;
+      place.classList.add("problem");
+      throw error;
+    }
+  }
+  const places = [...document.querySelectorAll(".plot")];
+  const resized = new ResizeObserver((entries) => {
+    if (printing) return;
+    for (const { target } of entries) {
+      const u = drawn.get(target);
+      if (u && visible(target) && u.width !== width(target)) u.setSize({ width: width(target), height: height(target) });
+    }
+  });
+  const all = () => places.forEach(show);
+  const again = () => drawn.forEach((_, place) => draw(place));
+  document.querySelectorAll("details").forEach((details) => details.addEventListener("toggle", all));
+  dark.addEventListener("change", again);
+  let opened = [];
+  addEventListener("beforeprint", () => {
+    if (printing) return;
+    printing = true;
+    opened = [...document.querySelectorAll("details.paper:not([open])")];
+    opened.forEach((details) => { details.open = true; });
+    all();
+    again();
+  });
+  addEventListener("afterprint", () => {
+    printing = false;
+    opened.forEach((details) => { details.open = false; });
+    again();
+  });
+  all();
+  places.forEach((place) => resized.observe(place));
+  document.documentElement.dataset.drawn = drawn.size;
+})();
