@@ -96,7 +96,9 @@ def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
     try:
         from . import packaging
     except ModuleNotFoundError as error:
-        raise BuildError(f"building the Python flavour needs the package {error.name}: pip install {error.name}") from None
+        raise BuildError(
+            f"building the Python flavour needs the package {error.name}: pip install {error.name}"
+        ) from None
     return packaging.package
 
 

@@ -279,8 +279,8 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: 
     for name, (variable, position) in variables.items():
         if variable.causality == "input" and _source(structure, _End(place, name)) is None:
             value = own.get(Element(variable.name, position))
-            items: dict[Any, str] = {number: item for item, number in variable.items}
-            starts[variable.label(position)] = items[value] if value in items else value
+            items: dict[Any, Any] = {number: item for item, number in variable.items}
+            starts[variable.label(position)] = items.get(value, value)
     for name, given in structure.values.get(place, {}).items():
         if name not in variables:
             hint = nearest(name, variables)

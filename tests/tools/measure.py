@@ -62,9 +62,16 @@ LOOPS = (
         "FMPy",
         "the loop from `adcs.ssp`",
         note="FMPy passes over the parameter sets of an SSP archive, and in the first step it sets every connected input to 0; "
-        "a controller refuses an attitude of zeros. The lines at the top give it the parameter sets and the start values.",
+        "a controller refuses an attitude of zeros. The lines at the top give it the parameter sets and the start values. It can set neither text nor an "
+        "enumeration's item.",
     ),
-    Recipe("libcosim_ssp.py", "libcosim", "libcosimpy", "the loop from `adcs.ssp`", note="It ignores enumerations."),
+    Recipe(
+        "libcosim_ssp.py",
+        "libcosim",
+        "libcosimpy",
+        "the loop from `adcs.ssp`",
+        note="It knows no enumerations: an archive that sets one ends its process.",
+    ),
     Recipe(
         "ecos_ssp.py",
         "ecos",
@@ -72,7 +79,7 @@ LOOPS = (
         "the loop from `adcs.ssp`",
         ahead=1,
         note="It needs oneTBB (Debian: `apt install libtbb12`). It reads outputs after it has set the inputs for the next step, so the "
-        "law it shows is a step newer than the one the loop has used. It ignores enumerations.",
+        "law it shows is a step newer than the one the loop has used. It knows no enumerations, and refuses an archive that sets one.",
     ),
     Recipe(
         "fmpy_container.py",
@@ -81,7 +88,7 @@ LOOPS = (
         "the loop as one FMU, in FMPy",
         exchange="sequential",
         note="The container steps its blocks in the scenario's order, so any tool that runs one FMU runs the loop as `orchestrate` does. "
-        "It has no states to save, and enumerations are whole numbers (their items are in the descriptions).",
+        "It has no states to save, and enumerations are whole numbers (their items are in the descriptions), so it can be had with any value of them.",
     ),
 )
 
@@ -93,6 +100,17 @@ def prepare(folder: Path) -> None:
         inner = folder / f"step_{step:g}"
         inner.mkdir()
         _orchestrate("export", SCENARIO, "--step", step, "--ssp", inner / "adcs.ssp", "--container", inner / "adcs.fmu")
+
+
+def prepare_item(folder: Path) -> Path:
+    """The same with an enumeration's item that is not the FMU's own; returns the scenario."""
+    text = SCENARIO.read_text("utf-8")
+    old = "    fmu: controller\n    start:\n"
+    assert old in text
+    scenario = folder / "item.yaml"
+    scenario.write_text(text.replace(old, f"{old}      gain_schedule: constant\n"), "utf-8")
+    _orchestrate("export", scenario, "--ssp", folder / "adcs.ssp", "--container", folder / "adcs.fmu")
+    return scenario
 
 
 def _orchestrate(*arguments: object) -> None:
@@ -141,11 +159,15 @@ def changed(recipe: Recipe, block: str, start: dict[str, float], signal: str) ->
 @cache
 def ours(step: float, exchange: str) -> Floats:
     """The attitude error of the loop in `orchestrate`."""
-    return np.asarray(orchestration.run(_loop(step, exchange))["controller.attitude_error"])
+    return loop(SCENARIO, step, exchange)
 
 
-def _loop(step: float, exchange: str) -> Scenario:
-    source = load(SCENARIO).source.without([("expect",), ("figures",), ("holds",)])
+def loop(scenario: Path, step: float, exchange: str) -> Floats:
+    return np.asarray(orchestration.run(_loop(scenario, step, exchange))["controller.attitude_error"])
+
+
+def _loop(scenario: Path, step: float, exchange: str) -> Scenario:
+    source = load(scenario).source.without([("expect",), ("figures",), ("holds",)])
     for key, value in (("step", step), ("exchange", exchange), ("duration", DURATION)):
         source = source.with_value(key, value, "")
     return load(source)

@@ -87,3 +87,23 @@ def test_fmpy_s_ssp_simulation_without_the_recipe_s_lines_is_refused_by_the_cont
     plain = {"simulation.instantiate_fmu = instantiate\n": ""}
     with pytest.raises(AssertionError, match="R_NB"):
         measure.play(recipe, exported / "step_0.1", replace=plain)
+
+
+REFUSALS = {
+    "fmpy_ssp.py": "invalid literal for int\\(\\) with base 10: 'constant'",
+    "libcosim_ssp.py": "Internal error",
+    "ecos_ssp.py": "Unknown XML node in ssv:Parameter",
+}
+
+
+@pytest.mark.parametrize("recipe", LOOPS, ids=lambda r: r.script.removesuffix(".py"))
+def test_an_enumeration_s_item_is_never_ignored_in_silence(recipe: Recipe, tmp_path: Path) -> None:
+    """No reader of SSP archives here can set one, and each says so or ends; the container has it."""
+    needs(recipe)
+    scenario = measure.prepare_item(tmp_path)
+    if recipe.script in REFUSALS:
+        with pytest.raises(AssertionError, match=REFUSALS[recipe.script]):
+            measure.play(recipe, tmp_path)
+        return
+    _, error = measure.play(recipe, tmp_path)
+    np.testing.assert_array_equal(error, measure.loop(scenario, 0.1, recipe.exchange))
