@@ -41,9 +41,7 @@ def tag(name: str, *children: object, **attributes: object) -> Html:
     """An element. Children and attributes are escaped, but for children that are `Html`; lists of them are taken apart."""
     flat = [c for child in children for c in (child if isinstance(child, (list, tuple)) else (child,))]
     inside = "".join(c if isinstance(c, Html) else escape(str(c)) for c in flat)
-    given = "".join(
-        f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items()
-    )
+    given = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items())
     return Html(f"<{name}{given}>{inside}</{name}>")
 
 
@@ -165,7 +163,9 @@ def _claims(result: Result) -> Html:
         ]
         for o in result.outcomes
     ]
-    return _section("Expectations", _table(("", "expectation", "found", "expected", "margin", "looked at"), rows))
+    return _section(
+        "Expectations", _table(("", "expectation", "found", "expected", "margin", "looked at"), rows, "claims")
+    )
 
 
 def _looked_at(outcome: Outcome) -> str:
@@ -250,39 +250,54 @@ def _place(plot: dict[str, Any], shown: list[dict[str, Any]], name: str = "") ->
 
 
 def _signals(result: Result, arrays: plots.Arrays, shown: list[dict[str, Any]]) -> Html:
-    """A fold for each block, with what no figure shows."""
-    drawn = {name for entry in result.scenario.figures for panel in entry.panels for name in panel.signals}
-    drawn -= {n for e in result.scenario.figures for p in e.panels if p.measure == "norm" for n in p.signals}
+    """What no figure shows: a fold for each block; in the open what is looked at, where the scenario has no figures."""
+    entries = result.scenario.figures
+    drawn = {name for e in entries for panel in e.panels if panel.measure == "element" for name in panel.signals}
     groups, left = plots.others(result, arrays, drawn)
+    looked_at = [] if entries else [group for group in groups if group.plot is not None and group.expected]
     blocks: dict[str, list[plots.Group]] = {}
     for group in groups:
-        blocks.setdefault(group.name.split(".")[0], []).append(group)
+        if group not in looked_at:
+            blocks.setdefault(group.name.split(".")[0], []).append(group)
     folds = []
     for block, members in blocks.items():
         moving = [group for group in members if group.plot is not None]
         still = [[group.name, group.constant, group.description] for group in members if group.plot is None]
-        figures = [
-            tag(
-                "figure",
-                tag("h3", group.name, tag("small", group.description)),
-                _place(group.plot, shown, group.name),
-                _caption(result, [group.plot], [group.note] if group.note else []),
-            )
-            for group in moving
-            if group.plot is not None
-        ]
         folds.append(
             tag(
                 "details",
                 tag("summary", tag("strong", block), f" {_count(len(moving), len(still))}"),
-                tag("div", figures, class_="grid") if figures else "",
+                tag("div", [_group(result, group, shown) for group in moving], class_="grid") if moving else "",
                 [tag("h3", "Constant"), _table(("signal", "value", "description"), still)] if still else "",
-                class_="signals" + ("" if result.scenario.figures else " paper"),
+                class_="signals" if entries or looked_at else "signals paper",
             )
         )
-    more = [tag("p", f"{left} more signals are in the signals' file beside this page.")] if left else []
-    title = "Other signals" if result.scenario.figures else "Signals"
-    return _section(title, "" if result.scenario.figures else _hint(), folds, more) if folds else Html()
+    if left:
+        folds.append(tag("p", f"{left} more signals are in the signals' file beside this page."))
+    parts = []
+    if looked_at:
+        parts.append(
+            _section(
+                "What the expectations look at", _hint(), [_group(result, group, shown, "n1") for group in looked_at]
+            )
+        )
+    if folds:
+        parts.append(
+            _section(
+                "Other signals" if entries or looked_at else "Signals", "" if entries or looked_at else _hint(), folds
+            )
+        )
+    return Html("\n".join(parts))
+
+
+def _group(result: Result, group: plots.Group, shown: list[dict[str, Any]], kind: str = "") -> Html:
+    assert group.plot is not None
+    return tag(
+        "figure",
+        tag("h3", group.name, tag("small", group.description)),
+        tag("div", _place(group.plot, shown, group.name), class_=f"panels {kind}".strip()),
+        _caption(result, [group.plot], [group.note] if group.note else []),
+    )
 
 
 def _count(moving: int, still: int) -> str:
@@ -306,14 +321,20 @@ def _made_of(result: Result) -> Html:
         ]
         for name, fmu in fmus.items()
     ]
-    return _section("Blocks", _table(("block", "model", "file", "made by", "isolation", "SHA-256"), rows)) if rows else Html()
+    return (
+        _section("Blocks", _table(("block", "model", "file", "made by", "isolation", "SHA-256"), rows))
+        if rows
+        else Html()
+    )
 
 
 def _manifest(result: Result) -> Html:
     if not result.manifest:
         return Html()
     text = json.dumps(result.manifest, indent=2, ensure_ascii=False, default=_plain)
-    summary = tag("summary", tag("strong", "manifest.json"), " the scenario as resolved, parameters, versions, platform")
+    summary = tag(
+        "summary", tag("strong", "manifest.json"), " the scenario as resolved, parameters, versions, platform"
+    )
     return _section("Manifest", tag("details", summary, tag("pre", text, class_="manifest")))
 
 
@@ -325,7 +346,7 @@ def _section(title: str, *children: object) -> Html:
     return tag("section", tag("h2", title), *children)
 
 
-def _table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> Html:
+def _table(header: Sequence[str], rows: Sequence[Sequence[object]], kind: str = "plain") -> Html:
     head = tag("thead", tag("tr", [tag("th", cell, scope="col") for cell in header]))
     body = tag("tbody", [tag("tr", [tag("td", cell) for cell in row]) for row in rows])
-    return tag("div", tag("table", head, body), class_="scroll")
+    return tag("div", tag("table", head, body, class_=kind), class_="scroll")

@@ -64,6 +64,8 @@ class Group:
     plot: dict[str, Any] | None
     constant: str = ""
     note: str = ""
+    expected: bool = False
+    """Whether an expectation looks at it."""
 
 
 def of_panel(result: Result, entry: FigureEntry, panel: Panel, arrays: Arrays, rows: int = ROWS) -> dict[str, Any]:
@@ -135,7 +137,7 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
     unit = variable.display_unit or variable.unit or ONE
     factor, offset = (variable.unit or ONE).conversion(unit)
     nodes = [n for n in result.columns if (n.block, n.element.variable) == (name.split(".")[0], variable.name)]
-    labels = [f"{n.block}.{variable.label(n.element.position)}" for n in nodes]
+    labels = [variable.label(n.element.position) for n in nodes]
     values = np.column_stack([factor * result.column(node) + offset for node in nodes])
     if (values[0] == values).all():
         return Group(name, variable.description, None, _constant(variable, values[0], unit))
@@ -144,8 +146,8 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
     for expectation in result.scenario.expect:
         if expectation.always is None or variable.type == "boolean" or not _means(expectation.signal, name):
             continue
-        if expectation.measure == "norm" and len(nodes) == variable.size and all(n[0] != f"|{name}|" for n in named):
-            named.append((f"|{name}|", np.sqrt((values * values).sum(axis=1))))
+        if expectation.measure == "norm" and len(nodes) == variable.size and named[-1][0] != f"|{variable.name}|":
+            named.append((f"|{variable.name}|", np.sqrt(((values - offset) ** 2).sum(axis=1))))
         lines += _bounds(expectation.always, variable, unit)
     plot = {
         **_plot(result, _with_unit(variable.name, unit), named, arrays, FEWER, None, variable.type != "real"),
@@ -153,7 +155,9 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
         "shade": held,
     }
     left = len(labels) - CURVES
-    return Group(name, variable.description, plot, note=f"{left} more elements are not drawn" if left > 0 else "")
+    note = f"{left} more elements are not drawn" if left > 0 else ""
+    expected = any(_means(expectation.signal, name) for expectation in result.scenario.expect)
+    return Group(name, variable.description, plot, note=note, expected=expected)
 
 
 def _plot(

@@ -36,7 +36,7 @@
   function labels(ticks) {
     const distance = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
     const largest = Math.max(...ticks.map(Math.abs));
-    if (largest >= 1e6 || (largest > 0 && largest < 1e-3)) {
+    if (largest >= 1e6 || (largest > 0 && largest < 1e-4)) {
       const decimals = Math.max(0, Math.floor(Math.log10(largest)) - Math.floor(Math.log10(distance) + 1e-9));
       return ticks.map((v) => (v === 0 ? "0" : sign(v.toExponential(Math.min(decimals, 12)))));
     }
@@ -74,12 +74,13 @@
     const css = theme();
     const x = array(plot.x), ys = plot.curves.map((curve) => array(curve.y));
     const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
-    const zoomed = (u) => u.scales.x.min > first || u.scales.x.max < last;
+    let view = [first, last]; // what the scale of time is about to show, known before the others are laid out
+    const zoomed = () => view[1] - view[0] < (last - first) * (1 - 1e-6);
     const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif";
     const axis = { font, labelFont: font, stroke: css("--quiet"), labelSize: 18, ticks: { show: false }, grid: { stroke: css("--grid"), width: 1 },
       border: { show: true, stroke: css("--limit"), width: 1 } };
     const splits = (period) => (u, i, low, high) =>
-      ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / 75)).map((v) => v * period);
+      ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / (printing ? 55 : 75))).map((v) => v * period);
     const axes = [
       { ...axis, label: "time, s", size: 28, gap: 4, splits: splits(1), values: (u, at) => labels(at) },
       { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at), space: 30,
@@ -93,10 +94,10 @@
     const options = {
       width: width(place), height: height(place), axes,
       scales: {
-        x: { time: false, range: (u, low, high) => (low == null ? [first, last] : [low, high]) },
+        x: { time: false, range: (u, low, high) => (view = Number.isFinite(low) && low < high ? [low, high] : [first, last]) },
         y: { range: (u, low, high) => {
-          if (low == null) [low, high] = plot.lines.length ? [Infinity, -Infinity] : [0, 1];
-          if (!zoomed(u)) for (const line of plot.lines) { low = Math.min(low, line); high = Math.max(high, line); }
+          if (!Number.isFinite(low)) [low, high] = plot.lines.length && !zoomed() ? [Infinity, -Infinity] : [0, 1];
+          if (!zoomed()) for (const line of plot.lines) { low = Math.min(low, line); high = Math.max(high, line); }
           const pad = low < high ? 0.06 * (high - low) : 0.1 * Math.abs(low) || 1;
           return [low - pad, high + pad];
         } },
@@ -104,7 +105,7 @@
       series: [
         { label: "time", value: time },
         ...plot.curves.map((curve, i) => ({
-          label: curve.name, stroke: colour(i), width: 1.6, dash: DASHES[Math.floor(i / page.colours.length) % DASHES.length],
+          label: curve.name, stroke: colour(i), width: 1.6, pxAlign: 0, dash: DASHES[Math.floor(i / page.colours.length) % DASHES.length],
           value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
           points: { show: x.length < 40 }, show: before ? before.series[i + 1].show : true,
         })),
@@ -116,7 +117,7 @@
     };
     let range = null;
     if (before) {
-      if (zoomed(before)) range = { min: before.scales.x.min, max: before.scales.x.max };
+      range = { min: before.scales.x.min, max: before.scales.x.max };
       before.destroy();
     }
     const u = new uPlot(options, [x, ...ys], place);
