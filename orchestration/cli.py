@@ -25,7 +25,14 @@ EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, UNWRITTEN, INTERNAL, SIGNALLED = 
 
 _PIPE = 13
 """The number of SIGPIPE."""
-_LATER = {"check": "check", "compare": "compare", "new": "new", "export": "export", "fmus": "list_fmus", "scenarios": "list_scenarios"}
+_LATER = {
+    "check": "check",
+    "compare": "compare",
+    "new": "new",
+    "export": "export",
+    "fmus": "list_fmus",
+    "scenarios": "list_scenarios",
+}
 """Commands that are imported when they are called, and the modules whose `command` they are."""
 
 

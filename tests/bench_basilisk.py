@@ -77,7 +77,9 @@ def main(duration: float, step: float = 0.1) -> None:
     simulation.AddModelToTask("step", drag)
 
     wheels = simIncludeRW.rwFactory()
-    wheels.create("custom", [1.0, 0.0, 0.0], Omega=0.0, Js=1.47e-5, u_max=3e-3, Omega_max=2041.0 * macros.rpm2radsec * 30 / np.pi)
+    wheels.create(
+        "custom", [1.0, 0.0, 0.0], Omega=0.0, Js=1.47e-5, u_max=3e-3, Omega_max=2041.0 * macros.rpm2radsec * 30 / np.pi
+    )
     wheel = reactionWheelStateEffector.ReactionWheelStateEffector()
     wheels.addToSpacecraft("wheel", wheel, body)
     torque = messaging.ArrayMotorTorqueMsg().write(messaging.ArrayMotorTorqueMsgPayload(motorTorque=[1e-6]))

@@ -131,7 +131,10 @@ def test_a_value_out_of_range_is_refused_by_name_value_and_range(
         ({"epoch": "50%s"}, r"epoch: .*found '50%%s'"),  # doubled: FMI's message is a format
         ({"epoch": "2009-02-29T00:00:00Z"}, r"epoch: expected UTC"),
         ({"epoch": "2009-08-10T00:00:00+02:00"}, r"epoch: expected UTC"),
-        ({"field_model": "wmm2025"}, r"epoch: expected a date that wmm2025 covers, 2025.0 to 2030.0, or field_extrapolate, found 2009.6"),
+        (
+            {"field_model": "wmm2025"},
+            r"epoch: expected a date that wmm2025 covers, 2025.0 to 2030.0, or field_extrapolate, found 2009.6",
+        ),
         ({"orbit_radius": 6.475e6}, r"orbit_radius: expected a perigee of at least"),
         ({"orbit_radius": 9e6}, r"orbit_radius: expected heights of 150 km to 2000 km"),
         ({"orbit_start": "position_velocity", "v_N0": [1.0, 0.0, 0.0]}, r"v_N0: expected below escape speed"),
