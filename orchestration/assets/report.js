@@ -184,7 +184,7 @@
     return printing ? (single(place) ? PAPER.one : PAPER.many) : Math.max(200, place.clientWidth);
   }
   const height = (place) => (printing ? 205 : single(place) ? 320 : 280);
-  const visible = (place) => place.clientWidth > 0;
+  const visible = (place) => !place.closest("details:not([open])"); // what is folded has a size all the same
   function show(place) {
     if (drawn.has(place) || !visible(place)) return;
     try {

@@ -33,11 +33,16 @@ class Browser:
         self._folder = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
         read, self._to = os.pipe()
         self._from, write = os.pipe()
-        command = ["sh", "-c", f'exec "$@" 3<&{read} 4>&{write}', "sh", path, *FLAGS]
-        options = [f"--user-data-dir={self._folder.name}", f"--window-size={width},{height}", "about:blank"]
+        options = [*FLAGS, f"--user-data-dir={self._folder.name}", f"--window-size={width},{height}", "about:blank"]
+
+        def pipes() -> None:
+            ends = os.dup(read), os.dup(write)  # clear of 3 and 4, which the browser takes
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+
         quiet = subprocess.DEVNULL
         self._process = subprocess.Popen(
-            [*command, *options], pass_fds=(read, write), stdin=quiet, stdout=quiet, stderr=quiet
+            [path, *options], preexec_fn=pipes, close_fds=False, stdin=quiet, stdout=quiet, stderr=quiet
         )
         os.close(read)
         os.close(write)
