@@ -136,7 +136,8 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
     variable = result.variable(name)
     unit = variable.display_unit or variable.unit or ONE
     factor, offset = (variable.unit or ONE).conversion(unit)
-    nodes = [n for n in result.columns if (n.block, n.element.variable) == (name.split(".")[0], variable.name)]
+    block = name.split(".")[0]
+    nodes = [n for n in result.columns if n.block == block and n.element.variable == variable.name]
     labels = [variable.label(n.element.position) for n in nodes]
     values = np.column_stack([factor * result.column(node) + offset for node in nodes])
     if (values[0] == values).all():
@@ -202,12 +203,18 @@ def kept(values: NDArray[Any], rows: int) -> NDArray[np.intp]:
             continue
         stretches = part.reshape(-1, min(size, len(part)), k)
         begins = first + size * np.arange(len(stretches))[:, None]
-        lost = np.isnan(stretches)
-        ways = [np.where(lost, np.inf, stretches).argmin(axis=1), np.where(lost, -np.inf, stretches).argmax(axis=1)]
-        if lost.any():
-            ways.append(lost.argmax(axis=1))
+        ways = [stretches.argmin(axis=1), stretches.argmax(axis=1)]
+        if (
+            lost := np.isnan(stretches)
+        ).any():  # a gap counts as lowest and highest to NumPy, and hides those beside it
+            ways += [
+                np.where(lost, np.inf, stretches).argmin(axis=1),
+                np.where(lost, -np.inf, stretches).argmax(axis=1),
+            ]
         chosen += [(begins + way).ravel() for way in ways]
-    return np.unique(np.concatenate(chosen))
+    stays = np.zeros(n, bool)
+    stays[np.concatenate(chosen)] = True
+    return np.flatnonzero(stays)
 
 
 def _packed(values: NDArray[Any]) -> tuple[str, bytes]:
