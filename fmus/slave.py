@@ -21,7 +21,7 @@ from .interface import Interface, parse
 from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
 
 try:
-    from .pythonfmu.fmi2slave import Fmi2Slave  # type: ignore[import-not-found]  # the copy that an FMU carries
+    from .pythonfmu.fmi2slave import Fmi2Slave  # the copy that an FMU carries
 except ModuleNotFoundError:
     from pythonfmu.fmi2slave import Fmi2Slave
 
