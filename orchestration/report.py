@@ -47,7 +47,7 @@ def tag(name: str, *children: object, **attributes: object) -> Html:
 
 def write(result: Result, path: Path) -> None:
     """Writes the page of a run."""
-    path.write_text(page(result), "utf-8", errors="replace")
+    path.write_text(page(result), "utf-8", errors="replace", newline="\n")
 
 
 def page(result: Result) -> str:

@@ -83,7 +83,8 @@
       ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / (printing ? 55 : 75))).map((v) => v * period);
     const axes = [
       { ...axis, label: "time, s", size: 28, gap: 4, splits: splits(1), values: (u, at) => labels(at) },
-      { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at), space: 30,
+      { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at),
+        splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34)),
         size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
     ];
     if (page.cycle) {

@@ -85,6 +85,7 @@ def test_from_an_empty_folder_a_user_gets_scenarios_runs_one_and_gets_the_fmus(i
     assert done.returncode == 0, done.stdout + done.stderr
     manifest = json.loads((tmp_path / "results/paper_no_singularity/manifest.json").read_text())
     assert str(installed) in json.dumps(manifest)
+    assert (tmp_path / "results/paper_no_singularity/report.html").is_file()
     handed = call(installed, tmp_path, "fmus", "--copy", "handed")
     assert handed.returncode == 0, handed.stderr
     for block in BLOCKS:
