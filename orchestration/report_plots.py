@@ -144,6 +144,8 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
         return Group(name, variable.description, None, _constant(variable, values[0], unit))
     named = list(zip(labels, values.T[:CURVES], strict=False))
     lines: list[float] = []
+    expected = any(_means(expectation.signal, name) for expectation in result.scenario.expect)
+    rows = ROWS if expected and not result.scenario.figures else FEWER
     for expectation in result.scenario.expect:
         if expectation.always is None or variable.type == "boolean" or not _means(expectation.signal, name):
             continue
@@ -151,13 +153,12 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
             named.append((f"|{variable.name}|", np.sqrt(((values - offset) ** 2).sum(axis=1))))
         lines += _bounds(expectation.always, variable, unit)
     plot = {
-        **_plot(result, _with_unit(variable.name, unit), named, arrays, FEWER, None, variable.type != "real"),
+        **_plot(result, _with_unit(variable.name, unit), named, arrays, rows, None, variable.type != "real"),
         "lines": list(dict.fromkeys(lines)),
         "shade": held,
     }
     left = len(labels) - CURVES
     note = f"{left} more elements are not drawn" if left > 0 else ""
-    expected = any(_means(expectation.signal, name) for expectation in result.scenario.expect)
     return Group(name, variable.description, plot, note=note, expected=expected)
 
 
