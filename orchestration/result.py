@@ -57,7 +57,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
     @property
     def flags(self) -> dict[str, float | None]:
-        """When each boolean output that was recorded was true first, s; None for never."""
+        """When each boolean output was true first, s; None for never. They are recorded whatever was asked for."""
         found: dict[str, float | None] = {}
         for node in self.columns if len(self.time) else ():
             variable = self.models[node.block].variables[node.element.variable]

@@ -62,7 +62,8 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
         lambda: figures.check(scenario, models),
         lambda: holds.prepare(scenario, models),
     )
-    columns = list(dict.fromkeys([*recorded, *(node for look in (*checks, *held) for node in look.needed), *drawn]))
+    needed = [node for look in (*checks, *held) for node in look.needed]
+    columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
     notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *amiss.notes]
     return Plan(scenario, models, times, wired, values, sequence, checks, held, columns, notes, amiss)

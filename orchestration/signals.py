@@ -58,6 +58,17 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     return list(nodes)
 
 
+def flags(models: Mapping[str, Model]) -> list[Node]:
+    """All boolean outputs: recorded whatever was asked for, so that no flag is overlooked in the manifest."""
+    return [
+        Node(block, element)
+        for block, model in models.items()
+        for variable in model.of("output")
+        if variable.type == "boolean"
+        for element in variable.elements
+    ]
+
+
 def _matching(scenario: Scenario, key: Key, pattern: str, models: Mapping[str, Model]) -> list[Node]:
     """The outputs whose names match `block.*`, `*.omega_*` and the like."""
     literal = re.sub(r"([\[\]?])", r"[\1]", pattern)  # only the star is special

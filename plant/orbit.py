@@ -36,6 +36,11 @@ class Orbit:
     node_rate: float = 0.0
     """Rate at which the plane turns about N's Z axis, rad/s."""
 
+    @property
+    def inclination(self) -> float:
+        """rad"""
+        return math.acos(min(max(float(np.cross(self.towards_perigee, self.along_perigee)[2]), -1.0), 1.0))
+
     def with_node_rate(self, rate: float) -> Orbit:
         """The same orbit with its plane turning about N's Z axis, rad/s."""
         return replace(self, node_rate=rate)

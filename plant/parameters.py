@@ -14,6 +14,9 @@ from .drag import AXES, Drag, octagonal_cylinder
 from .so3 import Array, from_quaternion, project
 from .wheel import Wheel
 
+DRIFT_PASSES = 6
+"""Each leaves about a thousandth of the last one's error."""
+
 LOWEST_PERIGEE = orbit.WGS84_RADIUS + 100e3
 """m; below it the orbit is no orbit."""
 
@@ -92,15 +95,18 @@ class Parameters:
     @cached_property
     def orbit(self) -> orbit.Orbit:
         mu = self.gravitational_parameter
-        if self.orbit_start == "position_velocity":
-            path = orbit.from_position_velocity(self.r_N0, self.v_N0, mu)
-        else:
+        if self.orbit_start == "circular":
             raan = self.gmst0 + self.node_longitude
             path = orbit.circular(self.orbit_radius, self.inclination, raan, self.argument_of_latitude, mu)
+            return path.with_node_rate(_drift(path, mu)) if self.j2_node_drift else path
+        path = orbit.from_position_velocity(self.r_N0, self.v_N0, mu)
         if not self.j2_node_drift:
             return path
-        normal_z = np.cross(path.towards_perigee, path.along_perigee)[2]
-        rate = orbit.j2_node_rate(path.semi_major_axis, path.eccentricity, math.acos(min(max(normal_z, -1.0), 1.0)), mu)
+        # v_N0 contains the plane's own turning, whose rate follows from the orbit in the plane: a fixed point.
+        x, y, _ = self.r_N0.tolist()
+        for _ in range(DRIFT_PASSES):
+            rate = _drift(path, mu)
+            path = orbit.from_position_velocity(self.r_N0, self.v_N0 - rate * np.array((-y, x, 0.0)), mu)
         return path.with_node_rate(rate)
 
     @cached_property
@@ -160,6 +166,11 @@ _CHOICES = {
     "initial_attitude": ("Q0", "q_NB0"),
     "field_model": tables.field_models.NAMES,
 }
+
+
+def _drift(path: orbit.Orbit, mu: float) -> float:
+    """Rate of the orbit's node, rad/s, under J2."""
+    return orbit.j2_node_rate(path.semi_major_axis, path.eccentricity, path.inclination, mu)
 
 
 def check(p: Parameters) -> None:

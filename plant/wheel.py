@@ -49,8 +49,9 @@ class Segment:
 
     def mean(self, s: float, duration: float) -> float:
         """Mean of l_w over [s, s + duration], N m s; the duration may be negative."""
-        l_from = self.momentum(s)
-        return l_from + (self.drive - self.decay * l_from) * duration * _phi2(self.decay * duration)
+        # The rate at s from that at the start: drive - decay l_w(s) would cancel where friction is strong.
+        rate = (self.drive - self.decay * self.l_start) * math.exp(-self.decay * s)
+        return self.momentum(s) + rate * duration * _phi2(self.decay * duration)
 
 
 def motor_torque(command: float, wheel: Wheel) -> float:

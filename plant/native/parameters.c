@@ -4,6 +4,7 @@
 #include "time_scales.h"
 
 static const double LOWEST_PERIGEE = WGS84_RADIUS + 100e3; /* m; below it the orbit is no orbit */
+enum { DRIFT_PASSES = 6 };
 
 static Matrix inertia(const PlantParameters *p)
 {
@@ -22,15 +23,36 @@ static bool is_date(const PlantParameters *p, Date *date, Fault *f)
     return true;
 }
 
-/* The orbit, its node's drift left out. */
+/* v_N0 contains the turning of the orbit's plane, whose rate follows from the orbit in the plane: a fixed point, of
+ * which each pass leaves about a thousandth of the error. */
+static bool drifting_orbit_through(const PlantParameters *p, Orbit *orbit)
+{
+    const Vector r = vector(p->r_N0), v = vector(p->v_N0);
+    const double mu = p->gravitational_parameter;
+    double rate = 0.0;
+    for (int pass = 0; pass < DRIFT_PASSES; ++pass) {
+        rate = j2_node_rate(orbit, mu);
+        if (!orbit_through(r, subtract(v, scale(rate, (Vector){-r.y, r.x, 0.0})), mu, orbit)) {
+            return false;
+        }
+    }
+    orbit->node_rate = rate;
+    return true;
+}
+
 static bool orbit_of(const PlantParameters *p, const Date *date, Orbit *orbit, Fault *f)
 {
     const double mu = p->gravitational_parameter;
     if (p->orbit_start == PLANT_ORBIT_START_POSITION_VELOCITY) {
-        return orbit_through(vector(p->r_N0), vector(p->v_N0), mu, orbit) ||
-               fault(f, "v_N0", norm(vector(p->v_N0)), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
+        const Vector r = vector(p->r_N0), v = vector(p->v_N0);
+        if (norm(r) == 0.0) {
+            return fault(f, "r_N0", 0.0, "a position away from the Earth's centre");
+        }
+        return (orbit_through(r, v, mu, orbit) && (!p->j2_node_drift || drifting_orbit_through(p, orbit))) ||
+               fault(f, "v_N0", norm(v), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
     }
     *orbit = circular_orbit(p->orbit_radius, p->inclination, gmst(date) + p->node_longitude, p->argument_of_latitude, mu);
+    orbit->node_rate = p->j2_node_drift ? j2_node_rate(orbit, mu) : 0.0;
     return true;
 }
 
@@ -169,9 +191,6 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 
     (void)is_date(p, &date, &unused);
     (void)orbit_of(p, &date, &environment->orbit, &unused);
-    if (p->j2_node_drift) {
-        environment->orbit.node_rate = j2_node_rate(&environment->orbit, p->gravitational_parameter);
-    }
     environment->gmst0 = gmst(&date);
     environment->day0 = day_of_year(&date);
     const FieldModel *model = &field_models[p->field_model - 1];

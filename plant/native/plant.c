@@ -83,8 +83,9 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     n += (double)n < ratio || n == 0 ? 1 : 0;
 
     Acting acting = {plant, dipole_B(plant, rods(plant, u))};
-    Attitude attitude = {matrix(x->R), vector(x->Pi)};
-    double l_w = x->l_w;
+    const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
+    Attitude attitude = {matrix(now->R), vector(now->Pi)};
+    double l_w = now->l_w;
     for (int i = 0; i < n; ++i) {
         Segment parts[SEGMENTS_MAX];
         const int count = wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, h / n, parts);

@@ -26,8 +26,9 @@ double segment_momentum(const Segment *part, double s)
 
 double segment_mean(const Segment *part, double s, double duration)
 {
-    const double from = segment_momentum(part, s);
-    return from + (part->drive - part->decay * from) * duration * phi2(part->decay * duration);
+    /* The rate at s from that at the start: drive - decay * l_w(s) would cancel where friction is strong. */
+    const double rate = (part->drive - part->decay * part->l_start) * exp(-part->decay * s);
+    return segment_momentum(part, s) + rate * duration * phi2(part->decay * duration);
 }
 
 /* `drive` on this side of standstill. */

@@ -118,8 +118,9 @@ def test_sources_that_do_not_compile_are_refused_with_the_compilers_words(tmp_pa
         toolchain.compile_library("wrong", [wrong], [], ["linux64"])
 
 
+@pytest.mark.parametrize("block", BLOCKS)
 def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, packaged: dict[str, bytes]
+    block: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     host = toolchain.host_platform()
     try:
@@ -127,10 +128,10 @@ def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
     except native.CompilerError:
         pytest.skip("there is no system compiler")
     monkeypatch.setattr(toolchain, "find_spec", lambda name: None)
-    built = native.package(load("controller"), ROOT / "controller")
+    built = native.package(load(block), ROOT / block)
     with zipfile.ZipFile(io.BytesIO(built)) as archive:
         assert [n for n in archive.namelist() if n.startswith("binaries/")] == [
-            f"binaries/{host}/controller{toolchain.PLATFORMS[host].suffix}"
+            f"binaries/{host}/{block}{toolchain.PLATFORMS[host].suffix}"
         ]
     assert "ziglang is not installed" in caplog.text
 

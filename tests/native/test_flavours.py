@@ -84,7 +84,7 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
         J_error_B=0.02 * J,
         wheel_inertia=1.47e-5,
         wheel_momentum_max=rng.choice([0.03, 1e-3]),
-        wheel_viscous_friction=rng.choice([0.0, 1e-7]),
+        wheel_viscous_friction=rng.choice([0.0, 1e-7, 2e-5]),  # the last decays in 0.7 s
         wheel_coulomb_friction=rng.choice([0.0, 1e-4]),
         rod_axes=axes / np.linalg.norm(axes, axis=1)[:, None],
         residual_dipole_B=rng.normal(scale=0.05, size=3),

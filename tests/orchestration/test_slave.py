@@ -70,6 +70,7 @@ def test_parameters_and_inputs_can_be_recorded(loop):
         "motor.mode",
         "motor.cooled",
         "motor.speed",
+        "motor.hot",  # a boolean output, recorded whatever was asked for
     ]  # the last is expected
 
 

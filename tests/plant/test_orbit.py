@@ -53,6 +53,15 @@ def test_the_node_stands_at_its_longitude_on_the_turning_earth():
     assert orbit.earth_fixed(100.0, 0.0)[1, 0] > 0.0  # eastward
 
 
+def test_an_orbit_whose_node_drifts_starts_at_the_given_position_and_velocity_too():
+    r, v = np.array([7.0e6, 1e5, 2e5]), np.array([100.0, -1300.0, 7400.0])
+    p = checked(orbit_start="position_velocity", r_N0=r, v_N0=v, j2_node_drift=True)
+    assert p.orbit.node_rate != 0.0
+    r0, v0 = p.orbit.position_velocity(0.0)
+    assert r0 == pytest.approx(r, abs=1e-6)
+    assert v0 == pytest.approx(v, abs=1e-9)
+
+
 def test_an_orbit_from_position_and_velocity_is_the_two_body_motion():
     assert orbits.two_body() < 0.05
 

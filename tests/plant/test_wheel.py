@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
@@ -271,3 +272,16 @@ def test_an_unsplit_step_is_as_good_where_the_law_does_not_change(monkeypatch):
     split = viscous_case().errors(4, (1.0,))
     monkeypatch.setattr("plant.block.segments", unsplit)
     assert viscous_case().errors(4, (1.0,)) == pytest.approx(split, rel=1e-6)
+
+
+@pytest.mark.parametrize("decay", [0.3, 30.0])
+def test_the_mean_under_strong_friction_keeps_its_digits_on_substeps_that_go_back(decay):
+    # Suzuki's third substep of a long step: from 0.83 of it back to 0.17. Witness: the integral in sixty decimal digits.
+    part = Segment(1.7, 0.01, 0.0, 2e-4, decay)
+    with localcontext() as context:
+        context.prec = 60
+        a, b, l0, drive, k = (Decimal(v) for v in (1.41, 0.29, 0.01, 2e-4, decay))
+        limit = drive / k
+        integral = limit * (b - a) - (l0 - limit) / k * ((-k * b).exp() - (-k * a).exp())
+        expected = float(integral / (b - a))
+    assert part.mean(1.41, 0.29 - 1.41) == pytest.approx(expected, rel=1e-11)
