@@ -114,6 +114,7 @@ class BlockSlave(Fmi2Slave):
     @guarded
     def setup_experiment(self, start_time: float, *_: Any) -> None:
         """The block's t = 0 is the experiment's start time."""
+        self._expect(_INSTANTIATED, "setupExperiment")
         if not math.isfinite(start_time):
             raise Refused(f"setupExperiment: the start time is {start_time}; expected a finite number")
         self._time = start_time
@@ -146,6 +147,7 @@ class BlockSlave(Fmi2Slave):
 
     @guarded
     def terminate(self) -> None:
+        self._expect(_STEPPING, "terminate")
         self._mode = _TERMINATED
 
     def _expect(self, mode: str, call: str) -> None:
@@ -177,6 +179,8 @@ class BlockSlave(Fmi2Slave):
         return [values[r] for r in references]
 
     def _set(self, kind: str, references: list[int], values: Sequence[Any]) -> None:
+        if self._mode == _TERMINATED:
+            raise Refused(f"set{kind}: the block is terminated")
         allowed = self.layout.tunable if self._state is not None else self.layout.settable
         if not (allowed.issuperset(references) and self.layout.of_type[kind].issuperset(references)):
             self._refuse_set(

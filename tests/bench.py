@@ -41,6 +41,7 @@ def loops(table: Table, runs: int) -> None:
         ("native", 4, False, runs),
         ("native", 2, True, runs),
         ("python", 4, True, 1),
+        ("python", 4, False, 1),
         ("python", 2, True, 1),
         ("python", 2, False, 1),
     ):
