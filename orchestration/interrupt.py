@@ -21,6 +21,18 @@ class Stopped(KeyboardInterrupt):
         self.number = number
 
 
+class Abandoned(Stopped):
+    """A run was to end and the call of a block did not, so the block was ended."""
+
+
+_latest: list[int] = []
+
+
+def latest() -> list[int]:
+    """The list of `interruptible` that was made last; a thread beside a run that waits may look at it."""
+    return _latest
+
+
 def _stop(number: int, frame: FrameType | None) -> NoReturn:
     raise Stopped(number)
 
@@ -46,7 +58,8 @@ def interruptible() -> Iterator[list[int]]:
     Without this, the interrupt would be raised in whatever Python code runs, that of a Python FMU
     included, which would report it as its own failure.
     """
-    came: list[int] = []
+    global _latest
+    _latest = came = []
     ours = threading.current_thread() is threading.main_thread()
     before = {n: signal.getsignal(n) for n in SIGNALS if ours}
     before = {n: handler for n, handler in before.items() if handler in (signal.default_int_handler, _stop)}

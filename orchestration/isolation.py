@@ -22,6 +22,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+from . import interrupt
 from .block import Floats
 from .channel import ANSWER, CALL, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, receive, send
 from .errors import BlockError, InputError
@@ -39,7 +40,7 @@ TIMEOUT = 60.0
 MEMORY = 4 * 10**9
 _START_TIMEOUT = 120.0
 _GRACE = 2.0
-"""Seconds that a process has for ending once its pipes are closed."""
+"""Seconds that a process has for ending once its pipes are closed, and a call once the run is to end."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,8 @@ class IsolatedBlock:
         self._marked = threading.Event()
         self._ended = threading.Event()
         self._deadline, self._overdue = inf, False
+        self._stop_by, self._abandoned = inf, False
+        self._earlier = interrupt.latest()
         self._peak = 0
         self._instantiated = self._stepping = False
         home = folder.with_name(f"{folder.name}.home")
@@ -206,7 +209,13 @@ class IsolatedBlock:
 
         def finish() -> None:
             self._stepping = False
-            if (kind := read(source, 1)) != DONE:
+            try:
+                kind = read(source, 1)
+            except KeyboardInterrupt:
+                if self._interrupted():  # the second Ctrl-C, which does without the grace
+                    raise interrupt.Abandoned(interrupt.latest()[0]) from None
+                raise
+            if kind != DONE:
                 raise self._step_failed(kind)
             self._deadline = inf
 
@@ -242,11 +251,17 @@ class IsolatedBlock:
         """Terminates and frees the instance, and ends the process with all that it has started; never raises."""
         if self._ended.is_set():
             return
-        if self._instantiated:
+        if self._deadline < inf and not self._stepping:  # Ctrl-C has broken off a call
+            self._process.kill()
+        elif self._instantiated:
             try:
                 if self._stepping and (kind := os.read(self._from, 1)) != DONE:
                     raise self._step_failed(kind)  # another block has failed in the same step
+                if self._interrupted():
+                    self._stop_by = monotonic() + _GRACE
                 self._ask("close")
+            except interrupt.Abandoned:
+                pass
             except BlockError as error:
                 self.failure = error
                 error.time = self._memory.clock[0] + self._memory.clock[1]
@@ -268,11 +283,16 @@ class IsolatedBlock:
         self._peak = _reap(process)
         self._listener.join(_GRACE)
 
+    def _interrupted(self) -> bool:
+        return interrupt.latest() is not self._earlier and bool(interrupt.latest())
+
     def _lost(self) -> BlockError:
-        """What to say of a process that has ended, or that does not answer as it should."""
+        """What to say of a process that has ended, or that does not answer as it should. Raises Abandoned."""
         overdue, self._deadline = self._overdue, inf
         alive = not _gone(self._process, _GRACE)
         self._end()
+        if self._abandoned:
+            raise interrupt.Abandoned(interrupt.latest()[0])
         if overdue:
             limit = f"{self._limits.timeout:.10g} s"
             how = f"did not return within {limit} (the block's 'timeout'), so its process was ended"
@@ -300,8 +320,12 @@ class IsolatedBlock:
     def _watch(self) -> None:
         """Ends the process where a call takes too long, and where it has ended but for what it has started."""
         while not self._ended.wait(min(0.2, self._limits.timeout / 4)):
-            if monotonic() > self._deadline:
-                self._overdue = True
+            now = monotonic()
+            if self._stop_by == inf and self._interrupted():
+                self._stop_by = now + _GRACE
+            self._abandoned = self._abandoned or (self._stop_by < now and self._deadline < inf)
+            if self._abandoned or now > self._deadline:
+                self._overdue = not self._abandoned
                 self._process.kill()
                 _kill_all(self._process)
             elif _gone(self._process, 0.0):

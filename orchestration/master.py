@@ -24,7 +24,7 @@ from .clock import Clock
 from .compiled import compiled_loop
 from .errors import BlockError, InputError
 from .faults import Faults
-from .interrupt import interruptible
+from .interrupt import Abandoned, interruptible
 from .model import Element
 from .order import Order
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite, not_finite
@@ -67,6 +67,8 @@ class Master:
                 loop.run(recording, progress)
             else:
                 self._loop(bus, recording, progress)
+        except Abandoned:
+            pass  # the recording says that it was interrupted
         except BlockError as error:
             recording.failure = error
         if rows:

@@ -15,6 +15,7 @@ import pytest
 from orchestration import InputError, run
 from orchestration.errors import BlockError, ResultsError
 
+from . import broken, fmus
 from .mocks import law
 from .mocks import run as run_mocks
 from .test_cli import ROOT, orchestrate
@@ -193,6 +194,39 @@ def test_signals_end_a_run_between_two_steps_and_keep_what_was_computed(loop, na
     assert contents(temporary) == []
     assert json.loads(Path("results/loop/manifest.json").read_text())["outcome"] == "interrupted"
     assert Path("results/loop/signals.csv").exists()
+
+
+@POSIX
+@pytest.mark.parametrize(("name", "signals"), [("SIGINT", 1), ("SIGTERM", 1), ("SIGINT", 2)])
+def test_signals_end_a_run_that_waits_for_a_hanging_block(tmp_path, monkeypatch, name, signals):
+    monkeypatch.chdir(tmp_path)
+    fmus.write(
+        Path("vendor.fmu"), broken.XML.format(guid="step-hang").replace('"broken"', '"probe"'), fmus.library("broken")
+    )
+    Path("run.yaml").write_text(
+        "name: run\nstep: 0.1 s\nduration: 2 s\nblocks:\n  vendor: {fmu: vendor.fmu, timeout: 60 s}\n"
+        "connections: [vendor.y -> vendor.x]\n"
+    )
+    number = getattr(signal, name)
+    process = subprocess.Popen(
+        [*COMMAND, "run.yaml", "--quiet"],
+        env={**ENVIRONMENT, "TMPDIR": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(number, signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL),
+    )
+    until = time.monotonic() + 30
+    while not list(tmp_path.glob("orchestrate-*/vendor.memory")) and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(2.0)
+    begun = time.monotonic()
+    for _ in range(signals):
+        process.send_signal(number)
+        time.sleep(0.3)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 128 + number, errors
+    assert time.monotonic() - begun < (4.5 if signals == 1 else 2.0)
+    assert json.loads(Path("results/run/manifest.json").read_text())["outcome"] == "interrupted"
+    assert len(Path("results/run/signals.csv").read_text().splitlines()) >= 11
 
 
 # ---------------------------------------------------------------- outputs that are closed or full
