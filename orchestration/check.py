@@ -23,6 +23,7 @@ from .fit import Finding, Fit, Link, fit, model
 from .fmu import entries, refuse_entities, shown
 from .interfaces import Reference, reference, starts_of
 from .model import Element, Model, describe
+from .swap import sample_time
 
 DOES_NOT_FIT = 1
 
@@ -193,7 +194,12 @@ def _kind(description: Any, files: Mapping[str, bytes], findings: list[Finding])
     if flags.canBeInstantiatedOnlyOncePerProcess:
         findings.append(Finding("note", "host", "one instance in a process only; in a process of its own it is alone"))
     if not flags.canHandleVariableCommunicationStepSize:
-        step = description.defaultExperiment.stepSize if description.defaultExperiment is not None else None
+        try:
+            step = sample_time(description)
+        except ValueError as error:
+            text, _, remedy = str(error).partition("; remedy: ")
+            findings.append(Finding("fault", "step", text, remedy))
+            return
         if step is not None:
             text = f"it cannot vary its step of {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
             findings.append(Finding("note", "step", text))

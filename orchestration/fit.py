@@ -227,7 +227,7 @@ def _link(
     except _Misfit as error:
         return found.say("fault", error.topic, f"{label}: {error}", error.remedy, key)
     if ours.causality == "output" and link.A is not None and link.B is None:
-        text = f"{label}: ours cannot be found from theirs, since the matrix has no inverse"
+        text = f"{label}: ours cannot be found from theirs, since the matrix has no inverse that keeps its digits"
         return found.say("fault", "mapping", text, "give a square matrix of full rank", key)
     found.links[ours.name] = link
     taken.update(dict.fromkeys(elements, ours.name))
@@ -253,6 +253,10 @@ def _quaternion(found: Fit, ours: Variable, elements: tuple[Element, ...], entry
     return Link(ours, elements, scalar_last=entry.quaternion == "scalar last", inverse=entry.inverse)
 
 
+_CONDITION_MAX = 1e12
+"""Of a matrix whose inverse keeps some of the sixteen digits."""
+
+
 def _affine(found: Fit, ours: Variable, elements: tuple[Element, ...], entry: PortMap, label: str) -> Link:
     n, m = ours.size, len(elements)
     A = np.eye(n)
@@ -269,9 +273,10 @@ def _affine(found: Fit, ours: Variable, elements: tuple[Element, ...], entry: Po
         for i, element in enumerate(elements):
             factors[i], offsets[i] = _conversion(found, ours, found.theirs.variables[element.variable], entry, label)
         offsets = offsets + _offset(found, elements, entry)
+    invertible = m == n and np.linalg.cond(A) <= _CONDITION_MAX
     A = factors[:, None] * A
     B: Floats | None = None
-    if m == n and abs(np.linalg.det(A / factors[:, None])) > 1e-12:
+    if invertible:
         B = A.copy() if _is_identity(A) else np.asarray(np.linalg.inv(A), np.float64)
     return Link(ours, elements, A, offsets, B)
 
@@ -316,7 +321,11 @@ def _conversion(found: Fit, ours: Variable, theirs: Variable, entry: PortMap, la
             f"ours, {own}, {'times' if power > 0 else 'over'} {scale} does not come out in {unit}, the unit of theirs"
         )
         raise _Misfit("unit", text, "correct the unit of the factor")
-    factor = (number * by.factor) ** power
+    factor = number * by.factor
+    if factor and power < 0:
+        factor = 1.0 / factor
+    if not factor or not math.isfinite(factor):
+        raise _Misfit("unit", f"the factor {scale} is beyond what a double holds", "correct the factor")
     return factor * own.factor / unit.factor, (factor * own.offset - unit.offset) / unit.factor
 
 

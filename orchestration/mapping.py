@@ -14,6 +14,7 @@ What units can do is not said at all; both sides declare theirs.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -29,13 +30,21 @@ class _Model(BaseModel):
 
 def _quantity(value: Any) -> Any:
     if isinstance(value, str):
-        try:
-            parse(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
-    elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
+        number, text = _read(value), value
+    elif isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"expected a number or text with a unit, found {said(value)}")
+    else:
+        number, text = real(value), str(value)
+    if not math.isfinite(number):
+        raise ValueError(f"expected a finite number, found {text}")
     return value
+
+
+def _read(text: str) -> float:
+    try:
+        return parse(text)[0]
+    except QuantityError as error:
+        raise ValueError(str(error)) from None
 
 
 def _offset(value: Any) -> Any:
@@ -62,6 +71,8 @@ def _matrix(value: Any) -> Any:
     for number in (number for row in value for number in row):
         if isinstance(number, bool) or not isinstance(number, (int, float)):
             raise ValueError(f"expected rows of numbers, found {said(number)} in one")
+        if not math.isfinite(real(number)):
+            raise ValueError(f"expected rows of finite numbers, found {number} in one")
     return value
 
 

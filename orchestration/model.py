@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
-from .errors import nearest
+from .errors import InputError, nearest
 from .quantities import ONE, Exponents, Unit
 
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]
@@ -152,13 +152,25 @@ def _unit(unit: Any) -> Unit:
     if base is None:
         return Unit(unit.name, None)
     exponents: Exponents = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
+    _refuse_unsound(f"the unit {unit.name!r}", base, base.factor, base.offset)
     return Unit(unit.name, exponents, base.factor, base.offset)
+
+
+def _refuse_unsound(what: str, declared: Any, factor: float, offset: float) -> None:
+    """Refuses what cannot be converted: a factor that is not above 0, or numbers that are not finite."""
+    if not (0.0 < factor < math.inf and math.isfinite(offset)):
+        raise InputError(
+            f"modelDescription.xml: {what} has the factor {declared.factor} and the offset {declared.offset}; "
+            "expected a finite factor above 0 and a finite offset"
+        )
 
 
 def _display_unit(unit: Unit, display: Any) -> Unit:
     # FMI: value in the display unit = factor * value in the unit + offset
-    factor = unit.factor / display.factor
-    return Unit(display.name, unit.exponents, factor, unit.offset - display.offset * factor)
+    factor = unit.factor / display.factor if display.factor else math.nan
+    offset = unit.offset - display.offset * factor
+    _refuse_unsound(f"the display unit {display.name!r} of {unit}", display, factor, offset)
+    return Unit(display.name, unit.exponents, factor, offset)
 
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\s*\d+)*)\]")

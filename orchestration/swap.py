@@ -7,6 +7,7 @@ cannot vary its step, and says all of it in notes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -202,6 +203,15 @@ def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
         ):
             message = f"{text.strip()}: {block} lacks the output {name}; remedy: map it, or take out the connection"
             faults.append(scenario.error(("connections", number), message))
+    for number, fault in enumerate(scenario.faults):
+        signal = str(getattr(fault, fault.kind)).partition("=")[0].strip()
+        block, name, _ = split(signal) or ("", "", ())
+        if block in prepared.fits and name in prepared.fits[block].ignored:
+            text = (
+                f"{signal} is under 'ignore' in the mapping of {block}, so the fault would change nothing; remedy: map it, "
+                "or take out the fault"
+            )
+            faults.append(scenario.error(("faults", number, fault.kind), text))
     source = scenario.source.without(gone) if gone else scenario.source
     for name, found in prepared.fits.items():
         try:
@@ -259,10 +269,13 @@ def _name(scenario: Scenario, key: Key) -> str:
 
 def _timed(prepared: Prepared, source: Source, name: str, fmu: Fmu, found: Fit) -> Source:
     """The scenario's source with the sample time of a block that cannot vary its step."""
-    own_step = sample_time(fmu)
+    scenario = prepared.scenario
+    try:
+        own_step = sample_time(fmu.description)
+    except ValueError as error:
+        raise InputError(scenario.error(("blocks", name, "fmu"), str(error))) from None
     if own_step is None:
         return source
-    scenario = prepared.scenario
     entry, base = scenario.blocks[name], Fraction(repr(scenario.step))
     given = entry.every if "every" in entry.model_fields_set else None
     step = base * (given or 1)
@@ -271,6 +284,11 @@ def _timed(prepared: Prepared, source: Source, name: str, fmu: Fmu, found: Fit) 
     key: Key = ("blocks", name, "every") if given else ("blocks", name, "fmu")
     if ratio == 1:
         return source
+    if 1 / ratio > _SUBSTEPS_MAX:
+        message = f"{why}, more than {_SUBSTEPS_MAX} of them in each step of {float(step):.10g} s"
+        raise InputError(
+            scenario.error(key, f"{message}; remedy: a smaller base step, or a larger stepSize in the FMU")
+        )
     if (1 / ratio).denominator == 1:
         prepared.substeps[name] = int(1 / ratio)
         prepared.notes.append(f"{name}: {why}: {int(1 / ratio)} of them in each step of {float(step):.10g} s")
@@ -283,17 +301,22 @@ def _timed(prepared: Prepared, source: Source, name: str, fmu: Fmu, found: Fit) 
     raise InputError(scenario.error(key, message))
 
 
-def sample_time(fmu: Fmu) -> Fraction | None:
-    """The step that an FMU insists on, s; None where it can vary it or does not say."""
-    if fmu.description.coSimulation.canHandleVariableCommunicationStepSize:
-        return None
-    experiment = fmu.description.defaultExperiment
+_SUBSTEPS_MAX = 10_000
+
+
+def sample_time(description: Any) -> Fraction | None:
+    """The step that an FMU insists on, s; None where it can vary it or does not say. Raises ValueError."""
+    experiment = description.defaultExperiment
     step = experiment.stepSize if experiment is not None else None
-    try:
-        exact = Fraction(str(step)) if step is not None else None
-    except ValueError:
+    if description.coSimulation.canHandleVariableCommunicationStepSize or step is None:
         return None
-    return exact if exact is not None and exact > 0 else None
+    number = float(step)
+    if not 0.0 < number < math.inf:
+        raise ValueError(
+            f"its FMU cannot vary its step, and its stepSize is {step}, expected a finite number above 0; "
+            "remedy: declare DefaultExperiment.stepSize in the FMU"
+        )
+    return Fraction(repr(number))
 
 
 def _steps(own_step: Fraction, base: Fraction) -> str:

@@ -255,6 +255,13 @@ def test_what_differs_is_told_by_name(here, change, topic, level, message):
     assert message in texts(findings(path, topic=topic, level=level))
 
 
+@pytest.mark.parametrize("step", ["0", "-1", "INF", "NaN"])
+def test_a_step_that_is_none_does_not_fit(here, step):
+    change = ("<ModelVariables>", f'<DefaultExperiment stepSize="{step}"/><ModelVariables>')
+    told = texts(findings(vendor.write(here, change, own_names=False), topic="step", level="fault"))
+    assert f"its stepSize is {step}, expected a finite number above 0; remedy: declare" in told
+
+
 def test_an_extra_input_does_not_fit_unless_the_mapping_feeds_it(here):
     extra = '<ScalarVariable name="samples[1]"'
     path = vendor.write(

@@ -130,6 +130,23 @@ def test_a_factor_of_the_wrong_unit_is_refused():
     assert "ours, N.m.s, over 147 g does not come out in rpm" in str(fault)
 
 
+def test_a_factor_beyond_a_double_is_refused():
+    ours = mocks.model("ours", real("h", "input"))
+    theirs = mocks.model("theirs", real("v", "input"))
+    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "v", "divide": 1e-310}}).faults
+    assert "the factor 1e-310 is beyond what a double holds" in str(fault)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "fits"),
+    [([[1e-9, 0], [0, 1e-9]], True), ([[1, 1], [1, 1 + 1e-13]], False), ([[0, 0], [0, 0]], False)],
+)
+def test_a_matrix_is_turned_back_by_its_condition_whatever_its_size(matrix, fits):
+    ours = mocks.model("ours", real("y", "output", shape=(2,)))
+    theirs = mocks.model("theirs", real("y", "output", shape=(2,)))
+    assert (not fitted(ours, theirs, ports={"y": {"theirs": "y", "matrix": matrix}}).faults) is fits
+
+
 def test_a_stated_unit_stands_for_one_that_is_not_declared():
     ours = mocks.model("ours", real("u", "input", unit=unit("rad/s")), real("y", "output"))
     theirs = mocks.model("theirs", real("u", "input"), real("y", "output"))
@@ -266,6 +283,11 @@ def test_what_does_not_fit_is_refused_with_its_name(mapping, message):
         ("ports: {speed: {theirs: rate, scale: 2, divide: 3}}", "expected at most one of scale and divide"),
         ("ports: {speed: {theirs: rate, scale: 0}}", "scale: expected a number other than 0"),
         ("ports: {speed: {theirs: rate, matrix: [[1, 0], [1]]}}", "expected rows of one length"),
+        ("ports: {speed: {theirs: rate, matrix: [[.inf]]}}", "expected rows of finite numbers, found inf in one"),
+        (f"ports: {{speed: {{theirs: rate, matrix: [[1{400 * '0'}]]}}}}", "of 401 digits"),
+        ("ports: {speed: {theirs: rate, scale: .inf}}", "expected a finite number, found inf"),
+        ("ports: {speed: {theirs: rate, divide: 1e999 kg}}", "expected a finite number, found 1e999 kg"),
+        (f"ports: {{speed: {{theirs: rate, offset: [1{400 * '0'}]}}}}", "of 401 digits"),
         ("ports: {speed: {theirs: rate, inverse: true}}", "'inverse' is of a quaternion"),
         ("ports: {speed: {theirs: rate, quaternion: scalar first, scale: 2}}", "a quaternion goes without scale"),
         ("ports: {speed: {theirs: rate, unit: blorps}}", "unknown unit 'blorps'"),
@@ -401,6 +423,21 @@ def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tm
 
 
 def test_a_later_fault_keeps_its_line_when_something_before_it_is_left_out(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("ignored", "fault"),
+    [("speed", "bias: regulator.speed, by: 1 rad/s"), ("samples", "cut: 'regulator.samples[1]'"), ("gain", "set: regulator.gain = 2")],
+)
+def test_a_fault_of_what_the_mapping_ignores_is_refused(tmp_path, monkeypatch, ignored, fault):
+    text = SCENARIO + f"faults:\n  - {{at: 1 s, {fault}}}\n"
+    renamed = (('name="samples[1]"', 'name="first"'), ('name="samples[2]"', 'name="second"'))
+    path = swapped(tmp_path, monkeypatch, *renamed, scenario=text)
+    kept = "".join(line for line in vendor.MAPPING.splitlines(True) if not line.startswith(f"  {ignored}:"))
+    (tmp_path / "mapping.yaml").write_text(f"{kept}ignore: [{ignored}]\n")
+    result = orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml")
+    assert result.exit_code == 2
+    assert "is under 'ignore' in the mapping of regulator, so the fault would change nothing" in result.stderr
+
+
     extra = "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: wrong, signal: motor.sped, always: {below: 1 rpm}}\n"
     path = swapped(tmp_path, monkeypatch, ('name="samples[1]"', 'name="first"'), scenario=SCENARIO + extra)
     (tmp_path / "mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
@@ -448,6 +485,39 @@ def test_a_step_that_does_not_divide_is_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+@pytest.mark.parametrize(
+    ("own", "message"),
+    [
+        ("1e-300", "cannot vary its step of 1e-300 s, more than 10000 of them in each step of 0.1 s; remedy: "),
+        ("0", "its stepSize is 0, expected a finite number above 0"),
+        ("-0.1", "its stepSize is -0.1, expected"),
+        ("INF", "its stepSize is INF, expected"),
+        ("1e-999999999", "its stepSize is 1e-999999999, expected"),
+    ],
+)
+def test_a_step_without_end_is_refused(tmp_path, monkeypatch, own, message):
+    path = swapped(tmp_path, monkeypatch, (STEP, f'<DefaultExperiment stepSize="{own}"/>{STEP}'))
+    result = orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml")
+    assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('rad="1" factor="0.10471975511965977"', 'rad="1" factor="0"', "the unit 'rpm' has the factor 0.0"),
+        ('rad="1" factor="0.10471975511965977"', 'rad="1" factor="-1"', "the unit 'rpm' has the factor -1.0"),
+        ('rad="1" factor="0.10471975511965977"', 'rad="1" offset="NaN"', "and the offset nan; expected"),
+        ('factor="9.549296585513721"', 'factor="0"', "the display unit 'rpm' of rad/s has the factor 0.0"),
+        ('factor="9.549296585513721"', 'factor="INF"', "the display unit 'rpm' of rad/s has the factor inf"),
+    ],
+)
+def test_a_unit_that_cannot_be_converted_is_refused_by_name(tmp_path, monkeypatch, old, new, message):
+    path = swapped(tmp_path, monkeypatch, (old, new))
+    for arguments in ((path.name, "--swap", "regulator=vendor.fmu"), ("check", "vendor.fmu", "--as", "regulator.fmu")):
+        result = orchestrate(*arguments)
+        assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
+
+
     ("options", "message"),
     [
         (("--swap", "regulator"), "--swap regulator: expected block=file.fmu"),
