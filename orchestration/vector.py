@@ -44,11 +44,12 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     result = execute(load(source))
     if result.failure is not None:
         raise InputError(f"{shown(scenario)}: {result.failure}")
+    ours = [i for i, node in enumerate(result.columns) if node.block == block]  # flags of the others are recorded, too
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "vector.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time", *(label.partition(".")[2] for label in result.labels)])
-        for time, row in zip(result.time.tolist(), result.samples.tolist(), strict=True):
+        writer.writerow(["time", *(result.labels[i].partition(".")[2] for i in ours)])
+        for time, row in zip(result.time.tolist(), result.samples[:, ours].tolist(), strict=True):
             writer.writerow([repr(time), *map(repr, row)])
     model = result.models[block]
     with (folder / "parameters.csv").open("w", newline="", encoding="utf-8") as file:
