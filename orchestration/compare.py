@@ -87,7 +87,7 @@ class Comparison:
 
 
 def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = ()) -> Comparison:
-    """Compares the block of a scenario with that of the same scenario swapped. Raises InputError.
+    """Compares the block of a scenario with that of the same scenario swapped. Raises InputError, and BlockError where ours fails.
 
     `wanted` are tolerances as `tolerances.tolerances` takes them.
     """
@@ -99,6 +99,7 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     _refuse_early(theirs)
     ours = runner.execute(load(_recording(source, block, [v.name for v in ports if v.causality == "input"])))
     if ours.failure is not None:
+        ours.failure.result = ours
         raise ours.failure
     bounds = tolerances(wanted, ours.models[block])
     with_theirs = load(theirs)
@@ -259,7 +260,13 @@ def command(
     theirs = swapped(source, swaps, maps)
     target = out or Path("results") / f"{load(source).name}-{block}"
     folder.check_writable(target)
-    comparison = compare(source, theirs, block, wanted)
+    try:
+        comparison = compare(source, theirs, block, wanted)
+    except BlockError as error:
+        if error.result is not None:
+            error.result.save(target / "ours")
+        complain(f"ours: {error}")
+        ctx.exit(BLOCK_FAILED)
     comparison.ours.save(target / "ours")
     if len(comparison.theirs.time):
         comparison.theirs.save(target / "theirs")
@@ -271,7 +278,7 @@ def command(
     else:
         _print(comparison, page)
     if comparison.failure is not None:
-        complain(str(comparison.failure))
+        complain(f"theirs: {comparison.failure}")
         ctx.exit(BLOCK_FAILED)
     ctx.exit(0 if comparison.passed else NOT_EQUIVALENT)
 

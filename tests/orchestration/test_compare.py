@@ -126,8 +126,21 @@ def test_a_failing_block_is_told_and_what_there_is_is_reported(tmp_path, monkeyp
     Path("mapping.yaml").write_text(vendor.MAPPING + "start: {defect: 1, since: 1 s}\n")
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 3
-    assert "regulator: fmi2DoStep at 1 s: gave status error" in result.stderr
+    assert "theirs: regulator: fmi2DoStep at 1 s: gave status error" in result.stderr
     assert "an FMU failed" in Path("out/comparison.html").read_text()
+
+
+def test_where_ours_fails_its_run_is_kept_and_the_message_says_whose_it_is(tmp_path, monkeypatch):
+    swapped(
+        tmp_path,
+        monkeypatch,
+        scenario=SCENARIO.replace("inertia: 0.5", "inertia: 0.5\n      fault: 1\n      fault_time: 1"),
+    )
+    result = orchestrate(*ARGUMENTS)
+    assert result.exit_code == 3
+    assert "ours: motor: fmi2DoStep at 1 s: gave status error" in result.stderr
+    assert len(Path("out/ours/signals.csv").read_text().splitlines()) > 10
+    assert not Path("out/theirs").exists()
 
 
 class _Page(HTMLParser):
