@@ -21,7 +21,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from .errors import said
-from .quantities import QuantityError, parse, parse_unit
+from .quantities import QuantityError, parse, parse_unit, real
 
 
 class _Model(BaseModel):
