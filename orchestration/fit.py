@@ -7,7 +7,7 @@ swap refuses to run where it holds a fault, so the two never disagree.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -19,7 +19,7 @@ from .interfaces import Reference
 from .mapping import Mapping as PortMapping
 from .mapping import PortMap
 from .model import Element, Model, NameUnknown, Variable
-from .quantities import ONE, QuantityError, Unit, parse, parse_unit, value_in
+from .quantities import BASES, ONE, QuantityError, Unit, parse, parse_unit, value_in
 from .starts import values_of
 
 Level = Literal["ok", "note", "warning", "fault"]
@@ -199,7 +199,7 @@ def _link(
     taken: dict[Element, str],
 ) -> None:
     theirs = [found.theirs.variables[element.variable] for element in elements]
-    names = " ".join(dict.fromkeys(v.name for v in theirs))
+    names = _named(found.theirs, elements)
     label = f"{ours.causality} {ours.name}" + (f" = {names}" if names != ours.name else "")
     for variable in theirs:
         if variable.causality != ours.causality:
@@ -214,6 +214,9 @@ def _link(
     if ours.causality != "output" and (twice := next((e for e in elements if e in taken), None)):
         label_twice = found.theirs.variables[twice.variable].label(twice.position)
         return found.say("fault", "mapping", f"{label}: {label_twice} already stands for {taken[twice]}", key=key)
+    if repeated := next((e for i, e in enumerate(elements) if e in elements[:i]), None):
+        text = f"{label}: {_named(found.theirs, (repeated,))} is named more than once"
+        return found.say("fault", "mapping", text, "name each of theirs once", key)
     if ours.type != "real" and any(
         getattr(entry, name) is not None for name in ("unit", "scale", "divide", "matrix", "offset", "quaternion")
     ):
@@ -235,6 +238,14 @@ def _link(
     return None
 
 
+def _named(model: Model, elements: Sequence[Element]) -> str:
+    """The names of whole variables, or else of the elements."""
+    names = dict.fromkeys(element.variable for element in elements)
+    if list(elements) == [element for name in names for element in model.variables[name].elements]:
+        return " ".join(names)
+    return " ".join(model.variables[element.variable].label(element.position) for element in elements)
+
+
 class _Misfit(ValueError):
     def __init__(self, topic: str, text: str, remedy: str) -> None:
         super().__init__(text)
@@ -253,6 +264,8 @@ def _quaternion(found: Fit, ours: Variable, elements: tuple[Element, ...], entry
     return Link(ours, elements, scalar_last=entry.quaternion == "scalar last", inverse=entry.inverse)
 
 
+_UNIT_TOLERANCE = 1e-4
+"""Of the factor that an FMU declares for a unit of a usual name: rounded, but not another."""
 _CONDITION_MAX = 1e12
 """Of a matrix whose inverse keeps some of the sixteen digits."""
 
@@ -357,7 +370,33 @@ def _unit(found: Fit, ours: Variable, theirs: Variable, entry: PortMap, label: s
         text = f"{label}: the FMU names the unit {declared} without defining it; it is read as the usual one"
         _once(found, "warning", "unit", text, "define it in the FMU's UnitDefinitions")
         return named
+    _refuse_unusual(declared)
     return declared
+
+
+def _refuse_unusual(declared: Unit) -> None:
+    """Refuses a unit of a usual name that is declared to be another one; the radian may be left out."""
+    try:
+        usual = parse_unit(declared.name)
+    except QuantityError:
+        return
+    if usual.exponents is None or declared.exponents is None:
+        return
+    alike = (
+        declared.exponents[:-1] == usual.exponents[:-1]
+        and math.isclose(declared.factor, usual.factor, rel_tol=_UNIT_TOLERANCE)
+        and math.isclose(declared.offset, usual.offset, rel_tol=_UNIT_TOLERANCE, abs_tol=1e-12)
+    )
+    if not alike:
+        text = f"the FMU declares the unit {declared} to be {_defined(declared)}, but usually it is {_defined(usual)}"
+        remedy = f"correct it in the FMU's UnitDefinitions, or state what is meant, such as 'unit: {declared}', in the mapping"
+        raise _Misfit("unit", text, remedy)
+
+
+def _defined(unit: Unit) -> str:
+    powers = zip(BASES, unit.exponents or (), strict=True)
+    base = ".".join(f"{name}{power if power != 1 else ''}" for name, power in powers if power) or "1"
+    return f"{unit.factor:.10g} {base}" + (f" {unit.offset:+.10g}" if unit.offset else "")
 
 
 def _once(found: Fit, level: Level, topic: str, text: str, remedy: str = "") -> None:
@@ -448,20 +487,22 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
             found.say(
                 "fault", "mapping", f"their FMU has no input or parameter {name!r}{nearest(base, names)}", key=key
             )
-        elif any(element in taken for element in variable.elements):
-            standing = next(taken[e] for e in variable.elements if e in taken)
-            text = f"{name} stands for our {standing}, whose value it takes"
-            found.say("fault", "mapping", text, f"give the value to {standing} in the scenario", key)
         else:
-            try:
-                found.start.update(values_of("theirs", found.theirs, name, value))
-            except (QuantityError, NameUnknown) as error:
-                found.say("fault", "mapping", str(error), key=key)
-            else:
-                found.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
-    given = {element.variable for element in found.start}
+            _started(found, variable, name, value, taken)
+    partial: dict[str, list[str]] = {}
     for variable in found.theirs.of("input", "output", "parameter"):
-        if any(element in taken for element in variable.elements) or variable.name in given:
+        left = [e for e in variable.elements if e not in taken and e not in found.start]
+        if not left:
+            continue
+        if len(left) < variable.size and variable.name not in found.ignored:
+            label = _named(found.theirs, left)
+            if variable.causality == "input":
+                text = f"input{_s(left)} {label} {'are' if len(left) > 1 else 'is'} of theirs only, and nothing feeds "
+                text += "them" if len(left) > 1 else "it"
+                remedy = f"give a value under start in the mapping, such as '{label.split()[0]}: 0', or map the whole"
+                found.say("fault", "elements", text, remedy)
+            else:
+                partial.setdefault(variable.causality, []).append(label)
             continue
         if variable.name in ours:
             if variable.name in found.links or variable.name in found.ignored:
@@ -477,13 +518,33 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
     if outputs:
         text = f"output{_s(outputs)} of theirs only: {'; '.join(outputs)}"
         found.say("note", "extra", text, "none needed; they are recorded under these names")
-    parameters = [v.name for v in found.extra if v.causality == "parameter"]
+    if "output" in partial:
+        text = f"elements of outputs that stand for nothing of ours: {', '.join(partial['output'])}"
+        found.say("note", "extra", text, "none needed; they are not recorded")
+    parameters = [v.name for v in found.extra if v.causality == "parameter"] + partial.get("parameter", [])
     if parameters:
         text = f"parameter{_s(parameters)} of theirs only, at the values of their FMU: {', '.join(parameters)}"
         found.say("note", "extra", text, "other values, if they are wanted, under start in the mapping")
 
 
-def _s(items: list[str]) -> str:
+def _started(found: Fit, variable: Variable, name: str, value: Any, taken: Mapping[Element, str]) -> None:
+    """Takes a start value of the mapping, unless it is for what ours give a value."""
+    key = ("start", name)
+    try:
+        values = values_of("theirs", found.theirs, name, value)
+    except (QuantityError, NameUnknown) as error:
+        return found.say("fault", "mapping", str(error), key=key)
+    standing = [element for element in values if element in taken]
+    if standing:
+        port = taken[standing[0]]
+        label = name if len(standing) == len(values) else _named(found.theirs, standing)
+        text = f"{label} stands for our {port}, whose value it takes"
+        return found.say("fault", "mapping", text, f"give the value to {port} in the scenario", key)
+    found.start.update(values)
+    return found.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
+
+
+def _s(items: Sequence[Any]) -> str:
     return "s" if len(items) > 1 else ""
 
 

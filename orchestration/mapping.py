@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from .errors import said
+from .errors import InputError, said
 from .quantities import QuantityError, parse, parse_unit, real
 
 
@@ -164,4 +164,9 @@ def load(path: Path) -> tuple[Mapping, Any]:
 
     here = Path.cwd()
     read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
-    return complaints.checked(Mapping, read), read
+    found = complaints.checked(Mapping, read)
+    if found.file is not None:
+        raise InputError(
+            read.error(("file",), "a mapping's file holds the mapping itself; expected ports, start or ignore")
+        )
+    return found, read

@@ -358,7 +358,12 @@ def _hook(prepared: Prepared, references: Mapping[str, Reference]) -> Hook:
 
 def swapped(source: Source, swaps: Sequence[str], maps: Sequence[str] = ()) -> Source:
     """A scenario's source with blocks swapped: `allocator=vendor.fmu`, and `mapping.yaml` or `allocator=mapping.yaml`."""
-    files = dict(_parted(text, f"--swap {text}", "block=file.fmu, such as allocator=vendor.fmu") for text in swaps)
+    files: dict[str, str] = {}
+    for text in swaps:
+        block, file = _parted(text, f"--swap {text}", "block=file.fmu, such as allocator=vendor.fmu")
+        if block in files:
+            raise InputError(f"--swap {text}: {block} is swapped twice")
+        files[block] = file
     blocks = source.data.get("blocks") if isinstance(source.data, dict) else None
     mappings_of: dict[str, str] = {}
     for text in maps:
@@ -369,6 +374,8 @@ def swapped(source: Source, swaps: Sequence[str], maps: Sequence[str] = ()) -> S
         block = block.strip() or next(iter(files))
         if block not in files:
             raise InputError(f"--map {text}: {block} is not swapped{nearest(block, files)}")
+        if block in mappings_of:
+            raise InputError(f"--map {text}: {block} is mapped twice")
         mappings_of[block] = file.strip()
     for block, file in files.items():
         said = f"--swap {block}={file}"

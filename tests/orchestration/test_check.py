@@ -199,6 +199,12 @@ def test_what_the_validator_finds_is_told(here):
             "input speed: the units do not fit: ours is rad/s, theirs V",
         ),
         (
+            ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1" rad="1" factor="0.017"/>'),
+            "unit",
+            "fault",
+            "the FMU declares the unit rad/s to be 0.017 s-1.rad, but usually it is 1 s-1.rad",
+        ),
+        (
             ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1"/>'),
             "unit",
             "fault",

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 from orchestration import InputError, rotation, run
 from orchestration.adapter import Adapter
 from orchestration.cli import main
-from orchestration.fit import fit, model
+from orchestration.fit import fit, model, unfed
 from orchestration.interfaces import Reference
 from orchestration.mapping import Mapping
 from orchestration.model import Element, Model
-from orchestration.quantities import parse_unit
+from orchestration.quantities import Unit, parse_unit
 from orchestration.scenario import load
 
 from . import fmus, mocks, vendor
@@ -147,6 +147,57 @@ def test_a_matrix_is_turned_back_by_its_condition_whatever_its_size(matrix, fits
     assert (not fitted(ours, theirs, ports={"y": {"theirs": "y", "matrix": matrix}}).faults) is fits
 
 
+@pytest.mark.parametrize(
+    ("declared", "message"),
+    [
+        (
+            Unit("deg/s", unit("rad/s").exponents),
+            "the unit deg/s to be 1 s-1.rad, but usually it is 0.01745329252 s-1.rad",
+        ),
+        (Unit("rad/s", unit("rad/s").exponents, -1.0), "the unit rad/s to be -1 s-1.rad, but usually it is 1 s-1.rad"),
+        (Unit("rpm", unit("rad").exponents, math.pi / 30), "but usually it is 0.1047197551 s-1.rad"),
+        (Unit("degC", unit("K").exponents, 1.0, 0.0), "the unit degC to be 1 K, but usually it is 1 K +273.15"),
+        (Unit("deg/s", unit("rad/s").exponents, 0.0174533), ""),
+        (Unit("knack", unit("rad/s").exponents, 3.0), ""),
+    ],
+)
+def test_a_unit_that_is_declared_to_be_another_is_refused_unless_it_is_stated(declared, message):
+    own = unit("K" if declared.name == "degC" else "rad/s")
+    ours = mocks.model("ours", real("u", "input", unit=own))
+    theirs = mocks.model("theirs", real("u", "input", unit=declared))
+    told = "\n".join(map(str, fitted(ours, theirs).faults))
+    assert (message in told) if message else not told
+    if message:
+        assert f"or state what is meant, such as 'unit: {declared}', in the mapping" in told
+        assert not fitted(ours, theirs, ports={"u": {"theirs": "u", "unit": declared.name}}).faults
+
+
+def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
+    ours = mocks.model("ours", real("u", "input", shape=(2,)))
+    theirs = mocks.model("theirs", real("gyro", "input", shape=(4,)))
+    ports = {"u": ["gyro[1]", "gyro[3]"]}
+    found = fitted(ours, theirs, ports=ports)
+    (fault,) = found.faults
+    assert "inputs gyro[2] gyro[4] are of theirs only, and nothing feeds them; remedy: " in str(fault)
+    assert not unfed(fault), "no scenario can feed them"
+    assert found.findings[0].text == "input u = gyro[1] gyro[3], a real [2]"
+    found = fitted(ours, theirs, ports=ports, start={"gyro[2]": 0.1, "gyro[4]": 0.2})
+    assert not found.faults
+    block = Mock("x", theirs, lambda b: None)
+    through(found, block, u=[5.0, 6.0])
+    assert block.vector("gyro").tolist() == [5.0, 0.1, 6.0, 0.2]
+    (fault,) = fitted(ours, theirs, ports=ports, start={"gyro": [1, 2, 3, 4]}).faults[:1]
+    assert "gyro[1] gyro[3] stands for our u, whose value it takes" in str(fault)
+
+
+def test_what_is_left_of_outputs_and_parameters_is_told():
+    ours = mocks.model("ours", real("y", "output"), real("p", "parameter"))
+    theirs = mocks.model("theirs", real("v", "output", shape=(2,)), real("q", "parameter", shape=(2,)))
+    told = [f.text for f in fitted(ours, theirs, ports={"y": "v[2]", "p": "q[1]"}).findings]
+    assert "elements of outputs that stand for nothing of ours: v[1]" in told
+    assert "parameter of theirs only, at the values of their FMU: q[2]" in told
+
+
 def test_a_stated_unit_stands_for_one_that_is_not_declared():
     ours = mocks.model("ours", real("u", "input", unit=unit("rad/s")), real("y", "output"))
     theirs = mocks.model("theirs", real("u", "input"), real("y", "output"))
@@ -258,6 +309,7 @@ def test_booleans_and_enumerations_pass_as_they_are():
         ({"ports": {"u": ["v[1]"]}}, "ours is a real [2], theirs has 1 value"),
         ({"ports": {"u": "v", "y": {"theirs": "y", "matrix": [[1, 1], [1, 1]]}}}, "the matrix has no inverse"),
         ({"ports": {"u": "v", "p": "v"}}, "v[1] already stands for u"),
+        ({"ports": {"u": ["v[1]", "v[1]"]}}, "input u = v[1] v[1]: v[1] is named more than once"),
         ({"ports": {"u": {"theirs": "v", "offset": [1, 2, 3]}}}, "the offset has 3 values, expected 2"),
         (
             {"ports": {"u": {"theirs": "v", "quaternion": "scalar first"}}},
@@ -292,6 +344,7 @@ def test_what_does_not_fit_is_refused_with_its_name(mapping, message):
         ("ports: {speed: {theirs: rate, quaternion: scalar first, scale: 2}}", "a quaternion goes without scale"),
         ("ports: {speed: {theirs: rate, unit: blorps}}", "unknown unit 'blorps'"),
         ("prots: {speed: rate}", "unknown key 'prots'; did you mean 'ports'?"),
+        ("file: other.yaml", "a mapping's file holds the mapping itself"),
         ("[speed, rate]", "expected keys such as 'ports' and 'ignore', found a list"),
     ],
 )
@@ -422,10 +475,13 @@ def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tm
     assert "recorded under their own names: first, second" in result.stderr
 
 
-def test_a_later_fault_keeps_its_line_when_something_before_it_is_left_out(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("ignored", "fault"),
-    [("speed", "bias: regulator.speed, by: 1 rad/s"), ("samples", "cut: 'regulator.samples[1]'"), ("gain", "set: regulator.gain = 2")],
+    [
+        ("speed", "bias: regulator.speed, by: 1 rad/s"),
+        ("samples", "cut: 'regulator.samples[1]'"),
+        ("gain", "set: regulator.gain = 2"),
+    ],
 )
 def test_a_fault_of_what_the_mapping_ignores_is_refused(tmp_path, monkeypatch, ignored, fault):
     text = SCENARIO + f"faults:\n  - {{at: 1 s, {fault}}}\n"
@@ -438,6 +494,7 @@ def test_a_fault_of_what_the_mapping_ignores_is_refused(tmp_path, monkeypatch, i
     assert "is under 'ignore' in the mapping of regulator, so the fault would change nothing" in result.stderr
 
 
+def test_a_later_fault_keeps_its_line_when_something_before_it_is_left_out(tmp_path, monkeypatch):
     extra = "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: wrong, signal: motor.sped, always: {below: 1 rpm}}\n"
     path = swapped(tmp_path, monkeypatch, ('name="samples[1]"', 'name="first"'), scenario=SCENARIO + extra)
     (tmp_path / "mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
@@ -485,7 +542,6 @@ def test_a_step_that_does_not_divide_is_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-@pytest.mark.parametrize(
     ("own", "message"),
     [
         ("1e-300", "cannot vary its step of 1e-300 s, more than 10000 of them in each step of 0.1 s; remedy: "),
@@ -518,12 +574,18 @@ def test_a_unit_that_cannot_be_converted_is_refused_by_name(tmp_path, monkeypatc
         assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
 
 
+@pytest.mark.parametrize(
     ("options", "message"),
     [
         (("--swap", "regulator"), "--swap regulator: expected block=file.fmu"),
         (
             ("--swap", "regulater=vendor.fmu"),
             "--swap regulater=vendor.fmu: there is no block 'regulater'; did you mean 'regulator'?",
+        ),
+        (("--swap", "regulator=vendor.fmu", "--swap", "regulator=b.fmu"), "b.fmu: regulator is swapped twice"),
+        (
+            ("--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--map", "regulator=b.yaml"),
+            "--map regulator=b.yaml: regulator is mapped twice",
         ),
         (("--swap", "regulator=vender.fmu"), "there is no FMU vender.fmu; did you mean 'vendor.fmu'?"),
         (("--map", "mapping.yaml"), "--map mapping.yaml: expected the --swap that it belongs to"),
