@@ -37,10 +37,9 @@ extern const uint16_t real_outputs[BLOCK_REAL_OUTPUTS]; /* their value reference
 
 typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
 
-/* All that an instance remembers: what fmi2GetFMUstate saves. */
+/* All that an instance remembers but for the block's state: what fmi2GetFMUstate saves, with that. */
 typedef struct {
     Ports ports;
-    State state;
     double time; /* of the master, s */
     Mode mode;
     bool fresh; /* ports.y fit the state and the inputs */
@@ -48,6 +47,8 @@ typedef struct {
 
 typedef struct {
     Memory memory;
+    State states[2];  /* the block's state, and room to work on the next one: a state may be too large for the stack */
+    int current;      /* which is the state */
     Law law;          /* what follows from memory.ports.p */
     bool law_current; /* law fits memory.ports.p, which has passed its check */
     bool log_events;  /* errors are always told */
@@ -76,6 +77,13 @@ void log_event(const Instance *c, const char *text);
 Instance *enter(fmi2Component component, const char *function, unsigned modes, fmi2Status *status);
 
 enum { IN_SETUP = 1, IN_INITIALIZATION = 2, IN_STEP = 4, IN_TERMINATED = 8, IN_ANY = 15 };
+
+/* The block's state. */
+const State *state_of(const Instance *c);
+
+/* Room for a state that is tried; commit_state makes it the block's. */
+State *other_state(Instance *c);
+void commit_state(Instance *c);
 
 /* Start values of all parameters and inputs; the mode is then MODE_SETUP. */
 void restore_starts(Instance *c);

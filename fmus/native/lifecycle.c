@@ -36,10 +36,26 @@ Instance *enter(fmi2Component component, const char *function, unsigned modes, f
     return c;
 }
 
+const State *state_of(const Instance *c)
+{
+    return &c->states[c->current];
+}
+
+State *other_state(Instance *c)
+{
+    return &c->states[1 - c->current];
+}
+
+void commit_state(Instance *c)
+{
+    c->current = 1 - c->current;
+}
+
 void restore_starts(Instance *c)
 {
     unsigned char *ports = (unsigned char *)&c->memory.ports;
     memset(&c->memory, 0, sizeof c->memory);
+    memset(c->states, 0, sizeof c->states);
     for (uint32_t i = 0; i < BLOCK_VARIABLES; ++i) {
         const Variable *v = &variables[i];
         const int32_t integer = v->kind == KIND_INTEGER ? (int32_t)v->start : 0;
@@ -218,6 +234,15 @@ static fmi2Status evaluate(Instance *c, const char *function, const State *x)
     return fmi2OK;
 }
 
+/* The state that the inputs give at the start, in other_state. */
+static fmi2Status start(Instance *c, const char *function)
+{
+    Fault f = {"inputs", "", NULL, 0.0};
+    State *x = other_state(c);
+    memset(x, 0, sizeof *x);
+    return block_start(&c->law, &c->memory.ports.u, x, &f) ? fmi2OK : refuse_fault(c, function, &f);
+}
+
 fmi2Status make_outputs_fresh(Instance *c, const char *function)
 {
     if (c->memory.fresh) {
@@ -226,13 +251,11 @@ fmi2Status make_outputs_fresh(Instance *c, const char *function)
     if (make_law_current(c, function) != fmi2OK) {
         return fmi2Error;
     }
-    Fault f = {"inputs", "", NULL, 0.0};
-    State x = c->memory.state;
     const bool running = c->memory.mode == MODE_STEP || c->memory.mode == MODE_TERMINATED;
-    if (!running && !block_start(&c->law, &c->memory.ports.u, &x, &f)) {
-        return refuse_fault(c, function, &f);
+    if (!running && start(c, function) != fmi2OK) {
+        return fmi2Error;
     }
-    return evaluate(c, function, &x);
+    return evaluate(c, function, running ? state_of(c) : other_state(c));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component)
@@ -252,19 +275,12 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
     if (c == NULL) {
         return status;
     }
-    if (make_law_current(c, "fmi2ExitInitializationMode") != fmi2OK) {
+    static const char *const function = "fmi2ExitInitializationMode";
+    if (make_law_current(c, function) != fmi2OK || start(c, function) != fmi2OK ||
+        evaluate(c, function, other_state(c)) != fmi2OK) {
         return fmi2Error;
     }
-    Fault f = {"inputs", "", NULL, 0.0};
-    State x;
-    memset(&x, 0, sizeof x);
-    if (!block_start(&c->law, &c->memory.ports.u, &x, &f)) {
-        return refuse_fault(c, "fmi2ExitInitializationMode", &f);
-    }
-    if (evaluate(c, "fmi2ExitInitializationMode", &x) != fmi2OK) {
-        return fmi2Error;
-    }
-    memcpy(&c->memory.state, &x, sizeof x);
+    commit_state(c);
     c->memory.mode = MODE_STEP;
     log_event(c, "initialized");
     return fmi2OK;

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* A step that fails changes nothing: the block works on a copy of its state. */
+/* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it. */
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before)
 {
     fmi2Status status;
@@ -27,15 +27,16 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
         return fmi2Error;
     }
     Fault f = {"inputs", "", NULL, 0.0};
-    State x = memory->state;
+    State *x = other_state(c);
+    memcpy(x, state_of(c), sizeof *x);
     Outputs y = memory->ports.y;
-    if (!block_step(&c->law, &x, &memory->ports.u, h, &y, &f)) {
+    if (!block_step(&c->law, x, &memory->ports.u, h, &y, &f)) {
         return refuse_fault(c, "fmi2DoStep", &f);
     }
     if (!outputs_finite(c, "fmi2DoStep", &y)) {
         return fmi2Error;
     }
-    memcpy(&memory->state, &x, sizeof x);
+    commit_state(c);
     memcpy(&memory->ports.y, &y, sizeof y);
     memory->time = t + h;
     memory->fresh = true;
