@@ -1,7 +1,7 @@
 """Builds blocks as FMUs, and rebuilds them when what they are made of has changed.
 
 build()                      # all blocks in C, into build/fmus/native/
-build(flavour="python")      # the Python reference, into build/fmus/python/
+build(flavour="python")      # the Python reference of those that have one, into build/fmus/python/
 ensure("plant")              # the path of plant.fmu, built when missing or out of date
 """
 
@@ -19,10 +19,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from . import places
-from .interface import BLOCKS, Interface, load
+from .interface import BLOCKS, FLAVOURS, Interface, load, package_of
+
+__all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "ensure", "fmu_path"]
 
 ROOT = places.REPOSITORY
-FLAVOURS = ("native", "python")
 
 _HERE = Path(__file__).parent
 
@@ -47,18 +48,33 @@ class Block:
         """A block of this project."""
         if name not in BLOCKS:
             raise BuildError(f"there is no block {name!r}; expected one of {', '.join(BLOCKS)}")
-        spec = find_spec(name)
-        if spec is None or not spec.submodule_search_locations:
+        first, *below = package_of(name).split(".")
+        spec = find_spec(first)
+        folder = Path(spec.submodule_search_locations[0], *below) if spec and spec.submodule_search_locations else None
+        if folder is None or not folder.is_dir():
             raise BuildError(f"the package of the block {name!r} is not installed: pip install -e . in the repository")
-        return cls(load(name), Path(spec.submodule_search_locations[0]))
+        return cls(load(name), folder)
 
 
-def build(blocks: Iterable[str | Block] = BLOCKS, flavour: str = "native", out: Path | None = None) -> dict[str, Path]:
-    """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError."""
+def blocks_of(flavour: str) -> list[str]:
+    """The blocks of this project that have this flavour."""
+    return [block for block in BLOCKS if flavour in load(block).flavours]
+
+
+def build(
+    blocks: Iterable[str | Block] | None = None, flavour: str = "native", out: Path | None = None
+) -> dict[str, Path]:
+    """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError.
+
+    Without `blocks` these are all that have the flavour.
+    """
     _check(flavour)
     package = _packager(flavour)
     paths = {}
-    for block in [Block.named(b) if isinstance(b, str) else b for b in blocks]:
+    chosen = [Block.named(b) if isinstance(b, str) else b for b in (blocks_of(flavour) if blocks is None else blocks)]
+    for block in chosen:
+        _check_flavour(block.interface, flavour)
+    for block in chosen:
         path = _path(block.name, flavour, out)
         stamp = _fingerprint(block, flavour).encode()
         try:
@@ -79,6 +95,7 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
     """The path of a block's FMU, which is built first when it is missing or its sources have changed."""
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
+    _check_flavour(chosen.interface, flavour)
     if isinstance(block, str) and out is None and (made := places.ready(f"{flavour}/{block}.fmu")):
         return made
     path = _path(chosen.name, flavour, out)
@@ -111,6 +128,12 @@ def _check(flavour: str) -> None:
         raise BuildError(f"there is no flavour {flavour!r}; expected one of {', '.join(FLAVOURS)}")
 
 
+def _check_flavour(interface: Interface, flavour: str) -> None:
+    if flavour not in interface.flavours:
+        there = " and ".join(interface.flavours)
+        raise BuildError(f"{interface.name} has no flavour {flavour!r}; it is {there} only")
+
+
 def _stamp(path: Path) -> bytes | None:
     """The fingerprint of an FMU's sources, which stands in the comment of its archive."""
     try:
@@ -124,7 +147,7 @@ def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
     makers = [path for kind in ("*.py", "*.c", "interfaces/*.svg") for path in sorted(_HERE.glob(kind))]
-    paths = [places.shared("LICENSE"), *makers, *_files(block.folder)]
+    paths = [places.shared("LICENSE"), *makers, *places.of_block(block.folder)]
     paths += _files(_HERE / "native")
     if flavour == "native":
         paths += _files(block.folder / "native")
@@ -136,20 +159,19 @@ def _fingerprint(block: Block, flavour: str) -> str:
 
 
 def _files(folder: Path) -> list[Path]:
-    """All files in a folder, but not those of its `native`."""
-    files = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
-    return sorted(path for path in files if path.relative_to(folder).parts[0] != "native")
+    return sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
 
 
 def _data_packages(folder: Path) -> list[str]:
-    """The literal `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
-    path = folder / "tables" / "__init__.py"
-    if not path.exists():
-        return []
-    for node in ast.parse(path.read_text("utf-8")).body:
-        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "PACKAGES" for t in node.targets):
-            return list(ast.literal_eval(node.value))
-    return []
+    """The literals `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
+    found: list[str] = []
+    for path in (folder / "tables" / "__init__.py", folder / "native" / "tables.py"):
+        for node in ast.parse(path.read_text("utf-8")).body if path.exists() else ():
+            if isinstance(node, ast.Assign) and any(
+                isinstance(t, ast.Name) and t.id == "PACKAGES" for t in node.targets
+            ):
+                found += ast.literal_eval(node.value)
+    return found
 
 
 def _version(name: str) -> str:

@@ -25,7 +25,8 @@ def common(interface: Interface, licence: Path | None, host: str) -> dict[str, b
     if licence is not None and licence.exists():
         found["documentation/licenses/license.txt"] = licence.read_bytes()
     # model.png is FMI 2.0's place for an icon, terminalsAndIcons/ that of FMI 2.0.4 and later.
-    for name, target in ((interface.name, "icon"), ("block", "icon"), ("terminal", "terminal")):
+    base = interface.name.partition("_")[0]  # `allocator_bounded` without an icon of its own has the allocator's
+    for name, target in ((interface.name, "icon"), (base, "icon"), ("block", "icon"), ("terminal", "terminal")):
         svg = _svg(name)
         if svg is None or f"terminalsAndIcons/{target}.svg" in found:
             continue

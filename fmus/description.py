@@ -73,8 +73,9 @@ def model_description(
         root, "DefaultExperiment", startTime="0.0", stopTime=_text(interface.stop), stepSize=_text(interface.step)
     )
     variables = ET.SubElement(root, "ModelVariables")
-    for variable, element in interface.elements.values():
-        _scalar_variable(variables, variable, element)
+    for variable in interface.variables.values():
+        for position, element in enumerate(variable.elements):
+            _scalar_variable(variables, variable, position, element)
     _model_structure(root, interface)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
@@ -92,8 +93,9 @@ def about(variable: Variable) -> str:
 
 def _unit_definitions(root: ET.Element, interface: Interface) -> None:
     shown: dict[str, set[str]] = {}
-    for variable in _reals(interface):
-        shown.setdefault(_unit_name(variable), set()).update({variable.display_unit} - {None})  # type: ignore[arg-type]
+    for variable in interface.variables.values():
+        for name in map(_unit_name, variable.units if variable.type == "real" else ()):
+            shown.setdefault(name, set()).update({variable.display_unit} - {None})  # type: ignore[arg-type]
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(shown):
         entry = ET.SubElement(definitions, "Unit", name=name)
@@ -107,30 +109,31 @@ def _unit_definitions(root: ET.Element, interface: Interface) -> None:
 
 
 def _type_definitions(root: ET.Element, interface: Interface) -> None:
-    types: dict[str, Variable] = {}
+    types: dict[str, tuple[Variable, int]] = {}
     for variable in interface.variables.values():
         if variable.type in ("real", "enumeration"):
-            types.setdefault(type_name(variable), variable)
+            for position in range(len(variable.elements)):
+                types.setdefault(type_name(variable, position), (variable, position))
     definitions = ET.SubElement(root, "TypeDefinitions")
-    for name, variable in sorted(types.items()):
+    for name, (variable, position) in sorted(types.items()):
         entry = ET.SubElement(definitions, "SimpleType", name=name)
         if variable.type == "real":
-            ET.SubElement(entry, "Real", _unit_attributes(variable))
+            ET.SubElement(entry, "Real", _unit_attributes(variable, position))
             continue
         items = ET.SubElement(entry, "Enumeration")
         for value, item in enumerate(variable.items, start=1):
             ET.SubElement(items, "Item", name=item, value=str(value))
 
 
-def type_name(variable: Variable) -> str:
-    """An enumeration's type has its variable's name in capitals (`GainSchedule`), a Real's its units' (`rad shown in deg`)."""
+def type_name(variable: Variable, position: int = 0) -> str:
+    """The type of an element: an enumeration's has its variable's name in capitals (`GainSchedule`), a Real's its units' (`rad shown in deg`)."""
     if variable.type == "enumeration":
         return "".join(part[:1].upper() + part[1:] for part in variable.name.split("_")) + "Choice"
-    name = _unit_name(variable)
+    name = _unit_name(variable.units[position])
     return f"{name} shown in {variable.display_unit}" if variable.display_unit else f"{name}"
 
 
-def _scalar_variable(parent: ET.Element, variable: Variable, element: Element) -> None:
+def _scalar_variable(parent: ET.Element, variable: Variable, position: int, element: Element) -> None:
     attributes = {
         "name": element.name,
         "valueReference": str(element.value_reference),
@@ -143,9 +146,9 @@ def _scalar_variable(parent: ET.Element, variable: Variable, element: Element) -
     entry = ET.SubElement(parent, "ScalarVariable", attributes)
     kind: dict[str, str] = {}
     if variable.type in ("real", "enumeration"):
-        kind["declaredType"] = type_name(variable)
+        kind["declaredType"] = type_name(variable, position)
     if variable.type == "real":
-        kind |= _unit_attributes(variable)
+        kind |= _unit_attributes(variable, position)
     bounds: Mapping[str, float | None] = {"min": variable.min, "max": variable.max}
     for key, bound in bounds.items():
         if bound is not None:
@@ -173,17 +176,13 @@ def _model_structure(root: ET.Element, interface: Interface) -> None:
                 )
 
 
-def _reals(interface: Interface) -> list[Variable]:
-    return [variable for variable in interface.variables.values() if variable.type == "real"]
+def _unit_name(unit: str | None) -> str:
+    return unit or DIMENSIONLESS
 
 
-def _unit_name(variable: Variable) -> str:
-    return variable.unit or DIMENSIONLESS
-
-
-def _unit_attributes(variable: Variable) -> dict[str, str]:
+def _unit_attributes(variable: Variable, position: int) -> dict[str, str]:
     display = {"displayUnit": variable.display_unit} if variable.display_unit else {}
-    return {"unit": _unit_name(variable), **display}
+    return {"unit": _unit_name(variable.units[position]), **display}
 
 
 def _text(value: float | int | bool | str | Fraction) -> str:

@@ -5,17 +5,20 @@ what `load` returns.
 
 The TOML file
 -------------
-`[block]` has `name` and `description`; `[experiment]` has `stop` and `step`, in seconds.
-Each `[variables.NAME]` has
+`[block]` has `name` and `description`, and `flavours` where there is one only: `["native"]`; `[experiment]` has `stop`
+and `step`, in seconds. Each `[variables.NAME]` has
 
 - `causality`: "input", "output" or "parameter";
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
 - `shape`: nothing for a scalar, `[n]` or `[rows, columns]`; elements are named in FMI's structured
   way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
-- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless;
+- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is a
+  list of the variable's shape, with a unit for each element, and there is no `display_unit`;
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
+- `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, by which the block
+  knows that it is not connected;
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
@@ -37,6 +40,10 @@ from importlib.resources import files
 from typing import Any, Literal
 
 BLOCKS = ("plant", "controller", "allocator")
+"""All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
+FLAVOURS = ("native", "python")
+ABSENT = 1e9
+"""The start of every optional input, which means that it is not connected."""
 
 Causality = Literal["input", "output", "parameter"]
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]
@@ -67,7 +74,8 @@ class Variable:
     variability: str
     description: str
     shape: tuple[int, ...]
-    unit: str | None
+    units: tuple[str | None, ...]
+    """Of each element."""
     display_unit: str | None
     frame: str | None
     start: Any
@@ -78,6 +86,13 @@ class Variable:
     elements: tuple[Element, ...]
     depends_on: tuple[str, ...] = ()
     initially_depends_on: tuple[str, ...] = ()
+    optional: bool = False
+    """An input that may stay unconnected; its start then says so."""
+
+    @property
+    def unit(self) -> str | None:
+        """In words: the unit of all elements, or, where they differ, those of the elements in their order."""
+        return self.units[0] if len(set(self.units)) == 1 else ", ".join(unit or "1" for unit in self.units)
 
     @property
     def value_references(self) -> list[int]:
@@ -101,6 +116,8 @@ class Interface:
     """Formulas, each with its meaning, for the documentation page."""
     limits: tuple[str, ...] = ()
     """Sentences for the documentation page."""
+    flavours: tuple[str, ...] = FLAVOURS
+    """Those that the block has."""
 
     def of(self, causality: Causality) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == causality]
@@ -126,7 +143,7 @@ class Interface:
 
 
 def load(block: str) -> Interface:
-    """The interface of a block of this project: "plant", "controller" or "allocator"."""
+    """The interface of a block of this project, such as "plant"."""
     return parse(files("fmus").joinpath("interfaces", f"{block}.toml").read_text("utf-8"), f"{block}.toml")
 
 
@@ -154,11 +171,24 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         terminals=_terminals(data.get("terminals", {}), variables, file),
         equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
         limits=tuple(data.get("page", {}).get("limits", ())),
+        flavours=_flavours(data["block"], file),
     )
 
 
+def package_of(block: str) -> str:
+    """The name of a block's package: `allocator.bounded` is that of `allocator_bounded`."""
+    return block.replace("_", ".")
+
+
+def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
+    found = block.get("flavours", FLAVOURS)
+    if not isinstance(found, (list, tuple)) or not found or not set(found) <= set(FLAVOURS):
+        raise InterfaceError(f"{file}: block.flavours: expected a list of {', '.join(FLAVOURS)}, found {found!r}")
+    return tuple(found)
+
+
 _KEYS = (
-    "causality type shape unit display_unit frame variability start min max items description depends_on "
+    "causality type shape unit display_unit frame variability optional start min max items description depends_on "
     "initially_depends_on"
 ).split()
 
@@ -179,6 +209,9 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         if start not in items:
             raise InterfaceError(f"start {start!r} is none of its items {', '.join(items)}")
         starts = [items.index(start) + 1]
+    optional = entry.get("optional", False)
+    if optional and (causality != "input" or kind != "real" or set(starts) != {ABSENT}):
+        raise InterfaceError(f"only a real input may be optional, and its start is {ABSENT:g} in every element")
     default = "continuous" if kind == "real" else "discrete"
     return Variable(
         name=name,
@@ -187,7 +220,7 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         variability=entry["variability"] if causality == "parameter" else default,
         description=entry["description"],
         shape=shape,
-        unit=entry.get("unit"),
+        units=_units(entry, shape, len(indices)),
         display_unit=entry.get("display_unit"),
         frame=entry.get("frame"),
         start=start,
@@ -200,7 +233,17 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         ),
         depends_on=_expand(entry.get("depends_on", []), groups),
         initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
+        optional=optional,
     )
+
+
+def _units(entry: dict[str, Any], shape: tuple[int, ...], size: int) -> tuple[str | None, ...]:
+    unit = entry.get("unit")
+    if not isinstance(unit, list):
+        return (unit,) * size
+    if "display_unit" in entry:
+        raise InterfaceError("a variable whose elements have units of their own has no display_unit")
+    return tuple(_flatten(unit, shape, "unit"))
 
 
 def element_name(name: str, index: tuple[int, ...]) -> str:
@@ -208,14 +251,14 @@ def element_name(name: str, index: tuple[int, ...]) -> str:
     return f"{name}[{','.join(map(str, index))}]" if index else name
 
 
-def _flatten(value: Any, shape: tuple[int, ...]) -> list[Any]:
+def _flatten(value: Any, shape: tuple[int, ...], key: str = "start") -> list[Any]:
     if not shape:
         if isinstance(value, list):
-            raise InterfaceError("start is a list, but shape makes it a scalar")
+            raise InterfaceError(f"{key} is a list, but shape makes it a scalar")
         return [value]
     if not isinstance(value, list) or len(value) != shape[0]:
-        raise InterfaceError(f"start does not have the shape {list(shape)}")
-    return [leaf for item in value for leaf in _flatten(item, shape[1:])]
+        raise InterfaceError(f"{key} does not have the shape {list(shape)}")
+    return [leaf for item in value for leaf in _flatten(item, shape[1:], key)]
 
 
 def _expand(names: list[str], groups: dict[str, list[str]]) -> tuple[str, ...]:

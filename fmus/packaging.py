@@ -23,6 +23,7 @@ from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
+from . import places
 from .contents import archive, common
 from .description import Capabilities, guid_from, model_description
 from .interface import Interface
@@ -70,7 +71,7 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
     identity = digest.hexdigest()
     entry = f"{interface.name}_{identity[:12]}"
     with tempfile.TemporaryDirectory() as temporary:
-        built = _build(Path(temporary), entry, identity, interface, folder.name, content)
+        built = _build(Path(temporary), entry, identity, interface, _carried(folder), content)
         with zipfile.ZipFile(built) as made:
             files = {name: made.read(name) for name in made.namelist()}
     guid = guid_from(identity)
@@ -89,23 +90,26 @@ def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
     """Everything that decides what the FMU does, by its path inside the package of the code."""
     content = {name: (_HERE / name).read_bytes() for name in RUNTIME}
     content["interface.toml"] = interface.source.encode()
-    content |= {f"{folder.name}/{name}": data for name, data in sources(folder).items()}
-    with _importing_from(folder.parent, folder.name):
+    carried = _carried(folder)
+    content |= {f"{carried}/{path}": data for path, data in sources(folder).items()}
+    name = places.package_name(folder)
+    with _importing_from(folder.parents[name.count(".")], name.partition(".")[0]):
         if (folder / "tables").exists() or (folder / "tables.py").exists():
-            tables = importlib.import_module(f"{folder.name}.tables")
-            content |= {f"{folder.name}/tables/{name}": data for name, data in tables.dump().items()}
+            tables = importlib.import_module(f"{name}.tables")
+            content |= {f"{carried}/tables/{path}": data for path, data in tables.dump().items()}
     content["shell.c"] = (_HERE / "shell.c").read_bytes()
     return content
 
 
+def _carried(folder: Path) -> str:
+    """The name of the block's package inside the FMU."""
+    return places.package_name(folder).replace(".", "_")
+
+
 def sources(folder: Path) -> dict[str, bytes]:
     """The Python files of a block's package, by their paths in it."""
-    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*.py")}
-    return {
-        name: path.read_bytes().replace(b"\r\n", b"\n")
-        for name, path in sorted(files.items())
-        if not name.startswith("native/")
-    }
+    files = {path.relative_to(folder).as_posix(): path for path in places.of_block(folder) if path.suffix == ".py"}
+    return {name: path.read_bytes().replace(b"\r\n", b"\n") for name, path in sorted(files.items())}
 
 
 def _build(

@@ -35,3 +35,22 @@ def work() -> Path:
     from platformdirs import user_cache_path
 
     return user_cache_path("attitude-cosim", appauthor=False) / version("attitude-cosim")
+
+
+def package_name(folder: Path) -> str:
+    """The name by which the package in this folder is imported: `allocator.bounded` for `allocator/bounded`."""
+    name, above = folder.name, folder.parent
+    while (above / "__init__.py").exists():
+        name, above = f"{above.name}.{name}", above.parent
+    return name
+
+
+def of_block(folder: Path) -> list[Path]:
+    """All files in a block's folder, sorted, but its C and the blocks that have their own folders in it."""
+    apart = {folder / "native", *filter(_is_block, folder.iterdir())}
+    found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
+    return sorted(path for path in found if apart.isdisjoint(path.parents))
+
+
+def _is_block(folder: Path) -> bool:
+    return (folder / "native").is_dir() or (folder / "block.py").is_file()

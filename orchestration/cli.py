@@ -251,7 +251,7 @@ def assignment(text: str) -> tuple[str, Any]:
 )
 def build(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""
-    from fmus.build import BLOCKS, BuildError
+    from fmus.build import BLOCKS, BuildError, blocks_of
     from fmus.build import build as build_fmus
 
     from .fmu import shown
@@ -260,13 +260,16 @@ def build(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
         if block not in BLOCKS:
             raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
     try:
-        paths = build_fmus(blocks or BLOCKS, flavour, out)
+        paths = build_fmus(blocks or None, flavour, out)
     except BuildError as error:
         raise InputError(str(error)) from None
     except OSError as error:
         raise InputError(f"{error.filename or 'the disk'}: {error.strerror}") from None
     for path in paths.values():
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
+    for block in () if blocks else BLOCKS:
+        if block not in blocks_of(flavour):
+            say(f"{block} has no flavour {flavour!r}")
 
 
 @main.command()

@@ -23,14 +23,17 @@ from .fmu import shown
 )
 def command(copy: Path | None, flavour: str) -> None:
     """List the project's own FMUs, built when need be, or hand them out."""
-    from fmus.build import BLOCKS, BuildError, ensure
+    from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 
     try:
-        paths = [ensure(block, flavour) for block in BLOCKS]
+        paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:
         raise InputError(str(error)) from None
     for path in paths:
         say(f"{shown(path if copy is None else copied(path, copy))}  {path.stat().st_size / 1000:.0f} kB")
+    for block in BLOCKS:
+        if block not in blocks_of(flavour):
+            say(f"{block} has no flavour {flavour!r}")
 
 
 def copied(path: Path, folder: Path) -> Path:

@@ -17,7 +17,7 @@ import numpy as np
 from . import convergence, sweep
 from .claims import CLAIMS, DURATION, MASS, ORBIT, READINGS, ROOT, SCENARIOS, STEP, constants
 from .momentum_bound import MomentumBalance, Verdict
-from .setup import Loop, read
+from .setup import PAPER, Loop, read
 from .vectors import Array
 from .watch import Seen, of_result
 
@@ -153,9 +153,9 @@ def compute(processes: int) -> dict[str, Any]:
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from fmus.build import BLOCKS, ensure
+    from fmus.build import ensure
 
-    for block in BLOCKS:  # once, before the processes ask for it
+    for block in PAPER:  # once, before the processes ask for it
         ensure(block, "native")
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # BLAS threads would only get in the processes' way
     kept = ROOT / "results" / "reproduction" / _fingerprint()

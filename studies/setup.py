@@ -1,4 +1,4 @@
-"""A scenario of this project's three blocks as the blocks' own parameters, with its errors located."""
+"""A scenario of the paper's three blocks as the blocks' own parameters, with its errors located."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ import numpy as np
 import allocator
 import controller
 import plant
-from fmus.interface import BLOCKS, load
+from fmus.interface import load
 from orchestration import InputError, Scenario
 from orchestration import load as load_scenario
 from orchestration.model import Model
 from orchestration.source import Source
+
+PAPER = ("plant", "controller", "allocator")
+"""The blocks of the paper's loop."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +66,14 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
     from orchestration.starts import resolve
 
     loaded = load_scenario(scenario, overrides)
-    names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in BLOCKS}
-    if missing := [block for block in BLOCKS if block not in names]:
+    names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in PAPER}
+    if missing := [block for block in PAPER if block not in names]:
         raise InputError(loaded.error(("blocks",), f"expected a block with 'fmu: {missing[0]}', found none"))
-    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in BLOCKS]
+    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in PAPER]
     if strange:
         found = loaded.blocks[strange[0]].fmu
         raise InputError(
-            loaded.error(("blocks", strange[0], "fmu"), f"expected one of {', '.join(BLOCKS)}, found {found!r}")
+            loaded.error(("blocks", strange[0], "fmu"), f"expected one of {', '.join(PAPER)}, found {found!r}")
         )
     models = {name: _model(block, loaded.blocks[name].flavour or loaded.flavour) for block, name in names.items()}
     starts = resolve(loaded, models)
@@ -79,7 +82,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
         given = {(s.element.variable, s.element.position): s.value for s in starts[name]}
         parts[block] = _parameters(block, given)
     setup = Setup(loaded, names, Loop(**parts))
-    for block in BLOCKS:
+    for block in PAPER:
         try:
             import_module(block).check(parts[block])
         except ValueError as error:

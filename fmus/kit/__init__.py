@@ -17,7 +17,7 @@ from pathlib import Path
 from .. import places
 from ..description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
-from ..native.generate import block_header, ports_header, table
+from ..native.generate import block_header, camel_case, ports_header, table
 from .templates import block_c, block_h, package_py, python_block
 
 LANGUAGES = ("c", "python")
@@ -81,7 +81,7 @@ def makefile(interface: Interface, shell_folder: str, tools: str) -> str:
 
 
 def _filled(text: str, interface: Interface, more: Mapping[str, str] | None = None) -> str:
-    for key, value in {"name": interface.name, "title": interface.name.title(), **(more or {})}.items():
+    for key, value in {"name": interface.name, "title": camel_case(interface.name), **(more or {})}.items():
         text = text.replace(f"@{key}@", value)
     return text
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import textwrap
 
 from ..interface import Interface, Variable
+from ..native.generate import camel_case
 
 
 def block_h(interface: Interface) -> str:
     """The block's header: what it remembers, and its five functions."""
-    name, title = interface.name, interface.name.title()
+    name, title = interface.name, camel_case(interface.name)
     return f"""\
 /* {interface.description}.
  * Yours to fill in. Ports and parameters stand in generated/ports.h, with units and frames. */
@@ -50,7 +51,7 @@ bool {name}_step(const {title}Law *law, {title}State *x, const {title}Inputs *u,
 
 def block_c(interface: Interface) -> str:
     """The block's source."""
-    name, title = interface.name, interface.name.title()
+    name, title = interface.name, camel_case(interface.name)
     outputs = "\n".join(f"     *   y->{v.name}{_index(v)}{_unit(v)}" for v in interface.of("output"))
     return f"""\
 #include "{name}.h"

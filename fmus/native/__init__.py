@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from .. import places
 from ..contents import archive, common
 from ..description import Capabilities, guid_from, model_description
 from ..interface import Interface
@@ -82,7 +83,7 @@ def _generated(folder: Path) -> dict[str, str]:
     """C that the block makes from its tables: what `generated()` of `<block>/native/tables.py` returns, by file name."""
     if not (folder / "native" / "tables.py").exists():
         return {}
-    return dict(importlib.import_module(f"{folder.name}.native.tables").generated())
+    return dict(importlib.import_module(f"{places.package_name(folder)}.native.tables").generated())
 
 
 def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:

@@ -12,7 +12,7 @@ import math
 import textwrap
 from pathlib import Path
 
-from ..interface import Element, Interface, InterfaceError, Variable
+from ..interface import Element, Interface, InterfaceError, Variable, package_of
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 64
@@ -23,8 +23,13 @@ _C_TYPES = {"real": "double", "integer": "int32_t", "enumeration": "int32_t", "b
 
 
 def ports_path(block: str) -> Path:
-    """Where a block's structures stand in the repository."""
-    return ROOT / block / "native" / "ports.h"
+    """Where a block's structures stand in the repository: `allocator/bounded/native/ports.h` for `allocator_bounded`."""
+    return ROOT.joinpath(*package_of(block).split(".")) / "native" / "ports.h"
+
+
+def camel_case(block: str) -> str:
+    """A block's name as its C types begin: `AllocatorBounded`."""
+    return block.title().replace("_", "")
 
 
 def ports_header(interface: Interface) -> str:
@@ -38,7 +43,7 @@ def ports_header(interface: Interface) -> str:
     parts += [_enumeration(name, v) for v in interface.variables.values() if v.type == "enumeration"]
     for causality, (record, _) in _RECORDS.items():
         members = "\n".join(_member(v) for v in interface.variables.values() if v.causality == causality)
-        parts.append(f"typedef struct {{\n{members}\n}} {name.title()}{record};\n")
+        parts.append(f"typedef struct {{\n{members}\n}} {camel_case(name)}{record};\n")
     return "\n".join(parts) + "\n#endif\n"
 
 
@@ -60,7 +65,7 @@ def _member(variable: Variable) -> str:
 
 def block_header(interface: Interface, guid: str) -> str:
     """block.h: the block's structures and functions by the names that the shell uses."""
-    name, title = interface.name, interface.name.title()
+    name, title = interface.name, camel_case(interface.name)
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
     counts = f"#define BLOCK_VARIABLES {len(interface.elements)}u\n#define BLOCK_REAL_OUTPUTS {len(_real_outputs(interface))}u"
