@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import gravity_gradient
+from . import gravity_gradient, rods
 from .attitude import COMPOSITIONS, Moment, lgvi_step
 from .parameters import Parameters
 from .so3 import Array, to_quaternion
@@ -79,7 +79,8 @@ def start(p: Parameters, u: Inputs) -> State:
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h, h > 0, with the command u held over the step."""
-    dipole_B = p.rods_to_body @ rods(u.dipole_cmd, p) + p.residual_dipole_B
+    dipoles_B = [p.rods_to_body @ dipoles(u.dipole_cmd, p, on) + p.residual_dipole_B for on in (False, True)]
+    dipole_B = dipoles_B[True]
 
     def moment(R: Array, t: float, Omega: Array) -> Array:
         """External moment (3,) N m in body axes."""
@@ -94,14 +95,20 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     ratio = h / p.step_max * (1.0 - 1e-12)
     if not ratio <= INTERNAL_STEPS_MAX:
         raise ValueError(f"step_max is {p.step_max} s; expected at least a millionth of the communication step, {h} s")
+    if p.rod_period > 0.0 and not h / p.rod_period <= INTERNAL_STEPS_MAX:
+        raise ValueError(
+            f"rod_period is {p.rod_period} s; expected at least a millionth of the communication step, {h} s"
+        )
     n = max(1, math.ceil(ratio))
     R, Pi, l_w = x.R, x.Pi, x.l_w
     for i in range(n):
         t = x.t + i * (h / n)
-        for part in segments(l_w, u.wheel_torque_cmd, h / n, p.wheel):
-            R, Pi = _advance(R, Pi, part, moment, p, t)
-            t += part.duration
-            l_w = part.l_end
+        for duration, on in p.rod_turns.parts(t, h / n):
+            dipole_B = dipoles_B[on]
+            for part in segments(l_w, u.wheel_torque_cmd, duration, p.wheel):
+                R, Pi = _advance(R, Pi, part, moment, p, t)
+                t += part.duration
+                l_w = part.l_end
     following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w)
     return following, outputs(following, u, p)
 
@@ -121,7 +128,7 @@ def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """All outputs of a state and a command; commits nothing."""
     R_T = x.R.T
-    dipole = rods(u.dipole_cmd, p)
+    dipole = dipoles(u.dipole_cmd, p, p.rod_turns.on(x.t))
     b_B = R_T @ p.field.at(x.t)
     r_N, v_N = p.orbit.position_velocity(x.t)
     Omega = x.Omega(p)
@@ -169,9 +176,9 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     )
 
 
-def rods(dipole_cmd: Array, p: Parameters) -> Array:
-    """The dipoles (3,) A m2 that the rods give: the command within their limit."""
-    return np.clip(dipole_cmd, -p.dipole_max, p.dipole_max)
+def dipoles(dipole_cmd: Array, p: Parameters, on: bool) -> Array:
+    """The dipoles (3,) A m2 that the rods give while they are on or off."""
+    return rods.dipoles(dipole_cmd, p.dipole_max, p.rod_gain, on)
 
 
 def magnetic_moment(dipole_B: Array, b_B: Array) -> Array:

@@ -11,11 +11,16 @@ import numpy as np
 from . import atmosphere, geomagnetic, orbit, tables, time_scales
 from .attitude import COMPOSITIONS, Body
 from .drag import AXES, Drag, octagonal_cylinder
+from .rods import Turns
 from .so3 import Array, from_quaternion, project
 from .wheel import Wheel
 
 DRIFT_PASSES = 6
 """Each leaves about a thousandth of the last one's error."""
+
+ROD_GAIN_MAX = 2.0
+ROD_PERIOD_MIN = 1e-3
+"""s."""
 
 LOWEST_PERIGEE = orbit.WGS84_RADIUS + 100e3
 """m; below it the orbit is no orbit."""
@@ -34,6 +39,9 @@ class Parameters:
     wheel_coulomb_friction: float
     dipole_max: float
     rod_axes: Array
+    rod_gain: Array
+    rod_period: float
+    rod_duty: float
     residual_dipole_B: Array
     disturbance_torque_B: Array
     orbit_start: str
@@ -87,6 +95,10 @@ class Parameters:
     def rods_to_body(self) -> Array:
         """(3,3), columns u_i: takes the rods' dipoles to the body's."""
         return (self.rod_axes / np.linalg.norm(self.rod_axes, axis=1)[:, None]).T
+
+    @cached_property
+    def rod_turns(self) -> Turns:
+        return Turns(self.rod_period, self.rod_duty)
 
     @cached_property
     def gmst0(self) -> float:
@@ -194,6 +206,12 @@ def check(p: Parameters) -> None:
     lengths = np.linalg.norm(p.rod_axes, axis=1)
     if np.abs(lengths - 1.0).max() > 1e-6:
         raise ValueError(f"rod_axes has rows of length {lengths.tolist()}; expected unit vectors, to 1e-6")
+    if not ((p.rod_gain >= 0.0) & (p.rod_gain <= ROD_GAIN_MAX)).all():
+        raise ValueError(f"rod_gain is {p.rod_gain.tolist()}; expected 0 to {ROD_GAIN_MAX:g}")
+    if not (p.rod_period == 0.0 or p.rod_period >= ROD_PERIOD_MIN):
+        raise ValueError(f"rod_period is {p.rod_period} s; expected 0 (always on) or at least {ROD_PERIOD_MIN:g} s")
+    if not 0.0 <= p.rod_duty <= 1.0:
+        raise ValueError(f"rod_duty is {p.rod_duty}; expected 0 to 1")
     if abs(p.h_w0) > p.wheel_momentum_max:
         raise ValueError(f"h_w0 is {p.h_w0} N.m.s; expected within wheel_momentum_max, {p.wheel_momentum_max} N.m.s")
     if p.integrator_order not in COMPOSITIONS:

@@ -309,6 +309,8 @@ def _require(loop: Loop) -> None:
         ("plant.orbit_start", p.orbit_start, "circular"),
         ("plant.j2_node_drift", p.j2_node_drift, False),
         ("plant.integrator_order", p.integrator_order, 2),
+        ("plant.rod_gain", p.rod_gain.tolist(), [1.0, 1.0, 1.0]),
+        ("plant.rod_period", p.rod_period, 0.0),
         ("plant.wheel_viscous_friction", p.wheel_viscous_friction, 0.0),
         ("plant.wheel_coulomb_friction", p.wheel_coulomb_friction, 0.0),
         ("controller.reference", c.reference, "lvlh"),

@@ -131,6 +131,18 @@ bool plant_check(const PlantParameters *p, Fault *f)
             return fault(f, "rod_axes", lengths[i], "rows of unit length, to 1e-06");
         }
     }
+    static const char *const gains[] = {"rod_gain[1]", "rod_gain[2]", "rod_gain[3]"};
+    for (int i = 0; i < 3; ++i) {
+        if (!(p->rod_gain[i] >= 0.0 && p->rod_gain[i] <= 2.0)) {
+            return fault(f, gains[i], p->rod_gain[i], "0 to 2");
+        }
+    }
+    if (!(p->rod_period == 0.0 || p->rod_period >= 1e-3)) {
+        return fault(f, "rod_period", p->rod_period, "0 (always on) or at least 0.001 s");
+    }
+    if (!(p->rod_duty >= 0.0 && p->rod_duty <= 1.0)) {
+        return fault(f, "rod_duty", p->rod_duty, "0 to 1");
+    }
     if (!(fabs(p->h_w0) <= p->wheel_momentum_max)) {
         return fault(f, "h_w0", p->h_w0, "within wheel_momentum_max");
     }

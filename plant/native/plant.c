@@ -1,5 +1,6 @@
 #include "plant.h"
 
+#include "rods.h"
 #include "rotation.h"
 #include "time_scales.h"
 
@@ -20,17 +21,6 @@ bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fau
     store_matrix(plant->R_NB0, x->R);
     store(add(apply(plant->body.J, vector(plant->p.omega_B0)), (Vector){l_w, 0.0, 0.0}), x->Pi);
     return true;
-}
-
-static double clip(double x, double limit)
-{
-    return larger(smaller(x, limit), -limit);
-}
-
-static Vector rods(const PlantLaw *plant, const PlantInputs *u)
-{
-    const double limit = plant->p.dipole_max;
-    return (Vector){clip(u->dipole_cmd[0], limit), clip(u->dipole_cmd[1], limit), clip(u->dipole_cmd[2], limit)};
 }
 
 static Vector dipole_B(const PlantLaw *plant, Vector dipole)
@@ -79,23 +69,33 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     if (!(ratio <= INTERNAL_STEPS_MAX)) {
         return fault(f, "step_max", plant->p.step_max, "at least a millionth of the communication step");
     }
+    if (plant->p.rod_period > 0.0 && !(h / plant->p.rod_period <= INTERNAL_STEPS_MAX)) {
+        return fault(f, "rod_period", plant->p.rod_period, "at least a millionth of the communication step");
+    }
     int n = (int)ratio;
     n += (double)n < ratio || n == 0 ? 1 : 0;
 
-    Acting acting = {plant, dipole_B(plant, rods(plant, u))};
+    const Vector with_rods = dipole_B(plant, rod_dipoles(&plant->p, u, true));
+    const Vector without = vector(plant->p.residual_dipole_B);
+    Acting acting = {plant, with_rods};
     const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
     Attitude attitude = {matrix(now->R), vector(now->Pi)};
     double l_w = now->l_w;
     for (int i = 0; i < n; ++i) {
-        Segment parts[SEGMENTS_MAX];
-        const int count = wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, h / n, parts);
-        double t = x->t + i * (h / n);
-        for (int k = 0; k < count; ++k) {
-            if (!advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
-                return false;
+        double t = x->t + i * (h / n), left = h / n;
+        for (Turn turn = turn_at(&plant->p, t); left > 0.0; turn = next_turn(turn)) {
+            const double duration = turn_part(&plant->p, turn, t, left);
+            Segment parts[SEGMENTS_MAX];
+            const int count = wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
+            acting.dipole_B = turn.on ? with_rods : without;
+            for (int k = 0; k < count; ++k) {
+                if (!advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
+                    return false;
+                }
+                t += parts[k].duration;
+                l_w = parts[k].l_end;
             }
-            t += parts[k].duration;
-            l_w = parts[k].l_end;
+            left -= duration;
         }
     }
     PlantState next;
@@ -139,7 +139,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
     const Surroundings *around = surroundings_at(&plant->environment, x->t);
     const Motion motion = around->motion;
-    const Vector dipole = rods(plant, u), b_B = apply_transposed(R, around->b_N), H_N = apply(R, Pi);
+    const Vector dipole = rod_dipoles(p, u, turn_at(p, x->t).on), b_B = apply_transposed(R, around->b_N), H_N = apply(R, Pi);
     const Vector flow_B = apply_transposed(R, around->flow_N);
 
     store_matrix(R, y->R_NB);

@@ -51,6 +51,13 @@ typedef struct {
     double dipole_max;
     /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; unit to 1e-6, normalised on use */
     double rod_axes[3][3];
+    /* What each rod gives of its command within dipole_max */
+    double rod_gain[3];
+    /* s; Period in which rods and magnetometer take turns, from t = 0; 0: the rods are always on; else at
+     * least 1 ms */
+    double rod_period;
+    /* Share of each rod_period, from its start, in which the rods are on; in the rest they give no dipole */
+    double rod_duty;
     /* A.m2; frame B; Dipole of the satellite itself */
     double residual_dipole_B[3];
     /* N.m; frame B; Constant external moment in body axes */
@@ -153,7 +160,8 @@ typedef struct {
     double tau_drag_B[3];
     /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
     double tau_mag_B[3];
-    /* A.m2; frame rods; Dipole that each rod gives: the command within dipole_max */
+    /* A.m2; frame rods; Dipole that each rod gives at this instant: rod_gain times the command within
+     * dipole_max, zero while the rods are off */
     double dipole[3];
     /* N.m; dl_w/dt as it is: the command within wheel_torque_max less friction, zero where it would drive h_w
      * past its limit */

@@ -87,6 +87,9 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
         wheel_viscous_friction=rng.choice([0.0, 1e-7, 2e-5]),  # the last decays in 0.7 s
         wheel_coulomb_friction=rng.choice([0.0, 1e-4]),
         rod_axes=axes / np.linalg.norm(axes, axis=1)[:, None],
+        rod_gain=rng.uniform(0.0, 2.0, 3),
+        rod_period=rng.choice([0.0, 0.07, 0.13, 0.2]),
+        rod_duty=rng.choice([0.0, rng.uniform(), 0.5, 1.0]),
         residual_dipole_B=rng.normal(scale=0.05, size=3),
         disturbance_torque_B=rng.normal(scale=1e-6, size=3),
         orbit_start=str(rng.choice(["circular", "position_velocity"])),
@@ -150,7 +153,7 @@ def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
     assert compared == 500
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator"])
+@pytest.mark.parametrize("block", ["controller", "allocator", "plant"])
 def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
     wrong: dict[str, list[dict[str, Any]]] = {
         "controller": [
@@ -172,6 +175,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
             {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
         ],
+        "plant": [{"rod_period": 5e-4}],
     }
     python = importlib.import_module(block)
     names = {v.name for v in load(block).of("parameter")}

@@ -1,0 +1,52 @@
+#include "rods.h"
+
+#include <stdint.h>
+
+static const double SNAP = 1e-9; /* of a period, so that rounding cuts no slivers */
+
+static bool take_turns(const PlantParameters *p)
+{
+    return p->rod_period > 0.0 && p->rod_duty > 0.0 && p->rod_duty < 1.0;
+}
+
+Turn turn_at(const PlantParameters *p, double t)
+{
+    if (!take_turns(p)) {
+        return (Turn){0.0, !(p->rod_period > 0.0) || p->rod_duty > 0.0};
+    }
+    const double periods = t / p->rod_period;
+    const double ahead = periods + SNAP;
+    if (!(fabs(ahead) < 9e15)) { /* beyond this a number has no fraction */
+        return (Turn){INFINITY, true};
+    }
+    double k = (double)(int64_t)ahead;
+    k -= ahead < k ? 1.0 : 0.0;
+    return (Turn){k, periods - k < p->rod_duty - SNAP};
+}
+
+double turn_part(const PlantParameters *p, Turn turn, double t, double left)
+{
+    if (!take_turns(p)) {
+        return left;
+    }
+    const double duration = (turn.period + (turn.on ? p->rod_duty : 1.0)) * p->rod_period - t;
+    return duration < left - SNAP * p->rod_period ? larger(duration, 0.0) : left;
+}
+
+Turn next_turn(Turn turn)
+{
+    return (Turn){turn.on ? turn.period : turn.period + 1.0, !turn.on};
+}
+
+static double clip(double x, double limit)
+{
+    return larger(smaller(x, limit), -limit);
+}
+
+Vector rod_dipoles(const PlantParameters *p, const PlantInputs *u, bool on)
+{
+    const double limit = p->dipole_max;
+    const double *cmd = u->dipole_cmd, *gain = p->rod_gain;
+    return on ? (Vector){gain[0] * clip(cmd[0], limit), gain[1] * clip(cmd[1], limit), gain[2] * clip(cmd[2], limit)}
+              : (Vector){0.0, 0.0, 0.0};
+}

@@ -1,0 +1,27 @@
+/* The torquer rods: what each gives of its command, and when they are on. Not in the paper, whose rods always give what
+ * is commanded. Period k begins at k rod_period; they are on for its share rod_duty and off for the rest. */
+#ifndef RODS_H
+#define RODS_H
+
+#include <stdbool.h>
+
+#include "ports.h"
+#include "vector.h"
+
+typedef struct {
+    double period; /* its number, an integer */
+    bool on;
+} Turn;
+
+/* The turn that lasts from t on; a time within 1e-9 of a period counts as the switching instant next to it. */
+Turn turn_at(const PlantParameters *p, double t);
+
+/* The duration of the turn's part in [t, t + left]: `left` where it ends no earlier. */
+double turn_part(const PlantParameters *p, Turn turn, double t, double left);
+
+Turn next_turn(Turn turn);
+
+/* Along the rods, A m2. */
+Vector rod_dipoles(const PlantParameters *p, const PlantInputs *u, bool on);
+
+#endif
