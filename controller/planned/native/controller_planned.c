@@ -1,0 +1,469 @@
+#include "controller_planned.h"
+
+#include <string.h>
+
+static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision plant stays well below it */
+static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
+static const double R_MIN = 1e6;                /* m */
+static const double COLLINEAR = 1e-6;           /* |r x v|/(|r||v|) below which the orbit has no plane */
+static const double ABSENT = 1e9;               /* an optional input that is not connected stands at its start */
+static const double EARLY = 1e-6;               /* of the control period: a sample is due that much before its time */
+
+static const int ITERATIONS = 5, ITERATIONS_COLD = 60;
+static const double CHALLENGE_PERIOD = 30.0;    /* s */
+static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
+static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
+static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
+static const double WHEEL_REST = 10.0;          /* s, over which the wheel is brought to rest while steering */
+static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0;
+static const double LOST_ANGLE = 0.0872664626;
+static const double CASCADE_RATES[] = {0.008, 0.02}; /* rad/s */
+static const double OBSERVER_RODS = 0.3;        /* of dipole_max, below which the observer listens */
+static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
+
+static bool absent(const double *x, int n)
+{
+    bool away = false;
+    for (int i = 0; i < n; ++i) {
+        away = away || fabs(x[i]) >= ABSENT;
+    }
+    return away;
+}
+
+static bool no_field(const double b[3])
+{
+    return absent(b, 3) || (b[0] == 0.0 && b[1] == 0.0 && b[2] == 0.0);
+}
+
+bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
+{
+    const struct {
+        const char *name;
+        double value;
+    } positive[] = {
+        {"control_period", p->control_period},       {"dipole_max", p->dipole_max},
+        {"wheel_torque_max", p->wheel_torque_max},   {"wheel_momentum_max", p->wheel_momentum_max},
+        {"plan_period", p->plan_period},             {"steering_limit", p->steering_limit},
+        {"disturbance_time", p->disturbance_time},   {"gravitational_parameter", p->gravitational_parameter},
+    };
+    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
+        if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
+            return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
+        }
+    }
+    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f)) {
+        return false;
+    }
+    static const char *const order = "0 < K0[1] < K0[2] < K0[3], finite";
+    if (!(p->K0[0] > 0.0)) {
+        return fault(f, "K0[1]", p->K0[0], order);
+    }
+    if (!(p->K0[1] > p->K0[0])) {
+        return fault(f, "K0[2]", p->K0[1], order);
+    }
+    if (!(p->K0[2] > p->K0[1] && isfinite(p->K0[2]))) {
+        return fault(f, "K0[3]", p->K0[2], order);
+    }
+    for (int i = 0; i < 3; ++i) {
+        const double length = norm(vector(p->rod_axes[i]));
+        if (!(fabs(length - 1.0) <= 1e-6)) {
+            return fault(f, "rod_axes", length, "rows of unit length to 1e-06");
+        }
+    }
+    const double volume = fabs(determinant(matrix(p->rod_axes)));
+    if (!(volume > 1e-6)) {
+        return fault(f, "rod_axes", volume, "linearly independent axes, |det| above 1e-06");
+    }
+    double days;
+    if (!days_of_epoch(p->epoch, &days)) {
+        fault(f, "epoch", 0.0, "a date and time such as 2009-08-10T00:00:00Z");
+        f->text = p->epoch;
+        return false;
+    }
+    const GaussModel *model = &gauss_models[p->field_model - 1];
+    const double year = year_of_days(days);
+    if (!(year >= model->years[0] && year <= model->valid_until)) {
+        return fault(f, "epoch", year, model->covered);
+    }
+    return is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
+}
+
+void controller_planned_prepare(const ControllerPlannedParameters *p, ControllerPlannedLaw *law)
+{
+    double days = 0.0;
+    law->p = *p;
+    law->R_d0 = nearest_rotation(matrix(p->R_d0));
+    for (int i = 0; i < 3; ++i) {
+        const Vector axis = vector(p->rod_axes[i]);
+        law->rod_axes[i] = scale(1.0 / norm(axis), axis);
+    }
+    days_of_epoch(p->epoch, &days);
+    onboard_field(&gauss_models[p->field_model - 1], days, p->field_degree, p->field_error, &law->field);
+}
+
+static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
+{
+    const struct {
+        const char *name;
+        Vector value;
+    } inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}, {"b_B", vector(u->b_B)}};
+    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; ++i) {
+        if (!is_finite(inputs[i].value)) {
+            return fault(f, inputs[i].name, NAN, "finite numbers");
+        }
+    }
+    if (!isfinite(u->h_w)) {
+        return fault(f, "h_w", u->h_w, "a finite number");
+    }
+    for (int i = 0; i < CONTROLS; ++i) {
+        if (!isfinite(u->u_applied[i])) {
+            return fault(f, "u_applied", u->u_applied[i], "finite numbers");
+        }
+    }
+    const Vector r_N = vector(u->r_N), v_N = vector(u->v_N);
+    const double r = norm(r_N), v = norm(v_N);
+    if (!(r >= R_MIN)) {
+        return fault(f, "r_N", r, "at least 1000 km from the Earth's centre");
+    }
+    if (!(norm(cross(r_N, v_N)) > COLLINEAR * r * v)) {
+        return fault(f, "v_N", norm(cross(r_N, v_N)), "a velocity that spans the orbit's plane with r_N, |r x v| above 0");
+    }
+    if (!(0.5 * v * v < 0.999 * mu / r)) {
+        return fault(f, "v_N", v, "the velocity of a closed orbit, below that of escape");
+    }
+    return is_rotation(matrix(u->R_NB), ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f);
+}
+
+/* ---------------------------------------------------------------- what the controller believes */
+
+static Model believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    Model model;
+    model.J = matrix(p->J_B);
+    model.J.a.x = x->identification.p[0];
+    model.J.b.y = x->identification.p[1];
+    model.J.c.z = x->identification.p[2];
+    model.J_inverse = inverse(model.J);
+    for (int i = 0; i < 3; ++i) {
+        model.rods[i] = scale(p->dipole_max * x->identification.p[3], law->rod_axes[i]);
+    }
+    model.wheel_torque_max = p->wheel_torque_max;
+    model.wheel_momentum_max = p->wheel_momentum_max;
+    model.disturbance_B = x->disturbance_B;
+    return model;
+}
+
+static Ahead ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+{
+    const OnboardOrbit orbit = {x->t, law->p.gravitational_parameter, vector(u->r_N), vector(u->v_N)};
+    return (Ahead){&law->field, orbit, x->field_bias_N, x->t, law->p.reference, law->R_d0};
+}
+
+static Vector dipole_of(const Model *model, const double u[CONTROLS])
+{
+    return add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2])));
+}
+
+static Vector gravity_gradient(Matrix J, const Around *around, Matrix R)
+{
+    const Vector rho = apply_transposed(R, around->r_hat_N);
+    return scale(3.0 * around->rate_squared, cross(rho, apply(J, rho)));
+}
+
+/* What was given over the last sample: as told, else as asked for; the wheel by its momentum, where that is measured. */
+static void applied(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u, double dt,
+                    double given[CONTROLS])
+{
+    const ControllerPlannedParameters *p = &law->p;
+    if (absent(u->u_applied, CONTROLS)) {
+        memcpy(given, x->u, sizeof x->u);
+    } else {
+        for (int i = 0; i < 3; ++i) {
+            given[i] = u->u_applied[i] / p->dipole_max;
+        }
+        given[3] = u->u_applied[3] / p->wheel_torque_max;
+    }
+    if (!absent(&u->h_w, 1)) {
+        given[3] = (u->h_w - x->measured.l) / (dt * p->wheel_torque_max);
+    }
+}
+
+/* Disturbance and identification from the sample that ends now. */
+static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *now, Vector B_B,
+                  const double given[CONTROLS], const Around *around, double dt)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    const Model model = believed(law, x);
+    Around then = *around;
+    then.B_N = apply(x->measured.R, x->B_B);
+
+    const double strongest = larger(larger(fabs(given[0]), fabs(given[1])), fabs(given[2]));
+    if (strongest < OBSERVER_RODS) {
+        Model free = model;
+        free.wheel_momentum_max = INFINITY;
+        const Motion predicted = advanced(&free, &then, &x->measured, given, dt);
+        const Vector missing = apply(model.J, subtract(now->Omega, predicted.Omega));
+        Vector d = add(x->disturbance_B, scale(1.0 / p->disturbance_time, missing));
+        const double size = norm(d);
+        x->disturbance_B = size > p->disturbance_max ? scale(p->disturbance_max / size, d) : d;
+    }
+    if (p->identify) {
+        const double start[UNKNOWNS] = {p->J_B[0][0], p->J_B[1][1], p->J_B[2][2], 1.0};
+        Model nominal = model;
+        for (int i = 0; i < 3; ++i) {
+            nominal.rods[i] = scale(p->dipole_max, law->rod_axes[i]);
+        }
+        const Vector tau_rods = cross(dipole_of(&nominal, given), scale(0.5, add(x->B_B, B_B)));
+        /* The products of inertia are taken as they are given. */
+        Matrix products = matrix(p->J_B);
+        products.a.x = products.b.y = products.c.z = 0.0;
+        const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
+        const Vector known =
+            subtract(add(gravity_gradient(model.J, around, now->R), x->disturbance_B),
+                     add(cross(middle, apply(products, middle)),
+                         scale(1.0 / dt, apply(products, subtract(now->Omega, x->measured.Omega)))));
+        identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, start, &x->identification);
+    }
+}
+
+/* ---------------------------------------------------------------- what it decides */
+
+static Vector momentum_to_give(const Model *model, const Motion *now, const Target *target)
+{
+    Vector Pi = apply(model->J, now->Omega);
+    Pi.x += now->l;
+    return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, Pi));
+}
+
+/* The best plan of three starts. */
+static void plan_anew(ControllerPlannedLaw *law, const Ahead *ahead, const Model *model, const Motion *now, double t, Plan *best)
+{
+    Plan *trial = &law->trial[1];
+    for (int k = 0; k < 3; ++k) {
+        lay_stages(model, ahead, now, t, NULL, trial, &law->workspace);
+        if (k > 0) {
+            cascade(model, now, CASCADE_RATES[k - 1], trial, &law->workspace);
+        }
+        improve(model, now, ITERATIONS_COLD, trial, &law->workspace);
+        if (k == 0 || trial->cost < best->cost) {
+            memcpy(best, trial, sizeof *best);
+        }
+    }
+}
+
+static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now, double dt)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    const Model model = believed(law, x);
+    const Target target = target_at(ahead, x->t);
+    const Matrix Q = multiply(transposed(target.R), now->R);
+    const double angle = principal_angle(Q), rate = norm(subtract(now->Omega, apply_transposed(Q, target.Omega)));
+    const Vector D_N = momentum_to_give(&model, now, &target);
+    const double early = EARLY * p->control_period;
+
+    if (!(angle < SETTLED_ANGLE && rate < SETTLED_RATE)) {
+        x->settled_since = INFINITY;
+    } else if (x->settled_since > x->t) {
+        x->settled_since = x->t;
+    }
+    const int32_t before = x->phase;
+    if (norm(D_N) > (before == PHASE_STEERING ? 1.0 : STEERING_AGAIN) * p->steering_limit) {
+        x->phase = PHASE_STEERING;
+    } else if (before == PHASE_STEERING || angle > LOST_ANGLE) {
+        x->phase = PHASE_ACQUISITION;
+    } else if (x->t - x->settled_since >= SETTLED_TIME) {
+        x->phase = PHASE_HOLD;
+    }
+    const bool turned_over = x->phase != before;
+    const bool due = x->t >= x->next_plan - early || (turned_over && x->phase != PHASE_HOLD);
+
+    if (x->phase == PHASE_STEERING) {
+        if (due) {
+            steer(ahead, x->t, D_N, STEERING_DIPOLE * p->dipole_max * x->identification.p[3], law->steering_field, &x->steering);
+            x->next_plan = x->t + p->plan_period;
+        } else {
+            x->steering.time = larger(x->steering.time - dt, 0.0);
+        }
+        x->reference = (Motion){target.R, target.Omega, 0.0};
+        x->plan.stages = 0;
+        x->plan.cost = 0.0;
+        return;
+    }
+    if (!due) {
+        return;
+    }
+    x->next_plan = x->t + p->plan_period;
+    x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
+    Plan *shifted = &law->trial[0];
+    const bool fresh = x->plan.stages == 0;
+    if (!fresh) {
+        lay_stages(&model, ahead, now, x->t, &x->plan, shifted, &law->workspace);
+        improve(&model, now, ITERATIONS, shifted, &law->workspace);
+        memcpy(&x->plan, shifted, sizeof x->plan);
+    }
+    if (fresh || (x->phase == PHASE_ACQUISITION && x->t >= x->next_challenge - early)) {
+        x->next_challenge = x->t + CHALLENGE_PERIOD;
+        plan_anew(law, ahead, &model, now, x->t, shifted);
+        if (fresh || shifted->cost < CHALLENGE_GAIN * x->plan.cost) {
+            memcpy(&x->plan, shifted, sizeof x->plan);
+        }
+    }
+    x->reference = *now;
+}
+
+/* ---------------------------------------------------------------- what it commands */
+
+/* All outputs of the inputs as they stand, on what was decided at the sample x->t. */
+static void command(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u,
+                    double controls[CONTROLS], ControllerPlannedOutputs *y)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    const Model model = believed(law, x);
+    const Ahead ahead = ahead_of(law, x, u);
+    const Around around = around_at(&ahead, x->t);
+    const Target target = target_at(&ahead, x->t);
+    const Matrix R = matrix(u->R_NB), J = model.J;
+    const Vector Omega = vector(u->omega_B);
+    const double l = absent(&u->h_w, 1) ? x->l_own : u->h_w;
+    const Vector B_B = no_field(u->b_B) ? apply_transposed(R, around.B_N) : vector(u->b_B);
+    const Vector M_g = gravity_gradient(J, &around, R);
+
+    const Matrix Q_target = multiply(transposed(target.R), R);
+    y->attitude_error = principal_angle(Q_target);
+    store(subtract(Omega, apply_transposed(Q_target, target.Omega)), y->rate_error_B);
+
+    /* The law [8] on the reference; Q^T e_i is row i of Q. */
+    const Motion *d = &x->reference;
+    const bool steering = x->phase == PHASE_STEERING;
+    Vector dOmega_d = {0.0, 0.0, 0.0};
+    if (!steering) {
+        plan_at(&x->plan, x->t + 0.5 * p->control_period, controls);
+        dOmega_d = acceleration(&model, &around, d, controls);
+    }
+    const Matrix Q = multiply(transposed(d->R), R);
+    const Vector w = apply_transposed(Q, d->Omega), omega = subtract(Omega, w);
+    const Vector K = vector(p->K0);
+    const Vector gradient = {K.y * Q.b.z - K.z * Q.c.y, K.z * Q.c.x - K.x * Q.a.z, K.x * Q.a.y - K.y * Q.b.x};
+    y->lyapunov = 0.5 * dot(omega, apply(J, omega)) + dot(K, (Vector){1.0 - Q.a.x, 1.0 - Q.b.y, 1.0 - Q.c.z});
+    if (steering) {
+        steering_rods(&x->steering, R, B_B, model.rods, controls);
+        controls[3] = larger(smaller(-l / (WHEEL_REST * p->wheel_torque_max), 1.0), -1.0);
+        Vector tau = cross(dipole_of(&model, controls), B_B);
+        tau = subtract(tau, cross(Omega, (Vector){l, 0.0, 0.0}));
+        tau.x -= p->wheel_torque_max * controls[3];
+        store(tau, y->tau_cmd_B);
+    } else {
+        Vector tau = add(scale(-1.0, apply(matrix(p->L0), omega)), gradient);
+        tau = add(tau, add(apply(J, apply_transposed(Q, dOmega_d)), cross(w, apply(J, w))));
+        store(subtract(tau, add(M_g, x->disturbance_B)), y->tau_cmd_B);
+    }
+    for (int i = 0; i < 3; ++i) {
+        y->dipole_ff[i] = p->dipole_max * controls[i];
+    }
+    y->wheel_torque_ff = p->wheel_torque_max * controls[3];
+    y->gain_k = 1.0;
+    y->gain_l = 1.0;
+    store_matrix(d->R, y->R_d);
+    store(d->Omega, y->Omega_d);
+    store(dOmega_d, y->dOmega_d);
+    y->h_w_ref = d->l;
+    y->plan_cost = x->plan.cost;
+    y->phase = x->phase;
+    store(x->disturbance_B, y->disturbance_B);
+    store_matrix(J, y->J_estimate_B);
+    y->rod_gain_estimate = x->identification.p[3];
+    y->h_w_estimate = l;
+}
+
+/* The control acts: x->t is the time of the inputs. */
+static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, bool first)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    const double dt = first ? p->control_period : x->t - x->t_sample;
+    const bool measured_field = !no_field(u->b_B);
+    const Matrix R = matrix(u->R_NB);
+    double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};
+    Ahead ahead = ahead_of(law, x, u);
+    ahead.bias_N = (Vector){0.0, 0.0, 0.0};
+    const Around here = around_at(&ahead, x->t);
+    if (measured_field) {
+        const Vector bias = subtract(apply(R, vector(u->b_B)), here.B_N);
+        Vector b = first ? bias : add(x->field_bias_N, scale(smaller(dt / BIAS_TIME, 1.0), subtract(bias, x->field_bias_N)));
+        const double size = norm(b);
+        x->field_bias_N = size > BIAS_MAX ? scale(BIAS_MAX / size, b) : b;
+    }
+    ahead = ahead_of(law, x, u);
+    const Around around = {add(here.B_N, x->field_bias_N), here.r_hat_N, here.rate_squared};
+    const Vector B_B = measured_field ? vector(u->b_B) : apply_transposed(R, around.B_N);
+    if (!first) {
+        applied(law, x, u, dt, given);
+        const double l = x->l_own + dt * p->wheel_torque_max * given[3];
+        x->l_own = larger(smaller(l, p->wheel_momentum_max), -p->wheel_momentum_max);
+    }
+    if (!absent(&u->h_w, 1)) {
+        x->l_own = u->h_w;
+    }
+    const Motion now = {R, vector(u->omega_B), x->l_own};
+    if (!first) {
+        learn(law, x, &now, B_B, given, &around, dt);
+        if (x->phase != PHASE_STEERING) {
+            const Model model = believed(law, x);
+            x->reference = advanced(&model, &around, &x->reference, x->u, dt);
+        }
+    }
+    decide(law, x, &ahead, &now, dt);
+    x->t_sample = x->t;
+    x->measured = now;
+    x->B_B = B_B;
+    x->sampled = true;
+    command(law, x, u, x->u, &x->held);
+}
+
+bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
+{
+    if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
+        return false;
+    }
+    memset(x, 0, sizeof *x);
+    const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
+    identification_start(inertia, law->p.identify_spread, &x->identification);
+    x->phase = PHASE_STEERING;
+    x->settled_since = INFINITY;
+    x->next_sample = law->p.control_period;
+    sample(law, x, u, true);
+    return true;
+}
+
+bool controller_planned_outputs(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
+{
+    *y = x->held;
+    if (!x->sampled) {
+        return true;
+    }
+    double controls[CONTROLS];
+    if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
+        return false;
+    }
+    command(law, x, u, controls, y);
+    return true;
+}
+
+bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, double h,
+                             ControllerPlannedOutputs *y, Fault *f)
+{
+    if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
+        return false;
+    }
+    x->t += h;
+    x->sampled = false;
+    if (x->t >= x->next_sample - EARLY * law->p.control_period) {
+        sample(law, x, u, false);
+        while (x->next_sample <= x->t + EARLY * law->p.control_period) {
+            x->next_sample += law->p.control_period;
+        }
+    }
+    *y = x->held;
+    return true;
+}

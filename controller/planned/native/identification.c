@@ -1,0 +1,96 @@
+#include "identification.h"
+
+#include <string.h>
+
+static const double WINDOW = 5.0;          /* s */
+static const double NOISE = 1e-4;          /* N m s, of a window's balance of momentum */
+static const double NOISE_RODS = 0.01;     /* of the rods' impulse */
+static const double GATE = 5.0;            /* standard deviations */
+static const double CHANGE_MIN = 1e-3;     /* rad/s, of the rate in a window that tells something */
+static const double TRUST = 0.4;           /* largest change of what is identified, relative */
+
+void identification_start(const double inertia[3], double spread, Identification *id)
+{
+    memset(id, 0, sizeof *id);
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        id->p[i] = i < 3 ? inertia[i] : 1.0;
+        id->P[i][i] = spread * spread * id->p[i] * id->p[i];
+    }
+}
+
+/* One equation row.p = value with the variance of its noise. */
+static void update(Identification *id, const double row[UNKNOWNS], double value, double variance)
+{
+    double Pr[UNKNOWNS], spread = variance, error = value;
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        Pr[i] = 0.0;
+        for (int j = 0; j < UNKNOWNS; ++j) {
+            Pr[i] += id->P[i][j] * row[j];
+        }
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        spread += row[i] * Pr[i];
+        error -= row[i] * id->p[i];
+    }
+    if (error * error > GATE * GATE * spread) {
+        return;
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        id->p[i] += Pr[i] * error / spread;
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        for (int j = 0; j < UNKNOWNS; ++j) {
+            id->P[i][j] -= Pr[i] * Pr[j] / spread;
+        }
+    }
+}
+
+static void use_window(Identification *id, Vector Omega, double l, const double start[UNKNOWNS])
+{
+    double dOmega[3], products[3], rods[3], others[3], wheel[3];
+    store(subtract(Omega, id->Omega_0), dOmega);
+    store(id->products, products);
+    store(id->rods, rods);
+    store(id->others, others);
+    store(id->wheel, wheel);
+    const double dl[3] = {l - id->l_0, 0.0, 0.0};
+    if (norm(vector(dOmega)) < CHANGE_MIN) {
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {
+        /* J_i dOmega_i + (J_k - J_j) int Omega_j Omega_k - gain int tau_i = int known - dl - int (Omega x l e1)_i */
+        double row[UNKNOWNS] = {0.0};
+        row[i] = dOmega[i];
+        row[(i + 1) % 3] = -products[i];
+        row[(i + 2) % 3] = products[i];
+        row[3] = -rods[i];
+        const double variance = NOISE * NOISE + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
+        update(id, row, others[i] - dl[i] - wheel[i], variance);
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        id->p[i] = larger(smaller(id->p[i], (1.0 + TRUST) * start[i]), (1.0 - TRUST) * start[i]);
+    }
+}
+
+void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
+              const double start[UNKNOWNS], Identification *id)
+{
+    if (id->elapsed == 0.0) {
+        id->Omega_0 = Omega;
+        id->l_0 = l;
+        id->products = id->rods = id->others = id->wheel = (Vector){0.0, 0.0, 0.0};
+    }
+    const Vector a = {Omega.y * Omega.z, Omega.z * Omega.x, Omega.x * Omega.y};
+    const Vector b = {Omega_next.y * Omega_next.z, Omega_next.z * Omega_next.x, Omega_next.x * Omega_next.y};
+    id->products = add(id->products, scale(0.5 * dt, add(a, b)));
+    id->rods = add(id->rods, scale(dt, tau_rods));
+    id->others = add(id->others, scale(dt, tau_known));
+    const double m = 0.5 * dt;
+    id->wheel = add(id->wheel, (Vector){0.0, m * (Omega.z * l + Omega_next.z * l_next),
+                                        -m * (Omega.y * l + Omega_next.y * l_next)});
+    id->elapsed += dt;
+    if (id->elapsed >= WINDOW - 1e-9) {
+        use_window(id, Omega_next, l_next, start);
+        id->elapsed = 0.0;
+    }
+}

@@ -1,0 +1,27 @@
+/* Disturbance torque, inertia and rod gain, from what was commanded and what was measured. */
+#ifndef IDENTIFICATION_H
+#define IDENTIFICATION_H
+
+#include "plan.h"
+
+enum { UNKNOWNS = 4 };
+
+/* p = (J11, J22, J33, gain of the rods) by a Kalman filter on windows of a few seconds. */
+typedef struct {
+    double p[UNKNOWNS], P[UNKNOWNS][UNKNOWNS];
+    /* Sums over the window that is open. */
+    double elapsed;
+    Vector Omega_0;                        /* rate at its beginning */
+    double l_0;                            /* wheel momentum at its beginning */
+    Vector products;                       /* int (Om2 Om3, Om3 Om1, Om1 Om2) */
+    Vector rods, others, wheel;            /* int of the rods' nominal torque, of known torques, of Omega x l e1 */
+} Identification;
+
+void identification_start(const double inertia[3], double spread, Identification *id);
+
+/* Adds a sample of dt: the rates and wheel momenta at its ends, the rods' torque at gain 1 and the other known torque
+ * over it (gravity gradient, disturbance, products of inertia). A window that is full is used. */
+void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
+              const double start[UNKNOWNS], Identification *id);
+
+#endif

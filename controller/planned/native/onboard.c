@@ -1,0 +1,212 @@
+#include "onboard.h"
+
+static const double PI = 3.14159265358979323846;
+static const double EARTH_RADIUS = 6371200.0;       /* m, of the field models */
+static const double EARTH_RATE = 7.292115855e-5;    /* rad/s, of Greenwich relative to N */
+
+static bool digits(const char **text, int n, int *value)
+{
+    *value = 0;
+    for (int i = 0; i < n; ++i, ++*text) {
+        if (**text < '0' || **text > '9') {
+            return false;
+        }
+        *value = 10 * *value + (**text - '0');
+    }
+    return true;
+}
+
+static bool mark(const char **text, char c)
+{
+    return *(*text)++ == c;
+}
+
+bool days_of_epoch(const char *epoch, double *days)
+{
+    int Y, M, D, hour = 0, minute = 0, second = 0;
+    double fraction = 0.0;
+    const char *s = epoch;
+    if (!digits(&s, 4, &Y) || !mark(&s, '-') || !digits(&s, 2, &M) || !mark(&s, '-') || !digits(&s, 2, &D)) {
+        return false;
+    }
+    if (*s == 'T' || *s == ' ') {
+        ++s;
+        if (!digits(&s, 2, &hour) || !mark(&s, ':') || !digits(&s, 2, &minute)) {
+            return false;
+        }
+        if (*s == ':') {
+            ++s;
+            if (!digits(&s, 2, &second)) {
+                return false;
+            }
+            if (*s == '.') {
+                double unit = 0.1;
+                for (++s; *s >= '0' && *s <= '9'; ++s, unit *= 0.1) {
+                    fraction += unit * (*s - '0');
+                }
+            }
+        }
+    }
+    if (*s == 'Z') {
+        ++s;
+    }
+    if (*s != '\0' || M < 1 || M > 12 || D < 1 || D > 31 || hour > 23 || minute > 59 || second > 60) {
+        return false;
+    }
+    /* Days since 1 March of the year 0, from which leap days come last. */
+    const int y = M > 2 ? Y : Y - 1, m = M > 2 ? M - 3 : M + 9;
+    const int count = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + D - 1;
+    *days = (double)(count - 730425) - 0.5 + ((hour * 60.0 + minute) * 60.0 + second + fraction) / 86400.0;
+    return true;
+}
+
+double year_of_days(double days)
+{
+    return 2000.0 + (days + 0.5) / 365.25;
+}
+
+void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
+{
+    const double year = year_of_days(days);
+    const int last = model->epochs - 1;
+    int i = 0;
+    while (i < last && model->years[i + 1] <= year) {
+        ++i;
+    }
+    const double elapsed = year - model->years[i];
+    const double share = i < last ? elapsed / (model->years[i + 1] - model->years[i]) : 0.0;
+    *field = (OnboardField){.degree = degree};
+    int k = 0;
+    for (int n = 1; n <= degree; ++n) {
+        field->diagonal[n] = n == 1 ? 1.0 : sqrt((2.0 * n - 1.0) / (2.0 * n));
+        for (int m = 0; m <= n; ++m, ++k) {
+            double g = model->g[i][k], h = model->h[i][k];
+            if (i < last) {
+                g += share * (model->g[i + 1][k] - g);
+                h += share * (model->h[i + 1][k] - h);
+            } else {
+                g += elapsed * model->g_rate[k];
+                h += elapsed * model->h_rate[k];
+            }
+            field->g[n][m] = 1e-9 * g;
+            field->h[n][m] = 1e-9 * h;
+            if (m < n) {
+                const double root = sqrt((double)(n * n - m * m));
+                field->up[n][m] = (2.0 * n - 1.0) / root;
+                field->down[n][m] = sqrt((double)((n - 1) * (n - 1) - m * m)) / root;
+            }
+        }
+    }
+    field->g[1][0] += error[0];
+    field->g[1][1] += error[1];
+    field->h[1][1] += error[2];
+    /* Greenwich mean sidereal time, IAU 1982. */
+    const double T = days / 36525.0;
+    const double seconds = 67310.54841 + (876600.0 * 3600.0 + 8640184.812866) * T + (0.093104 - 6.2e-6 * T) * T * T;
+    field->sidereal_angle = (seconds / 86400.0 - (double)(int64_t)(seconds / 86400.0)) * 2.0 * PI;
+}
+
+/* The gradient of the potential in spherical components, by recursion of the Schmidt functions and their derivatives. */
+Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
+{
+    const double angle = field->sidereal_angle + EARTH_RATE * t;
+    const double ca = cos(angle), sa = sin(angle);
+    const Vector r = {ca * r_N.x + sa * r_N.y, ca * r_N.y - sa * r_N.x, r_N.z};
+    const double size = norm(r), rho = larger(sqrt(r.x * r.x + r.y * r.y), 1e-7 * size);
+    const double c = r.z / size, s = rho / size; /* of the colatitude */
+    const double cl = r.x / rho, sl = r.y / rho; /* of the longitude */
+    double P[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1], dP[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1];
+    double cm[ONBOARD_DEGREE_MAX + 1], sm[ONBOARD_DEGREE_MAX + 1];
+    P[0][0] = cm[0] = 1.0;
+    dP[0][0] = sm[0] = 0.0;
+    const double ratio = EARTH_RADIUS / size;
+    double power = ratio * ratio;
+    Vector B = {0.0, 0.0, 0.0}; /* up, south, east */
+    for (int n = 1; n <= field->degree; ++n) {
+        cm[n] = cl * cm[n - 1] - sl * sm[n - 1];
+        sm[n] = sl * cm[n - 1] + cl * sm[n - 1];
+        const double d = field->diagonal[n];
+        P[n][n] = d * s * P[n - 1][n - 1];
+        dP[n][n] = d * (s * dP[n - 1][n - 1] + c * P[n - 1][n - 1]);
+        power *= ratio;
+        double up = 0.0, south = 0.0, east = 0.0;
+        for (int m = 0; m <= n; ++m) {
+            if (m < n) {
+                const double a = field->up[n][m], b = field->down[n][m];
+                const double P2 = m < n - 1 ? P[n - 2][m] : 0.0, dP2 = m < n - 1 ? dP[n - 2][m] : 0.0;
+                P[n][m] = a * c * P[n - 1][m] - b * P2;
+                dP[n][m] = a * (c * dP[n - 1][m] - s * P[n - 1][m]) - b * dP2;
+            }
+            const double along = field->g[n][m] * cm[m] + field->h[n][m] * sm[m];
+            up += along * P[n][m];
+            south -= along * dP[n][m];
+            east += m * (field->g[n][m] * sm[m] - field->h[n][m] * cm[m]) * P[n][m];
+        }
+        B.x += power * (n + 1) * up;
+        B.y += power * south;
+        B.z += power * east;
+    }
+    B.z /= s;
+    const double outward = B.x * s + B.y * c;
+    const Vector fixed = {outward * cl - B.z * sl, outward * sl + B.z * cl, B.x * c - B.y * s};
+    return (Vector){ca * fixed.x - sa * fixed.y, sa * fixed.x + ca * fixed.y, fixed.z};
+}
+
+/* Lagrange's coefficients of the change in eccentric anomaly. */
+void onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N)
+{
+    const double mu = orbit->mu, dt = t - orbit->t;
+    const double r0 = norm(orbit->r);
+    const double a = 1.0 / (2.0 / r0 - dot(orbit->v, orbit->v) / mu);
+    const double n = sqrt(mu / (a * a * a));
+    const double p = 1.0 - r0 / a, q = dot(orbit->r, orbit->v) / sqrt(mu * a); /* e cos E0, e sin E0 */
+    double E = n * dt, c = 1.0, s = 0.0;
+    for (int i = 0; i < 8; ++i) {
+        c = cos(E);
+        s = sin(E);
+        const double change = (E - p * s + q * (1.0 - c) - n * dt) / (1.0 - p * c + q * s);
+        E -= change;
+        if (fabs(change) < 1e-13) {
+            break;
+        }
+    }
+    c = cos(E);
+    s = sin(E);
+    const double r = a * (1.0 - p * c + q * s);
+    const double f = 1.0 - a / r0 * (1.0 - c), g = dt + (s - E) / n;
+    const double df = -sqrt(mu * a) * s / (r * r0), dg = 1.0 - a / r * (1.0 - c);
+    *r_N = add(scale(f, orbit->r), scale(g, orbit->v));
+    *v_N = add(scale(df, orbit->r), scale(dg, orbit->v));
+}
+
+Target target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N)
+{
+    if (kind == ONBOARD_TARGET_INERTIAL) {
+        return (Target){R_d0, {0.0, 0.0, 0.0}};
+    }
+    const double r = norm(r_N);
+    const Vector h = cross(r_N, v_N);
+    const Vector z = scale(-1.0 / r, r_N), y = scale(-1.0 / norm(h), h);
+    return (Target){transposed((Matrix){cross(y, z), y, z}), {0.0, -norm(h) / (r * r), 0.0}};
+}
+
+Vector rotation_log(Matrix R)
+{
+    const Vector twice = {R.c.y - R.b.z, R.a.z - R.c.x, R.b.x - R.a.y}; /* 2 sin(angle) axis */
+    const double s = 0.5 * norm(twice), c = 0.5 * (R.a.x + R.b.y + R.c.z - 1.0);
+    const double angle = atan2(s, c);
+    if (s > 1e-4) {
+        return scale(0.5 * angle / s, twice);
+    }
+    if (c > 0.0) {
+        return scale(0.5, twice);
+    }
+    /* Near a half turn the axis comes from R + I = 2 axis axis^T, by its largest column. */
+    const Vector columns[3] = {{R.a.x + 1.0, R.b.x, R.c.x}, {R.a.y, R.b.y + 1.0, R.c.y}, {R.a.z, R.b.z, R.c.z + 1.0}};
+    Vector axis = columns[0];
+    for (int i = 1; i < 3; ++i) {
+        axis = dot(columns[i], columns[i]) > dot(axis, axis) ? columns[i] : axis;
+    }
+    const double sign = dot(axis, twice) < 0.0 ? -1.0 : 1.0;
+    return scale(sign * angle / norm(axis), axis);
+}

@@ -1,0 +1,68 @@
+/* What the controller knows of orbit, target and field ahead of it: models of its own, so that they may be wrong. */
+#ifndef ONBOARD_H
+#define ONBOARD_H
+
+#include <stdint.h>
+
+#include "rotation.h"
+#include "vector.h"
+
+enum { ONBOARD_DEGREE_MAX = 13, ONBOARD_TERMS = 104, ONBOARD_TARGET_LVLH = 1, ONBOARD_TARGET_INERTIAL = 2 };
+
+/* Gauss coefficients, nT, Schmidt semi-normalised, n = 1 to 13, m = 0 to n in this order; linear in time between the
+ * epochs, with `g_rate`, `h_rate`, nT/year, after the last. The build writes the table. */
+typedef struct {
+    int epochs;
+    const double *years;
+    const char *covered; /* in words, for a refusal */
+    double valid_until;
+    const double (*g)[ONBOARD_TERMS], (*h)[ONBOARD_TERMS];
+    const double *g_rate, *h_rate;
+} GaussModel;
+
+/* In the order of the parameter field_model. */
+extern const GaussModel gauss_models[];
+
+/* At one date, T, and the factors of the Legendre functions' recursion. */
+typedef struct {
+    int degree;
+    double g[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1], h[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1];
+    double up[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1], down[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1];
+    double diagonal[ONBOARD_DEGREE_MAX + 1];
+    double sidereal_angle; /* of Greenwich at t = 0, rad */
+} OnboardField;
+
+/* A two-body orbit through a position and a velocity at a time. */
+typedef struct {
+    double t, mu;
+    Vector r, v;
+} OnboardOrbit;
+
+/* The desired motion: attitude (N from desired body), rate in desired body axes. */
+typedef struct {
+    Matrix R;
+    Vector Omega;
+} Target;
+
+/* UTC, ISO 8601 ("2009-08-10T00:00:00Z"), as days from 2000-01-01T12:00; false where it is none. */
+bool days_of_epoch(const char *epoch, double *days);
+
+/* The decimal year of days from 2000-01-01T12:00. */
+double year_of_days(double days);
+
+/* `error` (T) is added to g10, g11, h11. */
+void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);
+
+/* B_N, T, at a time after the epoch, s, and a position in N, m. */
+Vector onboard_field_at(const OnboardField *field, double t, Vector r_N);
+
+/* Position and velocity at t. */
+void onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N);
+
+/* LVLH of a position and a velocity: Z to nadir, Y against the orbit's normal; or R_d0 at rest. */
+Target target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N);
+
+/* zeta with R = exp(zeta^), |zeta| at most pi. */
+Vector rotation_log(Matrix R);
+
+#endif

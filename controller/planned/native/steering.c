@@ -1,0 +1,106 @@
+/* H = R (J Omega + l e1) follows dH/dt = m x B(t) whatever the attitude is. With |m| <= rho the quickest way has
+ * m = rho unit(B x lambda) with constant lambda, so D = rho int (|B|^2 I - B B^T)/|B x lambda| ds lambda. */
+#include "steering.h"
+
+static const double SPACING = 20.0;      /* s between nodes of the field ahead */
+static const double ALIGNED_MIN = 0.03;  /* |B x lambda| counts at least as this share of |B| */
+static const double TAPER = 20.0;        /* s before the end from which the dipole is lessened */
+enum { ITERATIONS = 5 };
+
+static Matrix across(Vector B, Vector lambda)
+{
+    const double weight = 1.0 / larger(norm(cross(B, lambda)), ALIGNED_MIN * norm(B));
+    const double d = weight * dot(B, B);
+    return (Matrix){{d - weight * B.x * B.x, -weight * B.x * B.y, -weight * B.x * B.z},
+                    {-weight * B.y * B.x, d - weight * B.y * B.y, -weight * B.y * B.z},
+                    {-weight * B.z * B.x, -weight * B.z * B.y, d - weight * B.z * B.z}};
+}
+
+static Matrix mixed(Matrix m, double s, Matrix n)
+{
+    return (Matrix){add(m.a, scale(s, n.a)), add(m.b, scale(s, n.b)), add(m.c, scale(s, n.c))};
+}
+
+void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering)
+{
+    const double needed = norm(D_N);
+    if (!(needed > 0.0)) {
+        return;
+    }
+    for (int i = 0; i < STEERING_NODES; ++i) {
+        field[i] = around_at(ahead, t + SPACING * i).B_N;
+    }
+    Vector lambda = norm(steering->lambda_N) > 0.0 ? steering->lambda_N : scale(1.0 / needed, D_N);
+    double time = 0.0;
+    for (int iteration = 0; iteration < ITERATIONS; ++iteration) {
+        Matrix M = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, before = M;
+        Matrix last = across(field[0], lambda);
+        Vector ell = D_N;
+        int i = 0;
+        for (i = 1; i < STEERING_NODES; ++i) {
+            const Matrix here = across(field[i], lambda);
+            before = M;
+            M = mixed(mixed(M, 0.5 * SPACING, last), 0.5 * SPACING, here);
+            last = here;
+            ell = solve(M, D_N);
+            if (norm(ell) <= dipole) {
+                break;
+            }
+        }
+        if (i == STEERING_NODES) {
+            time = SPACING * (STEERING_NODES - 1);
+        } else {
+            /* The instant within the last interval, by halving; before the first node all is proportional. */
+            double low = 0.0, high = 1.0;
+            for (int k = 0; k < 12; ++k) {
+                const double share = 0.5 * (low + high);
+                const Matrix between = mixed(mixed(before, -share, before), share, M);
+                const Vector trial = solve(between, D_N);
+                if (norm(trial) <= dipole) {
+                    high = share;
+                    ell = trial;
+                } else {
+                    low = share;
+                }
+            }
+            time = SPACING * (i - 1 + high);
+        }
+        lambda = scale(1.0 / norm(ell), ell);
+    }
+    steering->lambda_N = lambda;
+    steering->time = time;
+}
+
+void steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3])
+{
+    /* Shares of the rods' limits that give m, and B: columns `rods` times the shares. */
+    const Matrix axes = transposed((Matrix){rods[0], rods[1], rods[2]});
+    const Vector m = cross(B_B, apply_transposed(R, steering->lambda_N));
+    double p[3], q[3];
+    store(solve(axes, m), p);
+    store(solve(axes, B_B), q);
+    /* The part along B gives no torque: of the beta where two rods give alike, that of the least greatest share. */
+    double best = larger(larger(fabs(p[0]), fabs(p[1])), fabs(p[2])), beta = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const int j = (i + 1) % 3;
+            const double slope = q[i] - sign * q[j];
+            if (slope == 0.0) {
+                continue;
+            }
+            const double trial = -(p[i] - sign * p[j]) / slope;
+            double size = 0.0;
+            for (int k = 0; k < 3; ++k) {
+                size = larger(size, fabs(p[k] + trial * q[k]));
+            }
+            if (size < best) {
+                best = size;
+                beta = trial;
+            }
+        }
+    }
+    const double factor = best > 0.0 ? smaller(1.0, steering->time / TAPER) / best : 0.0;
+    for (int i = 0; i < 3; ++i) {
+        u[i] = factor * (p[i] + beta * q[i]);
+    }
+}
