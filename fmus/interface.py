@@ -39,7 +39,7 @@ from functools import cached_property
 from importlib.resources import files
 from typing import Any, Literal
 
-BLOCKS = ("plant", "controller", "allocator")
+BLOCKS = ("plant", "controller", "allocator", "allocator_bounded")
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 FLAVOURS = ("native", "python")
 ABSENT = 1e9

@@ -7,11 +7,24 @@ u = inputs("controller", omega_B=[0.1, 0.0, 0.0])
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from fmus.interface import Variable, load
+from fmus.build import Block
+from fmus.interface import Variable, load, package_of
+
+
+def module(block: str) -> ModuleType:
+    """The Python package of a block."""
+    return import_module(package_of(block))
+
+
+def folder(block: str) -> Path:
+    """Where a block stands."""
+    return Block.named(block).folder
 
 
 def parameters(block: str, **changes: Any) -> Any:
@@ -29,7 +42,7 @@ def _build(block: str, causality: Any, record: str, changes: dict[str, Any]) -> 
     if unknown := sorted(set(changes) - set(variables)):
         raise TypeError(f"{block} has no {causality} {unknown[0]!r}; it has {', '.join(variables)}")
     values = {name: _value(v, changes.get(name, v.start)) for name, v in variables.items()}
-    return getattr(import_module(block), record)(**values)
+    return getattr(module(block), record)(**values)
 
 
 def _value(variable: Variable, value: Any) -> Any:

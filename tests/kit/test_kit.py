@@ -16,6 +16,7 @@ from fmpy.validation import validate_fmu
 from fmus import kit
 from fmus.interface import BLOCKS, load
 from orchestration.cli import main
+from tests.blocks import folder as folder_of
 
 ROOT = Path(__file__).parents[2]
 needs_compiler = pytest.mark.skipif(not kit.has_compiler(), reason="a C kit needs make and a C compiler")
@@ -60,7 +61,7 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
     empty = make(folder, "vector")
     assert empty.returncode != 0
     assert "outputs differ from what is expected" in empty.stdout
-    source = ROOT / block / "native"
+    source = folder_of(block) / "native"
     for path in (*source.glob("*.c"), *source.glob("*.h")):
         if path.name != "ports.h":  # the kit has its own
             shutil.copy(path, folder)

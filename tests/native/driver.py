@@ -15,6 +15,7 @@ import numpy as np
 from fmus import native
 from fmus.interface import Interface, load
 from fmus.native.toolchain import PLATFORMS, host_platform
+from tests.blocks import folder as folder_of
 
 ROOT = Path(__file__).parents[2]
 GUID = "{00000000-0000-0000-0000-000000000000}"
@@ -43,7 +44,7 @@ def library(block: str) -> ctypes.CDLL:
     folder = Path(tempfile.mkdtemp())
     host = host_platform()
     path = folder / f"{block}{PLATFORMS[host].suffix}"
-    path.write_bytes(native.libraries(load(block), ROOT / block, GUID, [host])[host])
+    path.write_bytes(native.libraries(load(block), folder_of(block), GUID, [host])[host])
     return opened(path)
 
 

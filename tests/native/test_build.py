@@ -15,13 +15,14 @@ from fmus import native
 from fmus.interface import BLOCKS, load
 from fmus.native import toolchain
 from fmus.native.generate import ports_header, ports_path
+from tests.blocks import folder
 
 from .driver import ROOT
 
 
 @pytest.fixture(scope="module")
 def packaged() -> dict[str, bytes]:
-    return {block: native.package(load(block), ROOT / block, ROOT / "LICENSE") for block in BLOCKS}
+    return {block: native.package(load(block), folder(block), ROOT / "LICENSE") for block in BLOCKS}
 
 
 def _library(data: bytes, path: str) -> bytes:
@@ -40,7 +41,7 @@ def test_the_same_sources_give_the_same_bytes(
 ) -> None:
     monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    assert native.package(load(block), ROOT / block, ROOT / "LICENSE") == packaged[block]
+    assert native.package(load(block), folder(block), ROOT / "LICENSE") == packaged[block]
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -128,7 +129,7 @@ def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
     except native.CompilerError:
         pytest.skip("there is no system compiler")
     monkeypatch.setattr(toolchain, "find_spec", lambda name: None)
-    built = native.package(load(block), ROOT / block)
+    built = native.package(load(block), folder(block))
     with zipfile.ZipFile(io.BytesIO(built)) as archive:
         assert [n for n in archive.namelist() if n.startswith("binaries/")] == [
             f"binaries/{host}/{block}{toolchain.PLATFORMS[host].suffix}"

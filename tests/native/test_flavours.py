@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from typing import Any
 
@@ -11,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fmus.interface import load
-from tests.blocks import inputs, parameters
+from tests.blocks import inputs, module, parameters
 
 from .driver import Instance, Refused
 
@@ -63,6 +62,34 @@ def allocator_case(rng: np.random.Generator) -> tuple[Any, Any]:
         dipole_max=rng.uniform(1.0, 50.0),
         wheel_torque_max=rng.uniform(1e-3, 1e-2),
         hold_fraction=rng.uniform(0.3, 1.0),
+    )
+    return p, u
+
+
+def allocator_bounded_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """From demands that are met to those many times too large, with and without feed-forward, in special fields too."""
+    absent = {"dipole_ff": np.full(3, 1e9), "wheel_torque_ff": 1e9}
+    connected = {"dipole_ff": rng.normal(scale=15.0, size=3), "wheel_torque_ff": rng.normal(scale=1e-3)}
+    u = inputs(
+        "allocator_bounded",
+        tau_cmd_B=rng.normal(scale=rng.choice([0.0, 1e-6, 1e-4, 1e-3, 1e-2]), size=3),
+        b_B=rng.normal(scale=rng.choice([1e-13, 3e-5], p=[0.1, 0.9]), size=3)
+        * rng.choice([[1, 1, 1], [1, 1, 1], [0, 1, 1], [0, 0, 1], [1, 0, 0]]),
+        omega_B=rng.normal(scale=rng.choice([0.0, 0.05]), size=3),
+        h_w=rng.choice([0.0, rng.normal(scale=0.02), 0.03, -0.03, 0.05]),
+        **{name: connected[name] if rng.integers(2) else absent[name] for name in absent},
+    )
+    axes = rng.normal(size=(3, 3))
+    p = parameters(
+        "allocator_bounded",
+        rod_axes=axes / np.linalg.norm(axes, axis=1)[:, None],
+        dipole_max=rng.uniform(1.0, 50.0),
+        wheel_torque_max=rng.uniform(1e-3, 1e-2),
+        command_period=rng.choice([0.1, 2.0, 20.0]),
+        desaturation_time=rng.uniform(1.0, 300.0),
+        rod_weight=10.0 ** rng.uniform(-7.0, -5.0),
+        wheel_weight=rng.choice([0.0, 0.02, 0.3]),
+        wheel_weight_ff=rng.uniform(0.0, 0.2),
     )
     return p, u
 
@@ -123,13 +150,18 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
-CASES = {"controller": controller_case, "allocator": allocator_case, "plant": plant_case}
+CASES = {
+    "controller": controller_case,
+    "allocator": allocator_case,
+    "allocator_bounded": allocator_bounded_case,
+    "plant": plant_case,
+}
 
 
 @pytest.mark.parametrize("block", CASES)
 def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
     rng = np.random.default_rng(4)
-    python = importlib.import_module(block)
+    python = module(block)
     compared = 0
     for _ in range(100):
         p, u = CASES[block](rng)
@@ -153,7 +185,7 @@ def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
     assert compared == 500
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator", "plant"])
+@pytest.mark.parametrize("block", ["controller", "allocator", "allocator_bounded", "plant"])
 def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
     wrong: dict[str, list[dict[str, Any]]] = {
         "controller": [
@@ -175,9 +207,13 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
             {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
         ],
+        "allocator_bounded": [
+            {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
+            {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
+        ],
         "plant": [{"rod_period": 5e-4}],
     }
-    python = importlib.import_module(block)
+    python = module(block)
     names = {v.name for v in load(block).of("parameter")}
     for changes in wrong[block]:
         p = parameters(block, **{k: v for k, v in changes.items() if k in names})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,9 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from fmus.interface import BLOCKS, load
+from fmus.interface import load
 from orchestration import run
-from tests.blocks import inputs, parameters
+from tests.blocks import inputs, module, parameters
 
 from .driver import ROOT, Instance
 from .test_flavours import inertia, plant_case
@@ -24,11 +23,16 @@ WIRES = {
     "allocator": {"tau_cmd_B": "controller", "b_B": "plant", "omega_B": "plant", "h_w": "plant"},
 }
 ORDER = ("plant", "controller", "allocator")
+LOOPS = {
+    "the paper's blocks": {role: role for role in ORDER},
+    "the bounded allocator": {role: role for role in ORDER} | {"allocator": "allocator_bounded"},
+}
+"""Which block stands in each place."""
 SIZED_BY = {("allocator", "tau_residual_B"): ("controller", "tau_cmd_B")}
 """The residual is the demand less what is given: rounding of the demand where all of it is given."""
 
 
-def scenario(rng: np.random.Generator) -> dict[str, Any]:
+def scenario(rng: np.random.Generator, blocks: dict[str, str]) -> dict[str, Any]:
     """Parameters of a random satellite, its law and its allocation, per unit of mass so that the rods suffice."""
     J = 0.02 * inertia(rng)
     plant, _ = plant_case(rng)
@@ -48,77 +52,76 @@ def scenario(rng: np.random.Generator) -> dict[str, Any]:
         Omega_d0=rng.normal(scale=2e-3, size=3),
         compensate_gravity=bool(rng.integers(2)),
     )
-    allocator = parameters("allocator", rod_axes=plant.rod_axes, hold_fraction=rng.uniform(0.5, 1.0))
+    own = {"hold_fraction": rng.uniform(0.5, 1.0)} if blocks["allocator"] == "allocator" else {}
+    allocator = parameters(blocks["allocator"], rod_axes=plant.rod_axes, **own)
     return {"plant": plant, "controller": controller, "allocator": allocator}
 
 
-def python_run(chosen: dict[str, Any], steps: int, h: float) -> list[dict[str, Any]]:
+def python_run(blocks: dict[str, str], chosen: dict[str, Any], steps: int, h: float) -> list[dict[str, Any]]:
     """Every block's outputs at every step: the plant first, then the laws with what it gave."""
-    modules = {block: importlib.import_module(block) for block in ORDER}
     states, given = {}, {}
-    u = inputs("plant")
-    for block in ORDER:
-        u = _inputs(block, given) if block != "plant" else u
-        states[block] = modules[block].start(chosen[block], u)
-        given[block] = modules[block].outputs(states[block], u, chosen[block])
+    for role, block in blocks.items():
+        u = _inputs(role, block, given) if role != "plant" else inputs("plant")
+        states[role] = module(block).start(chosen[role], u)
+        given[role] = module(block).outputs(states[role], u, chosen[role])
     record = [dict(given)]
     for _ in range(steps):
-        for block in ORDER:
-            u = _inputs(block, given)
-            states[block], given[block] = modules[block].step(states[block], u, chosen[block], h)
+        for role, block in blocks.items():
+            u = _inputs(role, block, given)
+            states[role], given[role] = module(block).step(states[role], u, chosen[role], h)
         record.append(dict(given))
     return record
 
 
-def _inputs(block: str, given: dict[str, Any]) -> Any:
-    make = importlib.import_module(block).Inputs
-    return make(**{name: getattr(given[source], name) for name, source in WIRES[block].items()})
+def _inputs(role: str, block: str, given: dict[str, Any]) -> Any:
+    return inputs(block, **{name: getattr(given[source], name) for name, source in WIRES[role].items()})
 
 
-def native_run(chosen: dict[str, Any], steps: int, h: float) -> list[dict[str, dict[str, Any]]]:
+def native_run(blocks: dict[str, str], chosen: dict[str, Any], steps: int, h: float) -> list[dict[str, dict[str, Any]]]:
     """The same with the libraries' C interface."""
-    blocks = {block: Instance(block) for block in ORDER}
+    instances = {role: Instance(block) for role, block in blocks.items()}
     given: dict[str, dict[str, Any]] = {}
-    for block, it in blocks.items():
-        it.set_all(chosen[block])
+    for role, it in instances.items():
+        it.set_all(chosen[role])
         it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
         it.call("EnterInitializationMode")
-        for name, source in WIRES[block].items() if block != "plant" else ():
+        for name, source in WIRES[role].items() if role != "plant" else ():
             it.set(name, given[source][name])
-        given[block] = it.outputs()
-    for it in blocks.values():
+        given[role] = it.outputs()
+    for it in instances.values():
         it.call("ExitInitializationMode")
     record = [dict(given)]
     for i in range(steps):
-        for block, it in blocks.items():
-            for name, source in WIRES[block].items():
+        for role, it in instances.items():
+            for name, source in WIRES[role].items():
                 it.set(name, given[source][name])
             it.step(i * h, h)
-            given[block] = it.outputs()
+            given[role] = it.outputs()
         record.append(dict(given))
-    for it in blocks.values():
+    for it in instances.values():
         it.free()
     return record
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_twenty_random_loops_agree_in_every_port(seed: int) -> None:
-    chosen = scenario(np.random.default_rng(1000 + seed))
+@pytest.mark.parametrize("blocks", LOOPS.values(), ids=LOOPS)
+def test_twenty_random_loops_agree_in_every_port(blocks: dict[str, str], seed: int) -> None:
+    chosen = scenario(np.random.default_rng(1000 + seed), blocks)
     steps, h = 300, 0.2
-    python, c = python_run(chosen, steps, h), native_run(chosen, steps, h)
-    for block in BLOCKS:
+    python, c = python_run(blocks, chosen, steps, h), native_run(blocks, chosen, steps, h)
+    for role, block in blocks.items():
         for variable in load(block).of("output"):
-            expected = np.array([np.ravel(getattr(y[block], variable.name)) for y in python], dtype=float)
-            found = np.array([np.ravel(y[block][variable.name]) for y in c], dtype=float)
+            expected = np.array([np.ravel(getattr(y[role], variable.name)) for y in python], dtype=float)
+            found = np.array([np.ravel(y[role][variable.name]) for y in c], dtype=float)
             # Relative to the port's size over the run: an output may pass through zero.
-            source, name = SIZED_BY.get((block, variable.name), (block, variable.name))
+            source, name = SIZED_BY.get((role, variable.name), (role, variable.name))
             size = max(np.linalg.norm(getattr(y[source], name)) for y in python)
             assert np.abs(found - expected).max() <= RELATIVE * size, f"{block}.{variable.name}"
 
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Path]]:
-    return {flavour: build(BLOCKS, flavour, tmp_path_factory.mktemp(flavour)) for flavour in ("python", "native")}
+    return {flavour: build(ORDER, flavour, tmp_path_factory.mktemp(flavour)) for flavour in ("python", "native")}
 
 
 @pytest.mark.parametrize("name", ["paper_no_singularity", "paper_singularity"])
@@ -128,7 +131,7 @@ def test_the_papers_manoeuvres_agree_in_every_port(name: str, fmus: dict[str, di
     for flavour in ("python", "native"):
         paths = fmus[flavour]
         changed = text
-        for block in BLOCKS:
+        for block in ORDER:
             assert f"fmu: {block}\n" in text
             changed = changed.replace(f"fmu: {block}\n", f"fmu: {paths[block]}\n")
         scenario_path = tmp_path / f"{flavour}.yaml"
@@ -136,7 +139,7 @@ def test_the_papers_manoeuvres_agree_in_every_port(name: str, fmus: dict[str, di
         results[flavour] = run(scenario_path)
     python, c = results["python"], results["native"]
     assert np.array_equal(python.time, c.time)
-    for block in BLOCKS:
+    for block in ORDER:
         for variable in load(block).of("output"):
             signal = f"{block}.{variable.name}"
             expected, found = np.asarray(python[signal], float), np.asarray(c[signal], float)

@@ -12,8 +12,9 @@ import pytest
 
 from fmus import native
 from fmus.interface import BLOCKS, load
+from tests.blocks import folder
 
-from .driver import GUID, ROOT
+from .driver import GUID
 
 SYSTEM = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
 ZIG = ["-fsanitize=undefined", "-fno-sanitize-trap=undefined", "-fno-sanitize-recover=all"]
@@ -34,7 +35,7 @@ def _compiler(kind: str) -> list[str]:
 @pytest.mark.parametrize("block", BLOCKS)
 @pytest.mark.parametrize("kind", ["zig", "system"])
 def test_random_calls_under_sanitizers(block: str, kind: str, tmp_path: Path) -> None:
-    sources, includes = native.lay_out(load(block), ROOT / block, GUID, tmp_path)
+    sources, includes = native.lay_out(load(block), folder(block), GUID, tmp_path)
     program = tmp_path / "fuzz"
     command = [
         *_compiler(kind),

@@ -1,0 +1,173 @@
+#include "allocator_bounded.h"
+
+#include "box.h"
+#include "vector.h"
+
+static const double UNIT_TOLERANCE = 1e-6;  /* of the rods' axes */
+static const double INDEPENDENT_MIN = 1e-6; /* |det U| below which the rods lie in one plane */
+static const double FIELD_MIN = 1e-12;      /* T; a weaker field counts as none, and nothing is asked of the rods */
+static const double ABSENT = 1e9;           /* an optional input that holds this or more is not connected */
+static const double ROD_WEIGHT_MIN = 1e-8;  /* T; below, the preference along the field drowns in rounding */
+static const double FRACTION_CAP = 1e6;     /* largest demand_fraction that is reported */
+
+typedef struct {
+    Vector dipole;  /* A m2 along the rods */
+    double dh_w;    /* dl_w/dt, N m */
+    double fraction; /* largest command over its limit, were there no limits */
+} Commands;
+
+typedef struct {
+    const char *name;
+    double value;
+} Named;
+
+bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
+{
+    const Matrix U = matrix(p->rod_axes);
+    const double lengths[3] = {norm(U.a), norm(U.b), norm(U.c)};
+    for (int i = 0; i < 3; ++i) {
+        if (!(fabs(lengths[i] - 1.0) <= UNIT_TOLERANCE)) {
+            return fault(f, "rod_axes", lengths[i], "rows of unit length, to 1e-06");
+        }
+    }
+    const double volume = determinant(U);
+    if (!(fabs(volume) > INDEPENDENT_MIN)) {
+        return fault(f, "rod_axes", volume, "linearly independent axes, |det| above 1e-06");
+    }
+    const Named positive[] = {{"dipole_max", p->dipole_max},
+                              {"wheel_torque_max", p->wheel_torque_max},
+                              {"wheel_momentum_max", p->wheel_momentum_max},
+                              {"command_period", p->command_period},
+                              {"desaturation_time", p->desaturation_time}};
+    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
+        if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
+            return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
+        }
+    }
+    if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
+        return fault(f, "rod_weight", p->rod_weight, "a finite number of at least 1e-08");
+    }
+    const Named weights[] = {{"wheel_weight", p->wheel_weight}, {"wheel_weight_ff", p->wheel_weight_ff}};
+    for (size_t i = 0; i < sizeof weights / sizeof weights[0]; ++i) {
+        if (!(weights[i].value >= 0.0 && isfinite(weights[i].value))) {
+            return fault(f, weights[i].name, weights[i].value, "a finite number of at least 0");
+        }
+    }
+    return true;
+}
+
+void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law)
+{
+    const Matrix U = matrix(p->rod_axes);
+    law->p = *p;
+    store(scale(1.0 / norm(U.a), U.a), law->U[0]);
+    store(scale(1.0 / norm(U.b), U.b), law->U[1]);
+    store(scale(1.0 / norm(U.c), U.c), law->U[2]);
+}
+
+static double clip(double x, double low, double high)
+{
+    return larger(smaller(x, high), low);
+}
+
+/* The commands that give r, N m, as nearly as the limits and the preference let them: in shares of the limits,
+ * minimise |A x - r|^2 + sum w_i^2 (x_i - p_i)^2. The columns of A are the torques of the actuators at their limits. */
+static Commands allocate(const AllocatorBoundedParameters *p, const Vector rods[3], Vector r, double h_w, Vector dipole_ff, bool with_rods_ff,
+                         double wheel_torque_ff)
+{
+    const bool with_wheel_ff = fabs(wheel_torque_ff) < ABSENT;
+    const double torque_max = p->wheel_torque_max;
+    const Vector A[BOX_N] = {scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]),
+                             {-torque_max, 0.0, 0.0}};
+    const double rod_weight = p->rod_weight * p->dipole_max;
+    const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
+    const double weight[BOX_N] = {rod_weight, rod_weight, rod_weight, wheel_weight};
+    const double dh_w_p = with_wheel_ff ? wheel_torque_ff : -h_w / p->desaturation_time;
+    const Vector m_p = with_rods_ff ? dipole_ff : (Vector){0.0, 0.0, 0.0};
+    const double preferred[BOX_N] = {m_p.x / p->dipole_max, m_p.y / p->dipole_max, m_p.z / p->dipole_max, dh_w_p / torque_max};
+
+    /* The wheel stays within its momentum over a period. Zero is always allowed, so the box is never empty. */
+    const double down = larger((p->wheel_momentum_max + h_w) / p->command_period, 0.0);
+    const double up = larger((p->wheel_momentum_max - h_w) / p->command_period, 0.0);
+    Box box = {.low = {-1.0, -1.0, -1.0, -smaller(down / torque_max, 1.0)},
+               .high = {1.0, 1.0, 1.0, smaller(up / torque_max, 1.0)}};
+    for (int i = 0; i < BOX_N; ++i) {
+        const double square = weight[i] * weight[i];
+        box.g[i] = dot(A[i], r) + square * clip(preferred[i], box.low[i], box.high[i]);
+        for (int k = 0; k < BOX_N; ++k) {
+            box.H[i][k] = dot(A[i], A[k]) + (i == k ? square : 0.0);
+        }
+    }
+
+    double x[BOX_N], unbounded[BOX_N];
+    if (!box_minimum(&box, x, unbounded)) {
+        return (Commands){{0.0, 0.0, 0.0}, 0.0, FRACTION_CAP};
+    }
+    double fraction = 0.0;
+    for (int i = 0; i < BOX_N; ++i) {
+        fraction = larger(fraction, fabs(unbounded[i]));
+    }
+    return (Commands){scale(p->dipole_max, (Vector){x[0], x[1], x[2]}), torque_max * x[3], smaller(fraction, FRACTION_CAP)};
+}
+
+bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
+                               AllocatorBoundedOutputs *y, Fault *f)
+{
+    (void)x;
+    const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B), dipole_ff = vector(u->dipole_ff);
+    const struct {
+        const char *name;
+        Vector value;
+    } vectors[] = {{"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) {
+        if (!is_finite(vectors[i].value)) {
+            return fault(f, vectors[i].name, NAN, "finite numbers");
+        }
+    }
+    const Named numbers[] = {{"h_w", u->h_w}, {"wheel_torque_ff", u->wheel_torque_ff}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        if (!isfinite(numbers[i].value)) {
+            return fault(f, numbers[i].name, numbers[i].value, "a finite number");
+        }
+    }
+
+    const Matrix U = matrix(law->U);
+    const double B = norm(b_B);
+    const bool with_field = B >= FIELD_MIN;
+    const Vector field = with_field ? b_B : (Vector){0.0, 0.0, 0.0};
+    const Vector rods[3] = {cross(U.a, field), cross(U.b, field), cross(U.c, field)}; /* [16] */
+    const Vector spin = {0.0, -Omega.z * u->h_w, Omega.y * u->h_w};                   /* -l_w Omega x e1 [14] */
+    const bool with_rods_ff = with_field && largest(dipole_ff) < ABSENT;
+    const Commands given = allocate(&law->p, rods, subtract(tau, spin), u->h_w, dipole_ff, with_rods_ff, u->wheel_torque_ff);
+
+    const Vector by_rods = cross(apply_transposed(U, given.dipole), field);
+    const Vector by_wheel = {-given.dh_w, spin.y, spin.z};
+    store(given.dipole, y->dipole_cmd);
+    y->wheel_torque_cmd = given.dh_w;
+    y->holding = false;
+    y->demand_fraction = given.fraction;
+    store(subtract(tau, add(by_rods, by_wheel)), y->tau_residual_B);
+    y->b_wheel = with_field ? b_B.x / B : 0.0;
+    return true;
+}
+
+bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x, Fault *f)
+{
+    const AllocatorBoundedState now = {0.0};
+    AllocatorBoundedOutputs y;
+    if (!allocator_bounded_outputs(law, &now, u, &y, f)) {
+        return false;
+    }
+    *x = now;
+    return true;
+}
+
+bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u, double h,
+                            AllocatorBoundedOutputs *y, Fault *f)
+{
+    if (!allocator_bounded_outputs(law, x, u, y, f)) {
+        return false;
+    }
+    x->t += h;
+    return true;
+}

@@ -1,0 +1,40 @@
+/* Allocation of a torque to one wheel and three magnetic rods within their limits: bounded least squares with a
+ * preference. Not in the paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
+ *
+ * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time.
+ * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
+ * SI units; frames as in ports.h. A function that returns false has noted a fault and changed nothing else.
+ */
+#ifndef ALLOCATOR_BOUNDED_H
+#define ALLOCATOR_BOUNDED_H
+
+#include "fault.h"
+#include "ports.h"
+
+typedef struct {
+    double t; /* s */
+} AllocatorBoundedState;
+
+/* Parameters and what follows from them alone. */
+typedef struct {
+    AllocatorBoundedParameters p;
+    double U[3][3]; /* rows: the rods' unit axes */
+} AllocatorBoundedLaw;
+
+bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);
+
+/* p must have passed the check. */
+void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law);
+
+/* The state at t = 0; the first command is that of these inputs. */
+bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x, Fault *f);
+
+/* The commands that serve the demand best within the limits; x has no say in them. */
+bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
+                               AllocatorBoundedOutputs *y, Fault *f);
+
+/* From t to t + h: u are the inputs at t + h. */
+bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u, double h,
+                            AllocatorBoundedOutputs *y, Fault *f);
+
+#endif

@@ -1,0 +1,92 @@
+#include "box.h"
+
+#include <math.h>
+
+#include "vector.h"
+
+enum { FREE, LOW, HIGH, FACES = 81 };
+
+/* The minimum over x with its elements free or at their bounds, by elimination; H needs no pivots. */
+static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_N])
+{
+    double a[BOX_N][BOX_N], y[BOX_N];
+    int index[BOX_N], n = 0;
+    for (int i = 0; i < BOX_N; ++i) {
+        if (side[i] == FREE) {
+            index[n++] = i;
+        } else {
+            x[i] = side[i] == LOW ? box->low[i] : box->high[i];
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        y[i] = box->g[index[i]];
+        for (int k = 0; k < BOX_N; ++k) {
+            if (side[k] != FREE) {
+                y[i] -= box->H[index[i]][k] * x[k];
+            }
+        }
+        for (int j = 0; j < n; ++j) {
+            a[i][j] = box->H[index[i]][index[j]];
+        }
+    }
+    for (int k = 0; k < n; ++k) {
+        for (int i = k + 1; i < n; ++i) {
+            const double factor = a[i][k] / a[k][k];
+            for (int j = k + 1; j < n; ++j) {
+                a[i][j] -= factor * a[k][j];
+            }
+            y[i] -= factor * y[k];
+        }
+    }
+    for (int i = n - 1; i >= 0; --i) {
+        for (int j = i + 1; j < n; ++j) {
+            y[i] -= a[i][j] * y[j];
+        }
+        y[i] /= a[i][i];
+        x[index[i]] = y[i];
+    }
+}
+
+/* By how much x violates the conditions of optimality, in units of x: a free element is outside the box, or the
+ * gradient pushes one from its bound inwards, where it alone would move by gradient/H_ii. */
+static double violation(const Box *box, const int side[BOX_N], const double x[BOX_N])
+{
+    double largest_one = -INFINITY;
+    for (int i = 0; i < BOX_N; ++i) {
+        double one = larger(box->low[i] - x[i], x[i] - box->high[i]);
+        if (side[i] != FREE) {
+            double gradient = -box->g[i];
+            for (int k = 0; k < BOX_N; ++k) {
+                gradient += box->H[i][k] * x[k];
+            }
+            one = (side[i] == HIGH ? gradient : -gradient) / box->H[i][i];
+        }
+        if (!(one <= largest_one)) { /* also where it is no number */
+            largest_one = one;
+        }
+    }
+    return largest_one;
+}
+
+bool box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
+{
+    double least = INFINITY;
+    for (int face = 0; face < FACES && least > 0.0; ++face) {
+        const int side[BOX_N] = {face / 27, face / 9 % 3, face / 3 % 3, face % 3};
+        double candidate[BOX_N];
+        minimum_on_face(box, side, candidate);
+        const double found = violation(box, side, candidate);
+        if (found < least) {
+            least = found;
+            for (int i = 0; i < BOX_N; ++i) {
+                x[i] = larger(smaller(candidate[i], box->high[i]), box->low[i]);
+            }
+        }
+        if (face == 0) { /* all are free */
+            for (int i = 0; i < BOX_N; ++i) {
+                unbounded[i] = candidate[i];
+            }
+        }
+    }
+    return least < INFINITY;
+}
