@@ -44,6 +44,7 @@ BLOCKS = ("plant", "controller", "allocator", "allocator_bounded")
 FLAVOURS = ("native", "python")
 ABSENT = 1e9
 """The start of every optional input, which means that it is not connected."""
+OPTIONAL = "optional: 1e9, its start, means not connected"
 
 Causality = Literal["input", "output", "parameter"]
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]
