@@ -70,7 +70,13 @@ void put_number(Message *m, double x);
 fmi2Status refuse(const Instance *c, const Message *m);
 fmi2Status refuse_text(const Instance *c, const char *function, const char *text);
 fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f);
+fmi2Status refuse_variable(const Instance *c, const char *function, const Variable *v, const char *text);
 void log_event(const Instance *c, const char *text);
+
+/* What is wrong with a reference, or with a value of v. They log and return false; apart from the checks, which are made
+ * in every step. */
+bool refuse_reference(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind);
+bool refuse_value(const Instance *c, const char *function, const Variable *v, double value);
 
 /* Every function of the interface begins with this: the instance, or NULL (and *status an error) where the handle is
  * NULL or the mode is none of `modes`, a sum of 1 << Mode. */

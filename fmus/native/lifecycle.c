@@ -198,15 +198,13 @@ fmi2Status make_law_current(Instance *c, const char *function)
 bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
 {
     const unsigned char *bytes = (const unsigned char *)y;
-    double value, sum = 0.0;
+    double value;
+    bool finite = true;
     for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
         memcpy(&value, bytes + (variables[real_outputs[i]].offset - offsetof(Ports, y)), sizeof value);
-        sum += 0.0 * value; /* NaN of NaN and of infinity */
+        finite &= isfinite(value) != 0;
     }
-    if (sum == 0.0) {
-        return true;
-    }
-    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
+    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS && !finite; ++i) {
         const Variable *v = &variables[real_outputs[i]];
         memcpy(&value, bytes + (v->offset - offsetof(Ports, y)), sizeof value);
         if (!isfinite(value)) {
@@ -214,7 +212,7 @@ bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
             break;
         }
     }
-    return false;
+    return finite;
 }
 
 /* The outputs of x, written only where all is well. */

@@ -148,6 +148,57 @@ fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f)
     return refuse(c, &m);
 }
 
+static const char *const kinds[] = {"real", "integer", "boolean", "string"};
+
+fmi2Status refuse_variable(const Instance *c, const char *function, const Variable *v, const char *text)
+{
+    Message m = message(function);
+    put(&m, ": ");
+    put(&m, v->name);
+    put(&m, " ");
+    put(&m, text);
+    return refuse(c, &m);
+}
+
+bool refuse_reference(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
+{
+    if (reference >= BLOCK_VARIABLES) {
+        refuse_fault(c, function, &(Fault){"value reference", "that of a variable of this FMU", NULL, reference});
+        return false;
+    }
+    Message m = message("is of type ");
+    put(&m, kinds[variables[reference].kind]);
+    put(&m, ", not ");
+    put(&m, kinds[kind]);
+    refuse_variable(c, function, &variables[reference], m.text);
+    return false;
+}
+
+bool refuse_value(const Instance *c, const char *function, const Variable *v, double value)
+{
+    Message m = message(function);
+    put(&m, ": ");
+    put(&m, v->name);
+    put(&m, ": expected ");
+    if (v->min > -INFINITY && v->max < INFINITY) {
+        put_number(&m, v->min);
+        put(&m, " to ");
+        put_number(&m, v->max);
+    } else if (v->min > -INFINITY) {
+        put(&m, "a finite number, at least ");
+        put_number(&m, v->min);
+    } else if (v->max < INFINITY) {
+        put(&m, "a finite number, at most ");
+        put_number(&m, v->max);
+    } else {
+        put(&m, "a finite number");
+    }
+    put(&m, ", found ");
+    put_number(&m, value);
+    refuse(c, &m);
+    return false;
+}
+
 void log_event(const Instance *c, const char *text)
 {
     if (c->log_events) {

@@ -3,39 +3,16 @@
 
 #include <math.h>
 
-static const char *const kinds[] = {"real", "integer", "boolean", "string"};
-
 static unsigned char *place(Instance *c, const Variable *v)
 {
     return (unsigned char *)&c->memory.ports + v->offset;
 }
 
-static fmi2Status refuse_variable(const Instance *c, const char *function, const Variable *v, const char *text)
-{
-    Message m = message(function);
-    put(&m, ": ");
-    put(&m, v->name);
-    put(&m, " ");
-    put(&m, text);
-    return refuse(c, &m);
-}
-
 /* Whether there is a variable of this kind; refuses where not. */
 static bool known(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
 {
-    if (reference >= BLOCK_VARIABLES) {
-        refuse_fault(c, function, &(Fault){"value reference", "that of a variable of this FMU", NULL, reference});
-        return false;
-    }
-    if (variables[reference].kind != kind) {
-        Message m = message("is of type ");
-        put(&m, kinds[variables[reference].kind]);
-        put(&m, ", not ");
-        put(&m, kinds[kind]);
-        refuse_variable(c, function, &variables[reference], m.text);
-        return false;
-    }
-    return true;
+    return (reference < BLOCK_VARIABLES && variables[reference].kind == kind) ||
+           refuse_reference(c, function, reference, kind);
 }
 
 /* The instance when `n` variables of this kind may be read; outputs are then evaluated. */
@@ -155,30 +132,7 @@ static void touched(Instance *c, const Variable *v)
 
 static bool within(const Instance *c, const char *function, const Variable *v, double value)
 {
-    if (value >= v->min && value <= v->max && isfinite(value)) {
-        return true;
-    }
-    Message m = message(function);
-    put(&m, ": ");
-    put(&m, v->name);
-    put(&m, ": expected ");
-    if (v->min > -INFINITY && v->max < INFINITY) {
-        put_number(&m, v->min);
-        put(&m, " to ");
-        put_number(&m, v->max);
-    } else if (v->min > -INFINITY) {
-        put(&m, "a finite number, at least ");
-        put_number(&m, v->min);
-    } else if (v->max < INFINITY) {
-        put(&m, "a finite number, at most ");
-        put_number(&m, v->max);
-    } else {
-        put(&m, "a finite number");
-    }
-    put(&m, ", found ");
-    put_number(&m, value);
-    refuse(c, &m);
-    return false;
+    return (value >= v->min && value <= v->max && isfinite(value)) || refuse_value(c, function, v, value);
 }
 
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Real values[])

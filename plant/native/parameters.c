@@ -203,6 +203,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 
     (void)is_date(p, &date, &unused);
     (void)orbit_of(p, &date, &environment->orbit, &unused);
+    environment->mu = p->gravitational_parameter;
     environment->gmst0 = gmst(&date);
     environment->day0 = day_of_year(&date);
     const FieldModel *model = &field_models[p->field_model - 1];

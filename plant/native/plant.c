@@ -28,10 +28,10 @@ static Vector dipole_B(const PlantLaw *plant, Vector dipole)
     return add(apply(plant->rods_to_body, dipole), vector(plant->p.residual_dipole_B));
 }
 
-/* M_g = 3 mu/r^3 r_hat x J r_hat [2], of the position in body axes. */
-static Vector gravity_gradient(const PlantLaw *plant, Vector r_hat_B, double rate_squared)
+/* M_g = 3 mu/r^3 r_hat x J r_hat [2], of sqrt(3 mu/r^3) r_hat in body axes. */
+static Vector gravity_gradient(const PlantLaw *plant, Vector pull_B)
 {
-    return scale(3.0 * rate_squared, cross(r_hat_B, apply(plant->body.J, r_hat_B)));
+    return cross(pull_B, apply(plant->body.J, pull_B));
 }
 
 /* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i,
@@ -50,15 +50,12 @@ static Vector external_moment(void *context, Matrix R, double t)
     const Acting *acting = context;
     PlantLaw *plant = acting->plant;
     const Surroundings *around = surroundings_at(&plant->environment, t);
-    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around->b_N)), vector(plant->p.disturbance_torque_B));
+    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around->along.b_N)), vector(plant->p.disturbance_torque_B));
     if (plant->p.gravity_gradient) {
-        const Vector r_N = around->motion.r;
-        const double r = norm(r_N);
-        const double rate_squared = plant->p.gravitational_parameter / (r * r * r);
-        tau = add(tau, gravity_gradient(plant, scale(1.0 / r, apply_transposed(R, r_N)), rate_squared));
+        tau = add(tau, gravity_gradient(plant, apply_transposed(R, around->along.pull_N)));
     }
     if (plant->p.drag) {
-        tau = add(tau, drag(plant, apply_transposed(R, around->flow_N), around->density));
+        tau = add(tau, drag(plant, apply_transposed(R, around->along.flow_N), around->density));
     }
     return tau;
 }
@@ -138,9 +135,9 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const Vector Pi = vector(x->Pi);
     const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
     const Surroundings *around = surroundings_at(&plant->environment, x->t);
-    const Motion motion = around->motion;
-    const Vector dipole = rod_dipoles(p, u, turn_at(p, x->t).on), b_B = apply_transposed(R, around->b_N), H_N = apply(R, Pi);
-    const Vector flow_B = apply_transposed(R, around->flow_N);
+    const Motion motion = motion_at(&plant->environment.orbit, x->t);
+    const Vector dipole = rod_dipoles(p, u, turn_at(p, x->t).on), H_N = apply(R, Pi);
+    const Vector b_B = apply_transposed(R, around->along.b_N), flow_B = apply_transposed(R, around->along.flow_N);
 
     store_matrix(R, y->R_NB);
     store(Omega, y->omega_B);
@@ -157,7 +154,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
         const double r = norm(motion.r);
         const double rate_squared = p->gravitational_parameter / (r * r * r);
         const Vector r_hat_B = scale(1.0 / r, apply_transposed(R, motion.r));
-        store(gravity_gradient(plant, r_hat_B, rate_squared), y->tau_gg_B);
+        store(gravity_gradient(plant, apply_transposed(R, around->along.pull_N)), y->tau_gg_B);
         y->energy += rate_squared * (1.5 * dot(r_hat_B, apply(J, r_hat_B)) - 0.5 * (J.a.x + J.b.y + J.c.z));
         y->energy -= dot(cross(motion.r, motion.v), H_N) / (r * r);
     }

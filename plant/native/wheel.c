@@ -21,11 +21,17 @@ static double phi2(double x)
 
 double segment_momentum(const Segment *part, double s)
 {
+    if (part->decay == 0.0) {
+        return part->l_start + part->drive * s;
+    }
     return part->l_start + (part->drive - part->decay * part->l_start) * s * phi1(part->decay * s);
 }
 
 double segment_mean(const Segment *part, double s, double duration)
 {
+    if (part->decay == 0.0) {
+        return part->l_start + part->drive * (s + 0.5 * duration);
+    }
     /* The rate at s from that at the start: drive - decay * l_w(s) would cancel where friction is strong. */
     const double rate = (part->drive - part->decay * part->l_start) * exp(-part->decay * s);
     return segment_momentum(part, s) + rate * duration * phi2(part->decay * duration);

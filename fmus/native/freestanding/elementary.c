@@ -7,14 +7,17 @@
 
 static const double shift = 6755399441055744.0; /* 1.5 * 2^52: adding it and taking it away rounds to an integer */
 
-/* Polynomials in Taylor's coefficients; the arguments are reduced until these suffice. */
+/* Polynomials in Taylor's coefficients; the arguments are reduced until these suffice. n is even: even and odd powers
+ * are summed apart, so that a processor works on both at once. */
 static double horner(double x, const double c[], int n)
 {
-    double sum = c[n - 1];
-    for (int i = n - 2; i >= 0; --i) {
-        sum = sum * x + c[i];
+    const double z = x * x;
+    double even = c[n - 2], odd = c[n - 1];
+    for (int i = n - 4; i >= 0; i -= 2) {
+        even = even * z + c[i];
+        odd = odd * z + c[i + 1];
     }
-    return sum;
+    return even + odd * x;
 }
 
 static double sine(double x) /* |x| <= pi/4 */
