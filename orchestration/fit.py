@@ -477,7 +477,7 @@ def _lacking(found: Fit, ours: Variable, theirs: Model, taken: Mapping[Element, 
     if ours.causality == "output" and ours.name in found.reference.needed:
         found.say("fault", "missing", f"{text}; other blocks need it", key)
     elif ours.causality == "output":
-        found.say("note", "missing", f"{text}; no other block needs it", f"none needed, or {key}")
+        found.say("note", "missing", f"{text}; no other block needs an input of its name", f"none needed, or {key}")
     else:
         text += "; a scenario that gives it a value is refused"
         found.say("note", "missing", text, f"none needed, or {key}, or list it under ignore")
