@@ -7,6 +7,7 @@ import shutil
 import zipfile
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
@@ -253,6 +254,11 @@ def test_one_that_theirs_does_not_call_optional_has_to_be_fed(here):
     result = orchestrate("delayed.yaml", "--swap", "allocator=strict.fmu")
     assert result.exit_code == 2
     assert "the input wheel_torque_ff is neither connected nor given a value" in result.stderr
+    (here / "mapping.yaml").write_text("ignore: [demand_fraction]\n")  # so that it stands behind an adapter
+    result = orchestrate("delayed.yaml", "--swap", "allocator=strict.fmu", "--map", "mapping.yaml")
+    assert "the input wheel_torque_ff is neither connected nor given a value" in result.stderr
+    shutil.copyfile(ensure("allocator_bounded"), "bounded.fmu")
+    assert orchestrate("delayed.yaml", "--swap", "allocator=bounded.fmu", "--map", "mapping.yaml").exit_code == 0
 
 
 def test_its_connections_values_and_delays_are_dropped_and_told_and_the_run_is_that_without_them(here):
@@ -319,6 +325,24 @@ def test_a_loop_with_unconnected_optional_inputs_goes_to_other_tools_and_back(he
         "loop.fmu", stop_time=2.0, step_size=0.1, output_interval=0.1, output=["plant.omega_B[2]"]
     )
     np.testing.assert_allclose(played["plant.omega_B[2]"], ours["plant.omega_B"][:, 1], rtol=0, atol=1e-15)
+
+
+def test_an_archive_gives_each_element_its_own_unit(here):
+    changed(ensure("plant"), here / "mixed.fmu", ('name="h_w"', 'name="b_B[4]"'))
+    (here / "one.yaml").write_text(
+        "name: one\nstep: 1\nduration: 1\nblocks:\n  it: {fmu: mixed.fmu, start: {dipole_cmd: [0, 0, 0], wheel_torque_cmd: 0}}\n"
+    )
+    result = orchestrate("export", "one.yaml", "--ssp", "one.ssp")
+    assert result.exit_code == 0, result.output
+    with zipfile.ZipFile("one.ssp") as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    units = {
+        connector.get("name"): connector[0].get("unit")
+        for connector in root.iter("{http://ssp-standard.org/SSP1/SystemStructureDescription}Connector")
+    }
+    assert [units[f"b_B[{i}]"] for i in (1, 2, 3, 4)] == ["T", "T", "T", "N.m.s"]
+    defined = {unit.get("name") for unit in root.iter("{http://ssp-standard.org/SSP1/SystemStructureCommon}Unit")}
+    assert set(units.values()) - {None} <= defined
 
 
 def test_a_vector_has_the_inputs_that_were_fed(here):
