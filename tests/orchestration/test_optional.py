@@ -13,6 +13,7 @@ import fmpy
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 import orchestration
 from fmus import interface as fmus_interface
@@ -20,6 +21,7 @@ from fmus.build import ensure
 from fmus.interface import load as load_interface
 from orchestration import InputError
 from orchestration.cli import main
+from orchestration.figures import draw_panel
 from orchestration.fmu import open_fmu
 from orchestration.interfaces import reference
 from orchestration.quantities import parse_unit
@@ -325,6 +327,24 @@ def test_a_loop_with_unconnected_optional_inputs_goes_to_other_tools_and_back(he
         "loop.fmu", stop_time=2.0, step_size=0.1, output_interval=0.1, output=["plant.omega_B[2]"]
     )
     np.testing.assert_allclose(played["plant.omega_B[2]"], ours["plant.omega_B"][:, 1], rtol=0, atol=1e-15)
+
+
+def test_figures_and_report_show_an_element_in_its_own_unit(here):
+    changed(ensure("plant"), here / "mixed.fmu", ('name="h_w"', 'name="b_B[4]"'))
+    blocks = {"it": {"fmu": "mixed.fmu", "start": {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": "1 mN.m"}}}
+    panels = [{"signals": ["it.b_B"]}, {"signals": ["it.b_B[4]"], "unit": "mN.m.s", "lines": ["5 mN.m.s"]}]
+    figures = [{"name": "both", "panels": panels}]
+    result = orchestration.run(
+        {"name": "one", "step": 1, "duration": 10, "blocks": blocks, "figures": figures}, out="out"
+    )
+    assert str(result.variable("it.b_B[4]").unit) == "N.m.s"
+    assert result["it.b_B[4]"][-1] == pytest.approx(0.01, rel=1e-12)
+    page = Path("out/report.html").read_text("utf-8")
+    assert "it.b_B[4], mN.m.s" in page
+    axes = Figure().subplots()
+    draw_panel(axes, result.scenario.figures[0].panels[1], result.scenario.figures[0], result)
+    assert axes.lines[0].get_ydata()[-1] == pytest.approx(10.0, rel=1e-12)
+    assert axes.get_ylabel() == "it.b_B[4], mN.m.s"
 
 
 def test_an_archive_gives_each_element_its_own_unit(here):
