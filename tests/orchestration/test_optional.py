@@ -403,3 +403,11 @@ def test_a_flavour_that_a_block_has_not_is_refused_at_its_line(here, monkeypatch
     result = orchestrate("build", "allocator_bounded", "--flavour", "python", "--out", "fmus")
     assert result.exit_code == 2
     assert "allocator_bounded has no flavour 'python'; it is native only" in result.stderr
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_delayed_optional_input_is_not_connected_at_the_first_instant(here, compiled):
+    scenario = load("delayed.yaml").source.data | {"record": {"signals": ["allocator.dipole_ff", "plant.dipole"]}}
+    result = orchestration.run(scenario, compiled=compiled)
+    assert set(result["allocator.dipole_ff"][0].tolist()) == {1e9}
+    np.testing.assert_array_equal(result["allocator.dipole_ff"][1:], result["plant.dipole"][:-1])
