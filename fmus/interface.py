@@ -39,7 +39,7 @@ from functools import cached_property
 from importlib.resources import files
 from typing import Any, Literal
 
-BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors")
+BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "controller_planned")
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 FLAVOURS = ("native", "python")
 ABSENT = 1e9

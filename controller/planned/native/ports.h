@@ -42,6 +42,10 @@ typedef struct {
     double plan_period;
     /* N.m.s; Handover from steering to the plan below this distance from the target's momentum */
     double steering_limit;
+    /* rad; Standard deviation of the measured attitude about each axis, as the estimator assumes it */
+    double attitude_noise;
+    /* rad/s; Standard deviation of the measured rate in each axis, as the estimator assumes it */
+    double rate_noise;
     /* s; Time constant of the disturbance observer */
     double disturbance_time;
     /* N.m; Largest disturbance torque that is believed */
