@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -295,8 +295,7 @@ def _values(fault: Fault, reference: str, variable: Variable, positions: Sequenc
     if fault.kind == "bias":
         if variable.type not in ("real", "integer"):
             raise QuantityError(f"{reference} is {variable.type} and cannot be biased; remedy: 'cut' with 'to'")
-        by = leaves(fault.by, shape, variable)
-        return [_difference(variable.at([p]), leaf) for p, leaf in zip(positions, by, strict=True)]
+        return [_difference(variable, leaf) for leaf in leaves(fault.by, shape, variable)]
     if fault.kind == "freeze":
         return [0.0] * len(positions)
     if fault.to is None:
@@ -306,8 +305,8 @@ def _values(fault: Fault, reference: str, variable: Variable, positions: Sequenc
             )
         return [0.0] * len(positions)
     whole = leaves(fault.to, shape, variable) if isinstance(fault.to, (list, tuple)) else [fault.to] * len(positions)
-    unlimited = replace(variable, shape=(), minima=(), maxima=())
-    return [float(scalar(unlimited.at([p]), 0, leaf)) for p, leaf in zip(positions, whole, strict=True)]
+    unlimited = Variable(variable.name, variable.causality, variable.type, unit=variable.unit, items=variable.items)
+    return [float(scalar(unlimited, 0, leaf)) for leaf in whole]
 
 
 def _difference(variable: Variable, value: Any) -> float:

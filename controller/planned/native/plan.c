@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static const double WEIGHT_ANGLE = 10.0, BEND = 0.1;   /* of the pseudo-Huber cost of the angle; rad */
+static const double WEIGHT_ANGLE = 1.0, BEND = 1.0;    /* of the pseudo-Huber cost of the angle; rad */
 static const double WEIGHT_RATE = 2000.0;              /* s^2 */
 static const double WEIGHT_WHEEL = 20.0;               /* 1/(N m s)^2 */
 static const double WEIGHT_WHEEL_NEAR_LIMIT = 3e5;     /* 1/(N m s)^2, beyond WHEEL_NEAR_LIMIT of its limit */
@@ -15,15 +15,17 @@ static const double NEAR = 500.0, HORIZON = 1500.0;    /* s */
 static const double STAGE_NEAR = 10.0, STAGE_FAR = 25.0;
 static const double FAST = 0.04, FASTER = 0.08;        /* rad/s; stages are halved and quartered */
 static const double TURN_MAX = 1.5;                    /* rad in a stage; a motion beyond is no plan */
-static const double BIAS_FADES = 600.0;                 /* s */
+static const double BIAS_TIME = 600.0;                 /* s */
 static const double NEVER = 1e300;
+
+typedef double Square[ERRORS][ERRORS];
 
 Around around_at(const Ahead *ahead, double t)
 {
     Vector r_N, v_N;
     onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
-    const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
+    const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_TIME);
     return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
                     ahead->orbit.mu / (r * r * r)};
 }
@@ -225,53 +227,55 @@ static void linearise(const Model *model, const Around *around, const Motion *x,
 /* Gains of all stages for the motion in `at`. */
 static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int at)
 {
-    Sweep *s = &w->sweep;
+    Square V;
     double v[ERRORS], diagonal[ERRORS];
-    memset(s->V, 0, sizeof s->V);
+    memset(V, 0, sizeof V);
     const int n = plan->stages;
     cost_of(model, &w->stage[n].target, &w->x[at][n], FINAL, FINAL_WHEEL, v, diagonal);
     for (int i = 0; i < ERRORS; ++i) {
-        s->V[i][i] = diagonal[i];
+        V[i][i] = diagonal[i];
     }
     for (int i = n - 1; i >= 0; --i) {
         const double h = plan->h[i];
         const double *u = w->u[at][i];
-        linearise(model, &w->stage[i].around, &w->x[at][i], &w->x[at][i + 1], u, h, s->A, s->G);
+        Square A, VA;
+        double G[ERRORS][CONTROLS], VG[ERRORS][CONTROLS];
+        linearise(model, &w->stage[i].around, &w->x[at][i], &w->x[at][i + 1], u, h, A, G);
         double gradient[ERRORS];
         cost_of(model, &w->stage[i].target, &w->x[at][i], h, h, gradient, diagonal);
         for (int a = 0; a < ERRORS; ++a) {
             for (int b = 0; b < ERRORS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += s->V[a][c] * s->A[c][b];
+                    x += V[a][c] * A[c][b];
                 }
-                s->VA[a][b] = x;
+                VA[a][b] = x;
             }
             for (int b = 0; b < CONTROLS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += s->V[a][c] * s->G[c][b];
+                    x += V[a][c] * G[c][b];
                 }
-                s->VG[a][b] = x;
+                VG[a][b] = x;
             }
         }
         double Qu[CONTROLS], Quu[CONTROLS][CONTROLS], Qux[CONTROLS][ERRORS], Qx[ERRORS];
         for (int a = 0; a < CONTROLS; ++a) {
             Qu[a] = 2.0 * WEIGHT_CONTROL * h * u[a];
             for (int c = 0; c < ERRORS; ++c) {
-                Qu[a] += s->G[c][a] * v[c];
+                Qu[a] += G[c][a] * v[c];
             }
             for (int b = 0; b < CONTROLS; ++b) {
                 double x = a == b ? 2.0 * WEIGHT_CONTROL * h : 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += s->G[c][a] * s->VG[c][b];
+                    x += G[c][a] * VG[c][b];
                 }
                 Quu[a][b] = x;
             }
             for (int b = 0; b < ERRORS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += s->G[c][a] * s->VA[c][b];
+                    x += G[c][a] * VA[c][b];
                 }
                 Qux[a][b] = x;
             }
@@ -310,10 +314,11 @@ static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int a
                 QuuK[a][b] = x;
             }
         }
+        Square next;
         for (int a = 0; a < ERRORS; ++a) {
             Qx[a] = gradient[a];
             for (int c = 0; c < ERRORS; ++c) {
-                Qx[a] += s->A[c][a] * v[c];
+                Qx[a] += A[c][a] * v[c];
             }
             for (int c = 0; c < CONTROLS; ++c) {
                 Qx[a] += w->K[i][c][a] * Quuk[c] + Qux[c][a] * k[c];
@@ -321,15 +326,15 @@ static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int a
             for (int b = a; b < ERRORS; ++b) {
                 double x = a == b ? diagonal[a] : 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += s->A[c][a] * s->VA[c][b];
+                    x += A[c][a] * VA[c][b];
                 }
                 for (int c = 0; c < CONTROLS; ++c) {
                     x += w->K[i][c][a] * QuuK[c][b] + Qux[c][a] * w->K[i][c][b];
                 }
-                s->next[a][b] = s->next[b][a] = x;
+                next[a][b] = next[b][a] = x;
             }
         }
-        memcpy(s->V, s->next, sizeof s->V);
+        memcpy(V, next, sizeof V);
         memcpy(v, Qx, sizeof v);
     }
 }
@@ -412,7 +417,7 @@ void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double 
     w->stage[plan->stages].target = target_at(ahead, t + s);
 }
 
-void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
+void allocate(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
 {
     /* |A u - tau|^2 in units of the largest torques, with a little of |u|^2 and of the wheel's rest. */
     Vector A[CONTROLS];
@@ -450,7 +455,7 @@ void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Works
         Vector Pi = apply(model->J, now.Omega);
         Pi.x += now.l;
         tau = subtract(tau, cross(Pi, now.Omega));
-        controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
+        allocate(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
     }
 }
