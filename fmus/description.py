@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .interface import Element, Interface, Variable
+from .interface import OPTIONAL, Element, Interface, Variable
 from .units import display_factor, unit
 
 LOG_CATEGORIES = {
@@ -16,6 +16,8 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Messages with the status fmi2Fatal, which are sent even with logging off",
     "logAll": "All messages",
 }
+TOOL = "attitude-cosim"
+"""Whose annotation it is that an input is optional: FMI 2.0 has no word for it."""
 DIMENSIONLESS = "1"
 """The unit of every Real without one, so that a master can tell dimensionless from not declared."""
 
@@ -87,8 +89,11 @@ def guid_from(digest: str) -> str:
 
 
 def about(variable: Variable) -> str:
-    """The description with the frame of its components."""
-    return f"{variable.description} (frame: {variable.frame})" if variable.frame else variable.description
+    """The description with the frame of its components, and what stands for an optional input that is not connected."""
+    more = [f"frame: {variable.frame}"] if variable.frame else []
+    if variable.optional:
+        more.append(OPTIONAL)
+    return f"{variable.description} ({'; '.join(more)})" if more else variable.description
 
 
 def _unit_definitions(root: ET.Element, interface: Interface) -> None:
@@ -156,6 +161,9 @@ def _scalar_variable(parent: ET.Element, variable: Variable, position: int, elem
     if element.start is not None:
         kind["start"] = _text(float(element.start) if variable.type == "real" else element.start)
     ET.SubElement(entry, _TAGS[variable.type], kind)
+    if variable.optional:
+        tool = ET.SubElement(ET.SubElement(entry, "Annotations"), "Tool", name=TOOL)
+        ET.SubElement(tool, "Optional")
 
 
 def _model_structure(root: ET.Element, interface: Interface) -> None:

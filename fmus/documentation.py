@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from .interface import Interface, Variable
+from .interface import OPTIONAL, Interface, Variable
 
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"
@@ -71,7 +71,7 @@ def _table(variables: list[Variable], causality: str) -> str:
             cells += [f"{escape(str(v.start))}", escape(_range(v))]
         if causality == "parameter":
             cells.append(v.variability)
-        rows.append(_row("td", [*cells, escape(v.description)]))
+        rows.append(_row("td", [*cells, escape(v.description + (f"; {OPTIONAL}" if v.optional else ""))]))
     return "<table>\n" + "\n".join(rows) + "\n</table>"
 
 

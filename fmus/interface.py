@@ -39,11 +39,12 @@ from functools import cached_property
 from importlib.resources import files
 from typing import Any, Literal
 
-BLOCKS = ("plant", "controller", "allocator", "allocator_bounded")
+BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "controller_planned")
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 FLAVOURS = ("native", "python")
 ABSENT = 1e9
 """The start of every optional input, which means that it is not connected."""
+OPTIONAL = "optional: 1e9, its start, means not connected"
 
 Causality = Literal["input", "output", "parameter"]
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]

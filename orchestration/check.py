@@ -20,7 +20,7 @@ import numpy as np
 from . import binaries, mapping, order, rotation
 from .errors import InputError
 from .fit import Finding, Fit, Link, fit, model
-from .fmu import entries, refuse_entities, shown
+from .fmu import entries, optional_inputs, refuse_entities, shown
 from .interfaces import Reference, reference, starts_of
 from .model import Element, Model, describe
 from .swap import sample_time
@@ -122,7 +122,7 @@ def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding]
     if description is None:
         return findings, None
     _kind(description, files, findings)
-    theirs = describe(description)
+    theirs = describe(description, optional_inputs(xml))
     found = fit(interface, theirs, told)
     findings += found.findings
     _start_values(found, starts_of(description, theirs), findings)

@@ -25,6 +25,7 @@ from .result import Result
 from .scenario import load
 from .source import Source
 from .tolerances import Tolerance, tolerances
+from .wiring import fed
 
 NOT_EQUIVALENT, BLOCK_FAILED = 1, 3
 ROUNDING = 1e-15
@@ -104,9 +105,7 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     bounds = tolerances(wanted, ours.models[block])
     with_theirs = load(theirs)
     entry = with_theirs.source.data["blocks"][block]
-    inputs = {
-        v.name: ours[f"{block}.{v.name}"] for v in ports if v.causality == "input" and f"{block}.{v.name}" in ours
-    }
+    inputs = {v.name: ours[f"{block}.{v.name}"] for v in fed(loaded, block, ports) if f"{block}.{v.name}" in ours}
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
     names = [v.name for v in ports if v.causality == "input" and v.name in played.model.variables]
     other = runner.execute(load(_recording(theirs, block, names)))

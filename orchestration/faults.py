@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -295,7 +295,8 @@ def _values(fault: Fault, reference: str, variable: Variable, positions: Sequenc
     if fault.kind == "bias":
         if variable.type not in ("real", "integer"):
             raise QuantityError(f"{reference} is {variable.type} and cannot be biased; remedy: 'cut' with 'to'")
-        return [_difference(variable, leaf) for leaf in leaves(fault.by, shape, variable)]
+        by = leaves(fault.by, shape, variable)
+        return [_difference(variable.at([p]), leaf) for p, leaf in zip(positions, by, strict=True)]
     if fault.kind == "freeze":
         return [0.0] * len(positions)
     if fault.to is None:
@@ -305,8 +306,8 @@ def _values(fault: Fault, reference: str, variable: Variable, positions: Sequenc
             )
         return [0.0] * len(positions)
     whole = leaves(fault.to, shape, variable) if isinstance(fault.to, (list, tuple)) else [fault.to] * len(positions)
-    unlimited = Variable(variable.name, variable.causality, variable.type, unit=variable.unit, items=variable.items)
-    return [float(scalar(unlimited, 0, leaf)) for leaf in whole]
+    unlimited = replace(variable, shape=(), minima=(), maxima=())
+    return [float(scalar(unlimited.at([p]), 0, leaf)) for p, leaf in zip(positions, whole, strict=True)]
 
 
 def _difference(variable: Variable, value: Any) -> float:

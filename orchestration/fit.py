@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -77,6 +77,8 @@ class Fit:
     """Values of some of these, from the mapping, as FMI stores them."""
     ignored: dict[str, Variable] = field(default_factory=dict)
     """Those of ours that the mapping says theirs does without."""
+    without: dict[str, Variable] = field(default_factory=dict)
+    """Optional inputs of ours that theirs lacks: nothing can be connected to them."""
     missing: dict[str, Variable] = field(default_factory=dict)
     """Outputs and parameters of ours that theirs lacks and that nothing has been said about."""
     findings: list[Finding] = field(default_factory=list)
@@ -104,8 +106,10 @@ def _twin(theirs: Variable | None, ours: Variable) -> Variable | None:
 
 
 def _same_unit(a: Variable, b: Variable) -> bool:
-    one, other = a.unit or ONE, b.unit or ONE
-    return one.exponents is not None and one.fits(other) and one.conversion(other) == (1.0, 0.0)
+    def alike(one: Unit, other: Unit) -> bool:
+        return one.exponents is not None and one.fits(other) and one.conversion(other) == (1.0, 0.0)
+
+    return all(alike(a.at([p]).unit or ONE, b.at([p]).unit or ONE) for p in range(a.size))
 
 
 def _is_identity(A: Floats) -> bool:
@@ -235,6 +239,9 @@ def _link(
     found.links[ours.name] = link
     taken.update(dict.fromkeys(elements, ours.name))
     found.say("ok", "port", f"{label}, {ours.kind}{_told(ours, theirs, link)}")
+    if ours.optional and not _optional(found, link):
+        text = f"{label}: optional in ours, but theirs does not say that it may stay unconnected"
+        found.say("note", "optional", text, "connect it in the scenario, or give it a value under start there")
     return None
 
 
@@ -284,7 +291,8 @@ def _affine(found: Fit, ours: Variable, elements: tuple[Element, ...], entry: Po
     factors, offsets = np.ones(m), np.zeros(m)
     if ours.type == "real":
         for i, element in enumerate(elements):
-            factors[i], offsets[i] = _conversion(found, ours, found.theirs.variables[element.variable], entry, label)
+            own, theirs = ours.at(np.flatnonzero(A[i]).tolist() or [0]), found.theirs.variables[element.variable]
+            factors[i], offsets[i] = _conversion(found, own, theirs.at([element.position]), entry, label)
         offsets = offsets + _offset(found, elements, entry)
     invertible = m == n and np.linalg.cond(A) <= _CONDITION_MAX
     A = factors[:, None] * A
@@ -410,7 +418,8 @@ def _offset(found: Fit, elements: tuple[Element, ...], entry: PortMap) -> Floats
     values = entry.offset if isinstance(entry.offset, list) else [entry.offset] * len(elements)
     if len(values) != len(elements):
         raise _Misfit("shape", f"the offset has {len(values)} values, expected {len(elements)}", "correct the offset")
-    units = [parse_unit(entry.unit) if entry.unit else found.theirs.variables[e.variable].unit or ONE for e in elements]
+    own = [found.theirs.variables[e.variable].at([e.position]).unit or ONE for e in elements]
+    units = [parse_unit(entry.unit) if entry.unit else unit for unit in own]
     try:
         return np.array([value_in(value, unit) for value, unit in zip(values, units, strict=True)])
     except QuantityError as error:
@@ -456,14 +465,19 @@ def _lacking(found: Fit, ours: Variable, theirs: Model, taken: Mapping[Element, 
     text = f"{ours.causality} {ours.name}, {kind}, is missing"
     if meant:
         text += f"; by name or unit it may be {' or '.join(meant[:3])}"
-    if ours.causality == "input":
+    if ours.optional:
+        found.without[ours.name] = ours
+        text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
+        found.say("note", "optional", text, f"none needed, or {key}")
+    elif ours.causality == "input":
         found.say("fault", "missing", text, f"{key}; or list it under ignore, if theirs does without")
+    if ours.causality == "input":
         return
     found.missing[ours.name] = ours
     if ours.causality == "output" and ours.name in found.reference.needed:
-        found.say("fault", "missing", f"{text}; other blocks take it in", key)
+        found.say("fault", "missing", f"{text}; other blocks need it", key)
     elif ours.causality == "output":
-        found.say("note", "missing", f"{text}; no block of the project takes it in", f"none needed, or {key}")
+        found.say("note", "missing", f"{text}; no other block needs an input of its name", f"none needed, or {key}")
     else:
         text += "; a scenario that gives it a value is refused"
         found.say("note", "missing", text, f"none needed, or {key}, or list it under ignore")
@@ -510,7 +524,10 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
                 found.say("note", "extra", text, "none needed, if that is meant")
             continue
         found.extra.append(variable)
-        if variable.causality == "input":
+        if variable.optional:
+            text = f"input {variable.name}, {variable.kind}, is of theirs only, and optional"
+            found.say("note", "extra", text, "none needed, or connect it in the scenario")
+        elif variable.causality == "input":
             text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
             remedy = "give it a value under start in the mapping, or connect it in the scenario"
             found.say("fault", "extra", text, remedy)
@@ -558,7 +575,7 @@ def unfed(finding: Finding) -> bool:
 
 def model(found: Fit) -> Model:
     """Theirs as a block of our interface: our names, units and shapes, and under their own names what only they have."""
-    variables = {name: link.ours for name, link in found.links.items()}
+    variables = {name: replace(link.ours, optional=_optional(found, link)) for name, link in found.links.items()}
     variables |= {name: ours for name, ours in found.ignored.items() if ours.causality != "output"}
     variables |= {variable.name: variable for variable in found.extra}
     back: dict[Element, list[Element]] = {}
@@ -584,6 +601,11 @@ def model(found: Fit) -> Model:
 
     theirs = found.theirs
     return Model(theirs.name, variables, ours_of(theirs.feedthrough), ours_of(theirs.initial), theirs.guid, theirs.tool)
+
+
+def _optional(found: Fit, link: Link) -> bool:
+    """Whether theirs may do without what feeds an input of ours."""
+    return all(found.theirs.variables[element.variable].optional for element in link.theirs)
 
 
 def _union(

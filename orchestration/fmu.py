@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 from xml.parsers import expat
 
 import fmpy
@@ -22,6 +23,8 @@ from fmpy.model_description import ValidationError, read_model_description
 from .errors import InputError, nearest
 from .model import Model, describe
 
+ANNOTATION = "attitude-cosim"
+"""Under this name an FMU says which of its inputs are optional, for which FMI 2.0 has no word."""
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
 """What zipfile raises for a damaged archive, or one that it cannot read."""
 _FILES_MAX, _BYTES_MAX, _XML_MAX = 50_000, 8 * 10**9, 64 * 10**6
@@ -64,14 +67,14 @@ def open_fmu(path: Path) -> Fmu:
     if path.is_dir():
         raise InputError(f"{shown(path)} is a folder; expected an .fmu file")
     names = entries(path)
-    description = _description(path)
+    description, optional = _description(path)
     identifier = description.coSimulation.modelIdentifier
     if _library(identifier) not in names:
         offered = sorted({name.split("/")[1] for name in names if re.match(r"binaries/[^/]+/[^/]+", name)})
         raise InputError(
             f"{shown(path)} has no binary for this platform: expected {_library(identifier)}, found binaries for {', '.join(offered) or 'none'}"
         )
-    return Fmu(path, hashlib.sha256(path.read_bytes()).hexdigest(), description, describe(description))
+    return Fmu(path, hashlib.sha256(path.read_bytes()).hexdigest(), description, describe(description, optional))
 
 
 def shown(path: Path) -> Path:
@@ -120,7 +123,17 @@ def refuse_entities(path: Path, xml: bytes) -> None:
         parser.Parse(xml, True)
 
 
-def _description(path: Path) -> Any:
+def optional_inputs(xml: bytes) -> frozenset[str]:
+    """The inputs of which a modelDescription.xml says, in an annotation of ours, that they may stay unconnected."""
+    if ANNOTATION.encode() not in xml:
+        return frozenset()
+    found = ElementTree.fromstring(xml).iterfind("ModelVariables/ScalarVariable")
+    optional = f"Annotations/Tool[@name='{ANNOTATION}']/Optional"
+    return frozenset(entry.get("name", "") for entry in found if entry.find(optional) is not None)
+
+
+def _description(path: Path) -> tuple[Any, frozenset[str]]:
+    """What FMPy reads of it, and its optional inputs."""
     try:
         with zipfile.ZipFile(path) as archive:
             size = archive.getinfo("modelDescription.xml").file_size
@@ -150,4 +163,4 @@ def _description(path: Path) -> Any:
         ) from None
     if description.coSimulation is None:
         raise InputError(f"{shown(path)} is for model exchange only; expected an FMU for co-simulation")
-    return description
+    return description, optional_inputs(head)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError, nearest
-from .model import Element, Model, Variable
+from .model import Element, Model, Variable, shared
 from .quantities import ONE, QuantityError, Unit, parse_unit
 
 
@@ -21,9 +21,9 @@ class Reference:
     starts: Mapping[Element, Any]
     """Start values; items of enumerations as numbers."""
     needed: frozenset[str] = frozenset()
-    """Outputs that other blocks of the project take in by their names."""
+    """Outputs that these take in by their names, and cannot do without."""
     others: Mapping[str, Model] = field(default_factory=dict)
-    """The other blocks of the project, which may close a loop with it."""
+    """The other blocks of the loop in which it stands, one in each place."""
 
 
 def is_path(text: str) -> bool:
@@ -50,17 +50,22 @@ def reference(name: str, folder: Path) -> Reference:
         raise InputError(f"this project has no interface {name!r}{hint}; the path of a reference FMU ends in .fmu")
     from fmus.interface import load
 
-    interfaces = {block: load(block) for block in own()}
-    taken = {v.name for block, i in interfaces.items() if block != name for v in i.of("input")}
-    needed = frozenset(v.name for v in interfaces[name].of("output") if v.name in taken)
-    models = {block: _model(interface) for block, interface in interfaces.items()}
+    interface = load(name)
+    loop = {block: load(block) for block in own() if block == place(block) != place(name)}
+    taken = {v.name for other in loop.values() for v in other.of("input") if not v.optional}
+    needed = frozenset(v.name for v in interface.of("output") if v.name in taken)
     starts = {
         Element(variable.name, position): element.start
-        for variable in interfaces[name].variables.values()
+        for variable in interface.variables.values()
         for position, element in enumerate(variable.elements)
         if element.start is not None
     }
-    return Reference(name, models.pop(name), starts, needed, models)
+    return Reference(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
+
+
+def place(block: str) -> str:
+    """Where a block stands in the loop: `allocator_bounded` in the place of `allocator`."""
+    return block.partition("_")[0]
 
 
 def _model(interface: Any) -> Model:
@@ -84,8 +89,7 @@ def _model(interface: Any) -> Model:
 
 
 def _variable(variable: Any) -> Variable:
-    real = variable.type == "real"
-    unit = _named(variable.unit) if real else None
+    unit, apart = shared([_named(name) if variable.type == "real" else None for name in variable.units])
     limits = range(len(variable.elements))
     return Variable(
         name=variable.name,
@@ -95,11 +99,13 @@ def _variable(variable: Any) -> Variable:
         references=tuple(variable.value_references),
         variability=variable.variability,
         unit=unit,
+        units=apart,
         display_unit=_named(variable.display_unit) if variable.display_unit else None,
         minima=tuple(-float("inf") if variable.min is None else float(variable.min) for _ in limits),
         maxima=tuple(float("inf") if variable.max is None else float(variable.max) for _ in limits),
         items=tuple((item, number) for number, item in enumerate(variable.items, start=1)),
         description=variable.description,
+        optional=variable.optional,
     )
 
 

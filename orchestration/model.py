@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -37,6 +37,9 @@ class Variable:
     """FMI's value reference of each element."""
     variability: str = "continuous"
     unit: Unit | None = None
+    """Of all elements; where theirs differ, a list of their names, which fits its like only."""
+    units: tuple[Unit | None, ...] = ()
+    """Of each element, where they differ; else empty."""
     display_unit: Unit | None = None
     minima: tuple[float, ...] = ()
     maxima: tuple[float, ...] = ()
@@ -46,6 +49,8 @@ class Variable:
     description: str = ""
     first_index: tuple[int, ...] = ()
     """What FMI calls the first element: 1 or 0 in each dimension; 1 where nothing is said."""
+    optional: bool = False
+    """An input that may stay unconnected at its own start value, as its FMU says."""
 
     @property
     def size(self) -> int:
@@ -54,6 +59,13 @@ class Variable:
     @property
     def elements(self) -> list[Element]:
         return [Element(self.name, position) for position in range(self.size)]
+
+    def at(self, positions: Sequence[int]) -> Variable:
+        """The same with the unit of the elements at these positions."""
+        if not self.units:
+            return self
+        unit, units = shared([self.units[position] for position in positions])
+        return replace(self, unit=unit, units=units)
 
     def label(self, position: int) -> str:
         """The element's name, free of commas: `R_NB[1][2]`."""
@@ -69,6 +81,13 @@ class Variable:
         """Type and shape in words: "a real [3, 3]"."""
         article = "an" if self.type[0] in "ie" else "a"
         return f"{article} {self.type} {list(self.shape) if self.shape else 'scalar'}"
+
+
+def shared(units: Sequence[Unit | None]) -> tuple[Unit | None, tuple[Unit | None, ...]]:
+    """`unit` and `units` of a variable whose elements have these."""
+    if len(set(units)) == 1:
+        return units[0], ()
+    return Unit(", ".join("no unit" if unit is None else str(unit) for unit in units), None), tuple(units)
 
 
 class NameUnknown(ValueError):
@@ -123,8 +142,8 @@ class Model:
         return variable, [position]
 
 
-def describe(description: Any) -> Model:
-    """The model of an FMU, from what FMPy read of its modelDescription.xml."""
+def describe(description: Any, optional: Collection[str] = ()) -> Model:
+    """The model of an FMU, from what FMPy read of its modelDescription.xml, and the names of its optional inputs."""
     units = {unit.name: _unit(unit) for unit in description.unitDefinitions}
     displays = {
         (unit.name, display.name): _display_unit(units[unit.name], display)
@@ -136,6 +155,8 @@ def describe(description: Any) -> Model:
     elements: dict[str, Element] = {}
     for name, (shape, first, scalars) in groups.items():
         variables[name] = _variable(name, shape, first, scalars, units, displays)
+        if all(scalar.causality == "input" and scalar.name in optional for scalar in scalars):
+            variables[name] = replace(variables[name], optional=True)
         elements.update((scalar.name, Element(name, i)) for i, scalar in enumerate(scalars))
     return Model(
         name=description.modelName,
@@ -210,8 +231,7 @@ def _nature(scalar: Any) -> tuple[Any, ...]:
         scalar.causality,
         scalar.type,
         scalar.variability,
-        scalar.unit,
-        scalar.declaredType and scalar.declaredType.name,
+        scalar.type == "Enumeration" and scalar.declaredType and scalar.declaredType.name,
     )
 
 
@@ -219,11 +239,12 @@ def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any,
     scalar = scalars[0]
     declared = scalar.declaredType
 
-    def attribute(key: str, scalar: Any = scalar) -> Any:
-        value = getattr(scalar, key)
+    def attribute(key: str, scalar: Any) -> Any:
+        value, declared = getattr(scalar, key), scalar.declaredType
         return value if value is not None or declared is None else getattr(declared, key)
 
-    unit, display = attribute("unit"), attribute("displayUnit")
+    named = [(attribute("unit", v), attribute("displayUnit", v)) for v in scalars]
+    unit, apart = shared([units.get(name, Unit(name, None)) if name else None for name, _ in named])
     ordered = scalar.type in ("Real", "Integer")
     return Variable(
         name=name,
@@ -232,8 +253,9 @@ def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any,
         shape=shape,
         references=tuple(v.valueReference for v in scalars),
         variability=scalar.variability,
-        unit=units.get(unit, Unit(unit, None)) if unit else None,
-        display_unit=displays.get((unit, display)),
+        unit=unit,
+        units=apart,
+        display_unit=displays.get(named[0]) if len(set(named)) == 1 else None,
         minima=tuple(float(attribute("min", v) or "-inf") for v in scalars) if ordered else (),
         maxima=tuple(float(attribute("max", v) or "inf") for v in scalars) if ordered else (),
         items=tuple((item.name, int(item.value)) for item in declared.items) if declared is not None else (),

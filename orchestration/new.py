@@ -21,7 +21,7 @@ from .fmu import shown
     "--scenario",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="The run of which the test vector is a part; default: the project's own.",
+    help="The run of which the test vector is a part; default: one of the project's own.",
 )
 def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -> None:
     """Write a project that builds an FMU with a block's exact interface, for another team to fill in.
@@ -31,12 +31,18 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
     from fmus import kit
     from fmus.interface import BLOCKS, load
 
-    from .vector import record
+    from .scenario import load as load_scenario
+    from .vector import name_of, record
 
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
     target = folder or Path(f"{block}_{lang}")
-    run = scenario or kit.SCENARIO
+    runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
+    run = scenario or next((run for run in runs if name_of(load_scenario(run), block)), None)
+    if run is None:
+        raise InputError(
+            f"no scenario of the project has the block {block!r}; remedy: --scenario FILE with 'fmu: {block}'"
+        )
     if not run.exists():
         raise InputError(
             f"{shown(run)}: there is no such file; --scenario names the run that the test vector is taken from"

@@ -70,9 +70,10 @@ class Result(Mapping[str, NDArray[Any]]):
         return self.samples[:, self._place[node]]
 
     def variable(self, name: str) -> Variable:
-        """The variable that a name means: its unit, shape and description."""
-        block, variable, _ = split(name) or ("", "", ())
-        return self.models[block].variables[variable]
+        """The variable that a name means: its shape and description, and the unit of the elements that are meant."""
+        block, variable_name, index = split(name) or ("", "", ())
+        variable, positions = self.models[block].find(block, variable_name, index)
+        return variable.at(positions)
 
     @property
     def _place(self) -> dict[Node, int]:

@@ -251,11 +251,15 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
     if is_path(fmu):
         return (folder / Path(fmu).expanduser()).resolve()
-    from fmus.build import BLOCKS, BuildError, ensure
+    from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
+    from fmus.interface import load as load_interface
 
     if fmu not in BLOCKS:
         hint = nearest(fmu, BLOCKS)
         raise InputError(f"this project has no block {fmu!r}{hint}; the path of an FMU ends in .fmu")
+    if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):
+        there = " or ".join(f"'flavour: {one}'" for one in has)
+        raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} beside it")
     try:
         return ensure(fmu, flavour)
     except BuildError as error:

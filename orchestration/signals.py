@@ -28,7 +28,7 @@ def find(scenario: Scenario, key: Key, reference: str, models: Mapping[str, Mode
         raise InputError(scenario.error(key, str(error))) from None
     if variable.type not in TYPES:
         raise InputError(scenario.error(key, f"{reference} is text, which cannot be recorded"))
-    return variable, [Node(block, Element(variable.name, position)) for position in positions]
+    return variable.at(positions), [Node(block, Element(variable.name, position)) for position in positions]
 
 
 def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:

@@ -259,7 +259,9 @@ def _word(text: str) -> str:
 
 def _variables(fmu: Fmu) -> dict[str, tuple[Variable, int]]:
     """Variables and positions by FMI's names."""
-    labels = {v.label(e.position): (v, e.position) for v in fmu.model.variables.values() for e in v.elements}
+    labels = {
+        v.label(e.position): (v.at([e.position]), e.position) for v in fmu.model.variables.values() for e in v.elements
+    }
     found = {}
     for scalar in fmu.description.modelVariables:
         entry = labels.get("][".join(part.strip() for part in scalar.name.split(",")))

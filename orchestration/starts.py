@@ -78,7 +78,9 @@ def values_of(block: str, model: Model, name: str, value: Any) -> dict[Element, 
         )
     shape = variable.shape if len(positions) == variable.size else ()
     found = leaves(value, shape, variable)
-    return {Element(variable.name, p): scalar(variable, p, leaf) for p, leaf in zip(positions, found, strict=True)}
+    return {
+        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, found, strict=True)
+    }
 
 
 def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:

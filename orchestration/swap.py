@@ -180,6 +180,9 @@ def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
     for key, signal, whole in _references(scenario):
         block, name, _ = split(signal) or ("", "", ())
         found = prepared.fits.get(block)
+        if found is not None and name in found.without:
+            gone[whole] = lost[f"{block}.{name}"] = None
+            continue
         ours = None if found is None else found.ignored.get(name) or found.missing.get(name)
         if found is None or ours is None or ours.causality != "output":
             continue
@@ -193,6 +196,8 @@ def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
     if gone and not faults:
         told = "; ".join(dict.fromkeys(_name(scenario, key) for key in gone))
         prepared.notes.append(f"left out, since {', '.join(lost)} {'are' if len(lost) > 1 else 'is'} not there: {told}")
+    unconnected = _unconnected(prepared)
+    gone |= dict.fromkeys(unconnected)
     for number, text in enumerate(scenario.connections):
         block, name, _ = split(text.split("->")[0]) or ("", "", ())
         found = prepared.fits.get(block)
@@ -200,12 +205,16 @@ def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
             found is not None
             and (name in found.ignored or name in found.missing)
             and name not in found.theirs.variables
+            and ("connections", number) not in unconnected
         ):
             message = f"{text.strip()}: {block} lacks the output {name}; remedy: map it, or take out the connection"
             faults.append(scenario.error(("connections", number), message))
     for number, fault in enumerate(scenario.faults):
         signal = str(getattr(fault, fault.kind)).partition("=")[0].strip()
         block, name, _ = split(signal) or ("", "", ())
+        if block in prepared.fits and name in prepared.fits[block].without:
+            text = f"{signal} is optional and {block} lacks it, so the fault would change nothing; remedy: take out the fault"
+            faults.append(scenario.error(("faults", number, fault.kind), text))
         if block in prepared.fits and name in prepared.fits[block].ignored:
             text = (
                 f"{signal} is under 'ignore' in the mapping of {block}, so the fault would change nothing; remedy: map it, "
@@ -222,6 +231,42 @@ def _settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
         raise InputError(*faults)
     if source is not scenario.source:
         prepared.scenario = load(source)
+
+
+def _unconnected(prepared: Prepared) -> list[Key]:
+    """What a scenario says of optional inputs that a swapped block lacks, or to which one gives nothing."""
+    scenario, dropped = prepared.scenario, []
+    keys: list[Key] = []
+    free: set[str] = set()
+
+    def lacks(block: str, name: str) -> bool:
+        return block in prepared.fits and name in prepared.fits[block].without
+
+    for number, text in enumerate(scenario.connections):
+        ends = [split(end) or ("", "", ()) for end in text.split("->")]
+        if len(ends) != 2:
+            continue
+        (source, output, _), (target, name, _) = ends
+        found = prepared.fits.get(source)
+        gives = found is None or output in found.theirs.variables or output not in found.ignored | found.missing
+        taken = prepared.models[target].variables.get(name) if target in prepared.models else None
+        if lacks(target, name) or (not gives and taken is not None and taken.optional):
+            keys.append(("connections", number))
+            dropped.append(text.strip())
+            free.add(f"{target}.{name}")
+    for number, text in enumerate(scenario.delays):
+        if text.partition("[")[0].strip() in free:
+            keys.append(("delays", number))
+    for block, entry in scenario.blocks.items():
+        for key in entry.start:
+            if lacks(block, key.partition("[")[0]):
+                keys.append(("blocks", block, "start", key))
+                dropped.append(f"the value of {block}.{key}")
+    if dropped:
+        prepared.notes.append(
+            f"dropped, since an end of it is not there and the input is optional: {'; '.join(dropped)}"
+        )
+    return keys
 
 
 def _references(scenario: Scenario) -> list[tuple[Key, str, Key]]:

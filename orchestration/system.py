@@ -106,19 +106,23 @@ def flat(scenario: Scenario) -> System:
         model = prepared.models[name]
         nodes = [(n, v, kind) for kind in ("input", "output") for v in model.of(kind) for n in _nodes(name, v)]
         ports = [
-            Port(names[name][n], v, kind)
+            Port(names[name][n], v.at([n.element.position]), kind)
             for n, v, kind in nodes
             if kind == "output" or (name, names[name][n]) in targets
         ]
         values = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
         own = starts_of(fmu.description, model)
         told = [
-            Value(names[name][n], model.variables[n.element.variable], value)
+            Value(names[name][n], model.variables[n.element.variable].at([n.element.position]), value)
             for n, value in values.items()
             if _worth(model.variables[n.element.variable], value, own.get(n.element))
         ]
         others = [(n, v, kind) for kind in ("input", "parameter") for v in model.of(kind) for n in _nodes(name, v)]
-        free = [Port(names[name][n], v, kind) for n, v, kind in others if (name, names[name][n]) not in targets]
+        free = [
+            Port(names[name][n], v.at([n.element.position]), kind)
+            for n, v, kind in others
+            if (name, names[name][n]) not in targets
+        ]
         components.append(Component(name, fmu, tuple(ports), tuple(told), tuple(free)))
     return System(scenario, tuple(components), tuple(wires), tuple(plan.order.blocks))
 

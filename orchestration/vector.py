@@ -16,6 +16,7 @@ from .errors import InputError
 from .fit import Finding, Fit
 from .fmu import shown
 from .model import Element, Model, Variable
+from .scenario import Scenario
 from .starts import values_of
 
 ROUNDING = 1e-15
@@ -30,13 +31,14 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     from .scenario import load
 
     loaded = load(scenario)
-    if block not in loaded.blocks or loaded.blocks[block].fmu != block:
+    name = name_of(loaded, block)
+    if name is None:
         raise InputError(f"{shown(scenario)} has no block {block!r} that is the project's own; expected 'fmu: {block}'")
     source = loaded.source
-    step = loaded.step * loaded.blocks[block].every
+    step = loaded.step * loaded.blocks[name].every
     changes = {
         "duration": min(loaded.duration, ROWS_MAX * step),
-        "record": {"interval": step, "signals": [f"{block}.{name}" for name in _ports(block)]},
+        "record": {"interval": step, "signals": [f"{name}.{port}" for port in _ports(loaded, name, block)]},
         **dict.fromkeys(("expect", "figures", "holds", "faults")),
     }
     for key, value in changes.items():
@@ -44,29 +46,37 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     result = execute(load(source))
     if result.failure is not None:
         raise InputError(f"{shown(scenario)}: {result.failure}")
-    ours = [i for i, node in enumerate(result.columns) if node.block == block]  # flags of the others are recorded, too
+    ours = [i for i, node in enumerate(result.columns) if node.block == name]  # flags of the others are recorded, too
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "vector.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time", *(result.labels[i].partition(".")[2] for i in ours)])
         for time, row in zip(result.time.tolist(), result.samples[:, ours].tolist(), strict=True):
             writer.writerow([repr(time), *map(repr, row)])
-    model = result.models[block]
+    model = result.models[name]
     with (folder / "parameters.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["name", "value"])
-        for name, value in result.manifest["scenario"]["blocks"][block].get("start", {}).items():
-            for element, number in values_of(block, model, name, value).items():
+        for key, value in result.manifest["scenario"]["blocks"][name].get("start", {}).items():
+            for element, number in values_of(name, model, key, value).items():
                 if model.variables[element.variable].causality == "parameter":
                     text = int(number) if isinstance(number, bool) else number
                     writer.writerow([model.variables[element.variable].label(element.position), text])
     return len(result.time)
 
 
-def _ports(block: str) -> list[str]:
-    from .interfaces import reference
+def name_of(scenario: Scenario, block: str) -> str | None:
+    """What a block of the project is called in a scenario; None where it has no part in it."""
+    return next((name for name, entry in scenario.blocks.items() if entry.fmu == block), None)
 
-    return [v.name for v in reference(block, Path.cwd()).model.of("input", "output") if v.type != "string"]
+
+def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
+    """Outputs, and the inputs that the scenario feeds."""
+    from .interfaces import reference
+    from .wiring import fed
+
+    model = reference(block, Path.cwd()).model
+    return [v.name for v in (*fed(scenario, name, model.of("input")), *model.of("output")) if v.type != "string"]
 
 
 def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -45,10 +45,19 @@ class _End(NamedTuple):
     block: str
     variable: Variable
     positions: list[int]
+    own: bool = False
+    """Whether its unit is that of this element, and perhaps of no other."""
 
     @property
     def name(self) -> str:
-        return f"{self.block}.{self.variable.name}"
+        """Of the whole, or of the element whose unit is looked at."""
+        alone = len(self.positions) == 1 < self.variable.size and self.own
+        return f"{self.block}.{self.variable.label(self.positions[0]) if alone else self.variable.name}"
+
+    @property
+    def elements(self) -> list[_End]:
+        """One by one, each with its own unit."""
+        return [_End(self.block, self.variable.at([p]), [p], True) for p in self.positions]
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -68,17 +77,17 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     for number, text in enumerate(scenario.connections):
         key: Key = ("connections", number)
         try:
-            link, warning = _link(text, models, delays)
-            for node in link.target:
+            links, warnings = _links(text, models, delays)
+            targets = [node for link in links for node in link.target]
+            for node in targets:
                 if node in taken:
                     raise _Fault(f"{_name(node, models)} already has a source: {taken[node]}")
-            taken.update(dict.fromkeys(link.target, text))
+            taken.update(dict.fromkeys(targets, text))
         except (_Fault, NameUnknown) as error:
             faults.append(scenario.error(key, f"{text}: {error}"))
             continue
-        wiring.links.append(link)
-        if warning:
-            wiring.warnings.append(scenario.error(key, warning))
+        wiring.links += links
+        wiring.warnings += [scenario.error(key, warning) for warning in warnings]
     if not faults:
         faults += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
         wiring.warnings += _unused_starts(scenario, models, taken, delays)
@@ -87,11 +96,19 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     return wiring
 
 
+def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Variable]:
+    """The inputs among these that a scenario feeds: an optional one may be neither connected nor given a value."""
+    given = {text.split("->")[-1].partition("[")[0].strip() for text in scenario.connections}
+    given |= {f"{block}.{key.partition('[')[0]}" for key in scenario.blocks[block].start}
+    return [v for v in ports if v.causality == "input" and (not v.optional or f"{block}.{v.name}" in given)]
+
+
 class _Fault(ValueError):
     pass
 
 
-def _link(text: str, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[Link, str]:
+def _links(text: str, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
+    """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings."""
     ends = text.split("->")
     if len(ends) != 2:
         raise _Fault("expected 'block.output -> block.input'")
@@ -107,11 +124,29 @@ def _link(text: str, models: Mapping[str, Model], delays: Mapping[Node, int]) ->
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
         raise _Fault(f"the shapes differ: {_shape(source)}, {_shape(target)}")
-    factor, offset, warning = _conversion(source, target)
     delayed = {node in delays for node in target.nodes}
     if len(delayed) != 1:
         raise _Fault("either all elements of a connection are delayed or none")
-    return Link(text, source.nodes, target.nodes, factor, offset, delayed.pop()), warning
+    pairs = list(zip(source.elements, target.elements, strict=True))
+    if not (source.variable.units or target.variable.units):
+        pairs = [(source, target)]
+    groups: dict[tuple[float, float], list[tuple[_End, _End]]] = {}
+    warnings: dict[str, None] = {}
+    for pair in pairs:
+        factor, offset, warning = _conversion(*pair)
+        groups.setdefault((factor, offset), []).append(pair)
+        warnings.update({warning: None} if warning else {})
+    links = [
+        Link(
+            text,
+            tuple(node for end, _ in group for node in end.nodes),
+            tuple(node for _, end in group for node in end.nodes),
+            *change,
+            delayed=True in delayed,
+        )
+        for change, group in groups.items()
+    ]
+    return links, list(warnings)
 
 
 def _end(reference: str, models: Mapping[str, Model], causality: str) -> _End:
@@ -176,10 +211,15 @@ def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping
         started = {name for key in scenario.blocks[block].start for name in (key, key.partition("[")[0])}
         for variable in model.of("input"):
             free = [p for p in range(variable.size) if Node(block, Element(variable.name, p)) not in taken]
-            if free and variable.name not in started:
-                names = variable.name if len(free) == variable.size else ", ".join(map(variable.label, free))
-                message = f"the input {names} is neither connected nor given a value; remedy: a connection, or a value under 'start'"
-                faults.append(scenario.error(("blocks", block), message))
+            whole = len(free) == variable.size
+            if not free or variable.name in started or (whole and variable.optional):
+                continue
+            names = variable.name if whole else ", ".join(map(variable.label, free))
+            remedy = "a connection, or a value under 'start'"
+            if variable.optional:
+                remedy += f"; {variable.name} is optional: it may also stay unconnected as a whole"
+            message = f"the input {names} is neither connected nor given a value; remedy: {remedy}"
+            faults.append(scenario.error(("blocks", block), message))
     return faults
 
 

@@ -10,6 +10,7 @@ Files that the team fills in are never overwritten; what is generated from the i
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -31,6 +32,8 @@ _TOOL = "attitude-cosim, kit"
 
 def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     """Writes the project and returns its files; those of the team that are there already are kept."""
+    # A team may build in Python what we have in C only.
+    interface = parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
     files: dict[str, bytes | str] = {"interface.toml": interface.source}
     readme = (_HERE / f"README.{language}.md").read_text("utf-8")
     kept: dict[str, bytes | str] = {"README.md": _filled(readme, interface)}

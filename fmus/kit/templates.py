@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from ..interface import Interface, Variable
+from ..interface import OPTIONAL, Interface, Variable
 from ..native.generate import camel_case
 
 
@@ -156,6 +156,8 @@ def _comment(variable: Variable) -> str:
         told.append(f"frame {variable.frame}")
     if variable.items:
         told.append(" or ".join(variable.items))
+    if variable.optional:
+        told.append(OPTIONAL)
     text = ", ".join(part for part in told if part)
     return f"  # {text}" if text else ""
 

@@ -12,7 +12,7 @@ import math
 import textwrap
 from pathlib import Path
 
-from ..interface import Element, Interface, InterfaceError, Variable, package_of
+from ..interface import OPTIONAL, Element, Interface, InterfaceError, Variable, package_of
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 64
@@ -58,6 +58,7 @@ def _member(variable: Variable) -> str:
     if variable.type == "string":
         dimensions += f"[{TEXT_SIZE}]"
     about = [variable.unit or "", f"frame {variable.frame}" if variable.frame else "", variable.description]
+    about += [OPTIONAL] if variable.optional else []
     comment = "/* " + "; ".join(part for part in about if part) + " */"
     lines = textwrap.wrap(comment, 110, initial_indent="    ", subsequent_indent="     * ", break_long_words=False)
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])

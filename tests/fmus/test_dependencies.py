@@ -32,6 +32,13 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
         "h_w": 1e-3,
     },
+    "plant_sensors": {
+        **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
+        **{f"{name}_bias_B[{i}]": 1e-3 * i for name in ("attitude", "rate", "field") for i in (1, 2, 3)},
+        **{f"{name}_noise": 1e-3 for name in ("attitude", "rate", "field", "wheel_momentum", "position", "velocity")},
+        "h_w": 1e-3,
+    },
 }
 """Values under which every output has something to show."""
 ROUNDING = 1e-11
@@ -83,7 +90,7 @@ class Host:
         return [n for n in (1, 2, 3, 4, 5, 6) if n != int(v.start)]
 
 
-@pytest.mark.parametrize("block", ["plant", "controller", "allocator"])
+@pytest.mark.parametrize("block", EXCITED)
 def test_nothing_changes_an_output_initially_but_what_it_declares(block, tmp_path):
     host = Host(ensure(block, "native"), tmp_path)
     declared = {u.variable.name: {d.name for d in u.dependencies} for u in host.description.initialUnknowns}

@@ -132,6 +132,9 @@ def _drive(host: Host, block: str, k: int, count: int) -> None:
             host.set("omega_B", [0.02 * wave, 0.01, 0.003])
         elif block.startswith("allocator"):
             host.set("tau_cmd_B", [2e-3 * wave, 1e-3 * math.cos(i), 3e-4])
+        elif block == "plant_sensors":
+            host.set("omega_B", [0.02 * wave, 0.01, 0.003])
+            host.set("rate_noise", 1e-3)
         else:
             host.set("rate", [wave, 1.0])
         host.step(i)

@@ -150,11 +150,40 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    u = inputs(
+        "plant_sensors",
+        R_NB=_rotation(rng),
+        omega_B=rng.normal(scale=0.1, size=3),
+        r_N=_unit(rng) * 7e6,
+        v_N=rng.normal(scale=5e3, size=3),
+        b_B=rng.normal(scale=3e-5, size=3),
+        h_w=rng.normal(scale=0.02),
+    )
+    scale = rng.choice([0.0, 1.0])
+    p = parameters(
+        "plant_sensors",
+        attitude_noise=scale * rng.choice([1e-9, 1e-4, 1.0]),
+        attitude_bias_B=rng.normal(scale=rng.choice([0.0, 1e-9, 1e-3, 1.0]), size=3),
+        rate_noise=scale * 1e-5,
+        rate_bias_B=rng.normal(scale=1e-5, size=3),
+        field_noise=scale * 5e-8,
+        field_bias_B=rng.normal(scale=1e-7, size=3),
+        wheel_momentum_noise=scale * 1e-5,
+        position_noise=scale * 10.0,
+        velocity_noise=scale * 0.01,
+        sample_period=rng.choice([0.0, 0.03, 0.1, 0.2, 0.25]),
+        seed=int(rng.integers(2**31)),
+    )
+    return p, u
+
+
 CASES = {
     "controller": controller_case,
     "allocator": allocator_case,
     "allocator_bounded": allocator_bounded_case,
     "plant": plant_case,
+    "plant_sensors": plant_sensors_case,
 }
 
 
@@ -185,7 +214,7 @@ def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
     assert compared == 500
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator", "allocator_bounded", "plant"])
+@pytest.mark.parametrize("block", ["controller", "allocator", "allocator_bounded", "plant", "plant_sensors"])
 def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
     wrong: dict[str, list[dict[str, Any]]] = {
         "controller": [
@@ -212,6 +241,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
         ],
         "plant": [{"rod_period": 5e-4}],
+        "plant_sensors": [{"sample_period": 5e-7}],
     }
     python = module(block)
     names = {v.name for v in load(block).of("parameter")}

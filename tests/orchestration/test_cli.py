@@ -93,6 +93,21 @@ def test_a_shorter_run_leaves_out_what_is_expected_after_its_end_and_says_so(loo
     assert "note: not looked at, since the run ends before 1.5 s: the motor stops" in result.stderr
 
 
+def test_blocks_without_a_flavour_are_told_where_all_are_built_or_listed(tmp_path, monkeypatch):
+    from fmus import build, interface
+
+    text = interface.load("allocator").source.replace("[block]", '[block]\nflavours = ["native"]', 1)
+    native = interface.parse(text)
+    monkeypatch.setattr(build, "load", lambda name: native if name == "allocator" else interface.load(name))
+    for command in (("build", "--out", tmp_path / "built"), ("fmus", "--copy", tmp_path / "copied")):
+        result = orchestrate(command[0], "--flavour", "python", *command[1:])
+        assert result.exit_code == 0, result.stderr
+        assert "allocator has no flavour 'python'" in result.stdout
+        assert "controller.fmu" in result.stdout
+    for folder in ("built", "copied"):
+        assert "allocator.fmu" not in {path.name for path in (tmp_path / folder).iterdir()}
+
+
 def test_help_names_the_commands_and_the_exit_status():
     text = orchestrate("--help").output
     assert all(word in text for word in ("build", "schema", "run", "Exit status"))

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
+from fmus.build import FLAVOURS, blocks_of
+
 ROOT = Path(__file__).parents[2]
-BLOCKS = ("plant", "controller", "allocator")
 _LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "build", "dist", "results", "__pycache__", ".*_cache", "*.egg-info")
 
 
@@ -68,7 +69,7 @@ def call(installed: Path, folder: Path, *arguments: str) -> subprocess.Completed
 def test_a_wheel_brings_fmus_loops_scenarios_and_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
-    assert {f"fmus/ready/{flavour}/{block}.fmu" for flavour in ("native", "python") for block in BLOCKS} <= names
+    assert {f"fmus/ready/{flavour}/{block}.fmu" for flavour in FLAVOURS for block in blocks_of(flavour)} <= names
     assert {f"fmus/ready/loop/{n}" for n in ("linux64.so", "win64.dll", "darwin64.dylib")} <= names
     assert {f"fmus/ready/scenarios/{p.name}" for p in (ROOT / "scenarios").glob("*.yaml")} <= names
     assert "fmus/ready/LICENSE" in names
@@ -88,7 +89,7 @@ def test_from_an_empty_folder_a_user_gets_scenarios_runs_one_and_gets_the_fmus(i
     assert (tmp_path / "results/paper_no_singularity/report.html").is_file()
     handed = call(installed, tmp_path, "fmus", "--copy", "handed")
     assert handed.returncode == 0, handed.stderr
-    for block in BLOCKS:
+    for block in blocks_of("native"):
         assert validate_fmu(str(tmp_path / "handed" / f"{block}.fmu")) == []
     assert {p.name for p in tmp_path.iterdir()} <= {"mine", "results", "handed", "home"}
     assert not list((tmp_path / "home").rglob("*.fmu")), "nothing was built"

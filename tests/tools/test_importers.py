@@ -53,6 +53,7 @@ def test_the_plant_alone_tumbles_in_every_tool_as_it_does_here(recipe: Recipe, e
 LAWS = {
     "controller": ({"r_N[1]": 7.1e6}, "tau_cmd_B[2]"),
     "allocator": ({"tau_cmd_B[2]": 1e-4}, "dipole_cmd[3]"),
+    "allocator_bounded": ({"tau_cmd_B[2]": 1e-4}, "dipole_cmd[3]"),  # its description has optional inputs
 }
 
 

@@ -18,6 +18,8 @@ static const double WHEEL_REST = 10.0;          /* s, over which the wheel is br
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0;
 static const double LOST_ANGLE = 0.0872664626;
 static const double CASCADE_RATES[] = {0.008, 0.02}; /* rad/s */
+static const double MODEL_SHARE = 0.1;          /* of a change of rate by the model that may be wrong */
+static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong at rest */
 static const double OBSERVER_RODS = 0.3;        /* of dipole_max, below which the observer listens */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
@@ -189,26 +191,58 @@ static void applied(const ControllerPlannedLaw *law, const ControllerPlannedStat
     }
 }
 
-/* Disturbance and identification from the sample that ends now. */
+/* Steady gain of a Kalman filter for a random walk, of the walk's step over the measurement's noise. */
+static double filter_gain(double step, double noise)
+{
+    const double ratio = step / larger(noise, 1e-300);
+    return ratio > 1e3 ? 1.0 : 0.5 * ratio * (sqrt(ratio * ratio + 4.0) - ratio);
+}
+
+/* The estimate of attitude and rate before the measurement, and how far the measurement moves it. */
+static void predict(const ControllerPlannedLaw *law, ControllerPlannedState *x, const double given[CONTROLS],
+                    const Around *around, double dt)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    Model model = believed(law, x);
+    model.wheel_momentum_max = INFINITY;
+    Around then = *around;
+    then.B_N = apply(x->estimate.R, x->B_B);
+    x->predicted = advanced(&model, &then, &x->estimate, given, dt);
+
+    const Vector Omega = x->predicted.Omega;
+    const double change = norm(subtract(Omega, x->estimate.Omega)) + dt * dot(Omega, Omega);
+    const double step = MODEL_SHARE * change + MODEL_REST * dt;
+    x->rate_gain = filter_gain(step, p->rate_noise);
+    x->attitude_gain = filter_gain((sqrt(x->rate_gain) * p->rate_noise + step) * dt, p->attitude_noise);
+}
+
+/* The estimate after the measurement. */
+static Motion corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l)
+{
+    const Motion *was = &x->predicted;
+    const Vector turn = scale(x->attitude_gain, rotation_log(multiply(transposed(was->R), R)));
+    return (Motion){multiply(was->R, rotation_exp(turn)), add(was->Omega, scale(x->rate_gain, subtract(Omega, was->Omega))), l};
+}
+
+/* The torque that the model does not know shows in what the measurements keep correcting; while rods are weak. */
+static void observe(const ControllerPlannedLaw *law, ControllerPlannedState *x, const double given[CONTROLS])
+{
+    const ControllerPlannedParameters *p = &law->p;
+    if (largest(vector(given)) < OBSERVER_RODS) {
+        const Vector missing = apply(believed(law, x).J, subtract(x->estimate.Omega, x->predicted.Omega));
+        const Vector d = add(x->disturbance_B, scale(1.0 / p->disturbance_time, missing));
+        const double size = norm(d);
+        x->disturbance_B = size > p->disturbance_max ? scale(p->disturbance_max / size, d) : d;
+    }
+}
+
+/* Inertia and rod gain from the sample that ends now. */
 static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *now, Vector B_B,
                   const double given[CONTROLS], const Around *around, double dt)
 {
     const ControllerPlannedParameters *p = &law->p;
-    const Model model = believed(law, x);
-    Around then = *around;
-    then.B_N = apply(x->measured.R, x->B_B);
-
-    const double strongest = larger(larger(fabs(given[0]), fabs(given[1])), fabs(given[2]));
-    if (strongest < OBSERVER_RODS) {
-        Model free = model;
-        free.wheel_momentum_max = INFINITY;
-        const Motion predicted = advanced(&free, &then, &x->measured, given, dt);
-        const Vector missing = apply(model.J, subtract(now->Omega, predicted.Omega));
-        Vector d = add(x->disturbance_B, scale(1.0 / p->disturbance_time, missing));
-        const double size = norm(d);
-        x->disturbance_B = size > p->disturbance_max ? scale(p->disturbance_max / size, d) : d;
-    }
     if (p->identify) {
+        const Model model = believed(law, x);
         const double start[UNKNOWNS] = {p->J_B[0][0], p->J_B[1][1], p->J_B[2][2], 1.0};
         Model nominal = model;
         for (int i = 0; i < 3; ++i) {
@@ -316,16 +350,16 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
 
 /* All outputs of the inputs as they stand, on what was decided at the sample x->t. */
 static void command(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u,
-                    double controls[CONTROLS], ControllerPlannedOutputs *y)
+                    const Motion *now, double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Model model = believed(law, x);
     const Ahead ahead = ahead_of(law, x, u);
     const Around around = around_at(&ahead, x->t);
     const Target target = target_at(&ahead, x->t);
-    const Matrix R = matrix(u->R_NB), J = model.J;
-    const Vector Omega = vector(u->omega_B);
-    const double l = absent(&u->h_w, 1) ? x->l_own : u->h_w;
+    const Matrix R = now->R, J = model.J;
+    const Vector Omega = now->Omega;
+    const double l = now->l;
     const Vector B_B = no_field(u->b_B) ? apply_transposed(R, around.B_N) : vector(u->b_B);
     const Vector M_g = gravity_gradient(J, &around, R);
 
@@ -404,9 +438,17 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     if (!absent(&u->h_w, 1)) {
         x->l_own = u->h_w;
     }
-    const Motion now = {R, vector(u->omega_B), x->l_own};
+    const Motion measured = {R, vector(u->omega_B), x->l_own};
+    if (first) {
+        x->predicted = measured;
+        x->rate_gain = x->attitude_gain = 1.0;
+    } else {
+        learn(law, x, &measured, B_B, given, &around, dt);
+        predict(law, x, given, &around, dt);
+    }
+    const Motion now = x->estimate = corrected(x, R, measured.Omega, measured.l);
     if (!first) {
-        learn(law, x, &now, B_B, given, &around, dt);
+        observe(law, x, given);
         if (x->phase != PHASE_STEERING) {
             const Model model = believed(law, x);
             x->reference = advanced(&model, &around, &x->reference, x->u, dt);
@@ -414,10 +456,10 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     }
     decide(law, x, &ahead, &now, dt);
     x->t_sample = x->t;
-    x->measured = now;
+    x->measured = measured;
     x->B_B = B_B;
     x->sampled = true;
-    command(law, x, u, x->u, &x->held);
+    command(law, x, u, &now, x->u, &x->held);
 }
 
 bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
@@ -446,7 +488,9 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
-    command(law, x, u, controls, y);
+    const double l = absent(&u->h_w, 1) ? x->l_own : u->h_w;
+    const Motion now = corrected(x, matrix(u->R_NB), vector(u->omega_B), l);
+    command(law, x, u, &now, controls, y);
     return true;
 }
 

@@ -7,6 +7,7 @@ static const double NOISE = 1e-4;          /* N m s, of a window's balance of mo
 static const double NOISE_RODS = 0.01;     /* of the rods' impulse */
 static const double GATE = 5.0;            /* standard deviations */
 static const double CHANGE_MIN = 1e-3;     /* rad/s, of the rate in a window that tells something */
+static const double KNOWN_MIN = 1e-3;      /* N m s, of a known impulse from which the scale of p can be told */
 static const double TRUST = 0.4;           /* largest change of what is identified, relative */
 
 void identification_start(const double inertia[3], double spread, Identification *id)
@@ -19,7 +20,7 @@ void identification_start(const double inertia[3], double spread, Identification
 }
 
 /* One equation row.p = value with the variance of its noise. */
-static void update(Identification *id, const double row[UNKNOWNS], double value, double variance)
+static void update(Identification *id, const double row[UNKNOWNS], double value, double variance, const double start[UNKNOWNS])
 {
     double Pr[UNKNOWNS], spread = variance, error = value;
     for (int i = 0; i < UNKNOWNS; ++i) {
@@ -35,8 +36,15 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
     if (error * error > GATE * GATE * spread) {
         return;
     }
+    double scale_before = 0.0, scale_after = 0.0;
     for (int i = 0; i < UNKNOWNS; ++i) {
+        scale_before += id->p[i] / start[i];
         id->p[i] += Pr[i] * error / spread;
+        scale_after += id->p[i] / start[i];
+    }
+    /* Without a known impulse the row tells of ratios only: its noise alone would draw all of p towards zero. */
+    for (int i = 0; i < UNKNOWNS && fabs(value) < KNOWN_MIN; ++i) {
+        id->p[i] *= scale_before / scale_after;
     }
     for (int i = 0; i < UNKNOWNS; ++i) {
         for (int j = 0; j < UNKNOWNS; ++j) {
@@ -65,7 +73,7 @@ static void use_window(Identification *id, Vector Omega, double l, const double 
         row[(i + 2) % 3] = products[i];
         row[3] = -rods[i];
         const double variance = NOISE * NOISE + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
-        update(id, row, others[i] - dl[i] - wheel[i], variance);
+        update(id, row, others[i] - dl[i] - wheel[i], variance, start);
     }
     for (int i = 0; i < UNKNOWNS; ++i) {
         id->p[i] = larger(smaller(id->p[i], (1.0 + TRUST) * start[i]), (1.0 - TRUST) * start[i]);

@@ -1,5 +1,7 @@
 #include "onboard.h"
 
+#include <string.h>
+
 static const double PI = 3.14159265358979323846;
 static const double EARTH_RADIUS = 6371200.0;       /* m, of the field models */
 static const double EARTH_RATE = 7.292115855e-5;    /* rad/s, of Greenwich relative to N */
@@ -75,7 +77,8 @@ void onboard_field(const GaussModel *model, double days, int degree, const doubl
     }
     const double elapsed = year - model->years[i];
     const double share = i < last ? elapsed / (model->years[i + 1] - model->years[i]) : 0.0;
-    *field = (OnboardField){.degree = degree};
+    memset(field, 0, sizeof *field);
+    field->degree = degree;
     int k = 0;
     for (int n = 1; n <= degree; ++n) {
         field->diagonal[n] = n == 1 ? 1.0 : sqrt((2.0 * n - 1.0) / (2.0 * n));

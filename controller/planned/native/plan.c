@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static const double WEIGHT_ANGLE = 1.0, BEND = 1.0;    /* of the pseudo-Huber cost of the angle; rad */
+static const double WEIGHT_ANGLE = 10.0, BEND = 0.1;   /* of the pseudo-Huber cost of the angle; rad */
 static const double WEIGHT_RATE = 2000.0;              /* s^2 */
 static const double WEIGHT_WHEEL = 20.0;               /* 1/(N m s)^2 */
 static const double WEIGHT_WHEEL_NEAR_LIMIT = 3e5;     /* 1/(N m s)^2, beyond WHEEL_NEAR_LIMIT of its limit */
@@ -15,17 +15,15 @@ static const double NEAR = 500.0, HORIZON = 1500.0;    /* s */
 static const double STAGE_NEAR = 10.0, STAGE_FAR = 25.0;
 static const double FAST = 0.04, FASTER = 0.08;        /* rad/s; stages are halved and quartered */
 static const double TURN_MAX = 1.5;                    /* rad in a stage; a motion beyond is no plan */
-static const double BIAS_TIME = 600.0;                 /* s */
+static const double BIAS_FADES = 600.0;                 /* s */
 static const double NEVER = 1e300;
-
-typedef double Square[ERRORS][ERRORS];
 
 Around around_at(const Ahead *ahead, double t)
 {
     Vector r_N, v_N;
     onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
-    const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_TIME);
+    const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
     return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
                     ahead->orbit.mu / (r * r * r)};
 }
@@ -227,55 +225,53 @@ static void linearise(const Model *model, const Around *around, const Motion *x,
 /* Gains of all stages for the motion in `at`. */
 static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int at)
 {
-    Square V;
+    Sweep *s = &w->sweep;
     double v[ERRORS], diagonal[ERRORS];
-    memset(V, 0, sizeof V);
+    memset(s->V, 0, sizeof s->V);
     const int n = plan->stages;
     cost_of(model, &w->stage[n].target, &w->x[at][n], FINAL, FINAL_WHEEL, v, diagonal);
     for (int i = 0; i < ERRORS; ++i) {
-        V[i][i] = diagonal[i];
+        s->V[i][i] = diagonal[i];
     }
     for (int i = n - 1; i >= 0; --i) {
         const double h = plan->h[i];
         const double *u = w->u[at][i];
-        Square A, VA;
-        double G[ERRORS][CONTROLS], VG[ERRORS][CONTROLS];
-        linearise(model, &w->stage[i].around, &w->x[at][i], &w->x[at][i + 1], u, h, A, G);
+        linearise(model, &w->stage[i].around, &w->x[at][i], &w->x[at][i + 1], u, h, s->A, s->G);
         double gradient[ERRORS];
         cost_of(model, &w->stage[i].target, &w->x[at][i], h, h, gradient, diagonal);
         for (int a = 0; a < ERRORS; ++a) {
             for (int b = 0; b < ERRORS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += V[a][c] * A[c][b];
+                    x += s->V[a][c] * s->A[c][b];
                 }
-                VA[a][b] = x;
+                s->VA[a][b] = x;
             }
             for (int b = 0; b < CONTROLS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += V[a][c] * G[c][b];
+                    x += s->V[a][c] * s->G[c][b];
                 }
-                VG[a][b] = x;
+                s->VG[a][b] = x;
             }
         }
         double Qu[CONTROLS], Quu[CONTROLS][CONTROLS], Qux[CONTROLS][ERRORS], Qx[ERRORS];
         for (int a = 0; a < CONTROLS; ++a) {
             Qu[a] = 2.0 * WEIGHT_CONTROL * h * u[a];
             for (int c = 0; c < ERRORS; ++c) {
-                Qu[a] += G[c][a] * v[c];
+                Qu[a] += s->G[c][a] * v[c];
             }
             for (int b = 0; b < CONTROLS; ++b) {
                 double x = a == b ? 2.0 * WEIGHT_CONTROL * h : 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += G[c][a] * VG[c][b];
+                    x += s->G[c][a] * s->VG[c][b];
                 }
                 Quu[a][b] = x;
             }
             for (int b = 0; b < ERRORS; ++b) {
                 double x = 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += G[c][a] * VA[c][b];
+                    x += s->G[c][a] * s->VA[c][b];
                 }
                 Qux[a][b] = x;
             }
@@ -314,11 +310,10 @@ static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int a
                 QuuK[a][b] = x;
             }
         }
-        Square next;
         for (int a = 0; a < ERRORS; ++a) {
             Qx[a] = gradient[a];
             for (int c = 0; c < ERRORS; ++c) {
-                Qx[a] += A[c][a] * v[c];
+                Qx[a] += s->A[c][a] * v[c];
             }
             for (int c = 0; c < CONTROLS; ++c) {
                 Qx[a] += w->K[i][c][a] * Quuk[c] + Qux[c][a] * k[c];
@@ -326,15 +321,15 @@ static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int a
             for (int b = a; b < ERRORS; ++b) {
                 double x = a == b ? diagonal[a] : 0.0;
                 for (int c = 0; c < ERRORS; ++c) {
-                    x += A[c][a] * VA[c][b];
+                    x += s->A[c][a] * s->VA[c][b];
                 }
                 for (int c = 0; c < CONTROLS; ++c) {
                     x += w->K[i][c][a] * QuuK[c][b] + Qux[c][a] * w->K[i][c][b];
                 }
-                next[a][b] = next[b][a] = x;
+                s->next[a][b] = s->next[b][a] = x;
             }
         }
-        memcpy(V, next, sizeof V);
+        memcpy(s->V, s->next, sizeof s->V);
         memcpy(v, Qx, sizeof v);
     }
 }
@@ -417,7 +412,7 @@ void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double 
     w->stage[plan->stages].target = target_at(ahead, t + s);
 }
 
-void allocate(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
+void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
 {
     /* |A u - tau|^2 in units of the largest torques, with a little of |u|^2 and of the wheel's rest. */
     Vector A[CONTROLS];
@@ -455,7 +450,7 @@ void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Works
         Vector Pi = apply(model->J, now.Omega);
         Pi.x += now.l;
         tau = subtract(tau, cross(Pi, now.Omega));
-        allocate(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
+        controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
     }
 }

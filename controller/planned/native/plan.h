@@ -43,8 +43,17 @@ typedef struct {
     Target target;  /* at its beginning */
 } Stage;
 
+typedef double Square[ERRORS][ERRORS];
+
+/* Of one stage: the errors after it are A errors + G controls; V is the Hessian of the cost from then on. */
+typedef struct {
+    Square A, V, VA, next;
+    double G[ERRORS][CONTROLS], VG[ERRORS][CONTROLS];
+} Sweep;
+
 /* Scratch: what it holds matters within one call only. */
 typedef struct {
+    Sweep sweep;
     Stage stage[STAGES + 1]; /* the last one has the final target alone */
     Motion x[2][STAGES + 1];
     double u[2][STAGES][CONTROLS];
@@ -83,7 +92,7 @@ void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wo
 void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Workspace *w);
 
 /* The controls nearest to a demanded torque of rods and wheel in the field B_B. */
-void allocate(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
+void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
 
 /* The controls at t; zero before the plan's start and after its end. */
 void plan_at(const Plan *plan, double t, double u[CONTROLS]);

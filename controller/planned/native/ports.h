@@ -42,6 +42,10 @@ typedef struct {
     double plan_period;
     /* N.m.s; Handover from steering to the plan below this distance from the target's momentum */
     double steering_limit;
+    /* rad; Standard deviation of the measured attitude about each axis, as the estimator assumes it */
+    double attitude_noise;
+    /* rad/s; Standard deviation of the measured rate in each axis, as the estimator assumes it */
+    double rate_noise;
     /* s; Time constant of the disturbance observer */
     double disturbance_time;
     /* N.m; Largest disturbance torque that is believed */
@@ -76,14 +80,15 @@ typedef struct {
     double r_N[3];
     /* m/s; frame N; Velocity of the centre of mass */
     double v_N[3];
-    /* N.m.s; Wheel momentum l_w, strongly advised; without it the controller reckons it from its own commands
-     * */
+    /* N.m.s; Wheel momentum l_w, strongly advised; without it the controller reckons it from its own
+     * commands; optional: 1e9, its start, means not connected */
     double h_w;
     /* T; frame B; Measured geomagnetic field; corrects the onboard field model, which is used alone without
-     * it */
+     * it; optional: 1e9, its start, means not connected */
     double b_B[3];
     /* A.m2, A.m2, A.m2, N.m; What rods (along their axes) and wheel (dl_w/dt) gave over the last sample, for
-     * the disturbance observer and the identification; without it both take what the controller asked for */
+     * the disturbance observer and the identification; without it both take what the controller asked for;
+     * optional: 1e9, its start, means not connected */
     double u_applied[4];
 } ControllerPlannedInputs;
 
