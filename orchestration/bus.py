@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,9 @@ class Inputs:
         if not len(self.sources):
             return lambda: None
         take, sources, values, factors, offsets = bus.take, self.sources, self.values, self.factors, self.offsets
+        first, n = sources[0], len(sources)
+        if factors is None and np.array_equal(sources, np.arange(first, first + n)):
+            return partial(values.data.__setitem__, slice(None), bus[first : first + n].data)
 
         def gather() -> None:
             take(sources, 0, values, "clip")  # the places are in range; other modes copy once more
@@ -106,9 +110,22 @@ class _Layout:
         return self.blocks[name].model.variables[element.variable].type
 
     def outputs(self, name: str, columns: Sequence[Node]) -> list[Element]:
-        """All that is fetched of a block: by type, and within a type what others need first."""
+        """All that is fetched of a block: by type, within a type what others need first, and that by who needs it.
+
+        So what one block takes from another mostly lies side by side.
+        """
         wanted = {node.element for node in [*self.live, *columns] if node.block == name}
-        return sorted(wanted, key=lambda e: (TYPES.index(self.type(name, e)), Node(name, e) not in self.live, e))
+        users: dict[Element, set[str]] = {}
+        for link in self.wiring.links:
+            for source, target in zip(link.source, link.target, strict=True):
+                if source.block == name:
+                    users.setdefault(source.element, set()).add(target.block)
+
+        def order(element: Element) -> tuple[int, bool, list[str], Element]:
+            live = Node(name, element) in self.live
+            return TYPES.index(self.type(name, element)), not live, sorted(users.get(element, ())), element
+
+        return sorted(wanted, key=order)
 
     def inputs(self, name: str) -> list[tuple[Element, int, float, float]]:
         """Each connected input of a block: its source on the bus, factor and offset."""
@@ -118,7 +135,7 @@ class _Layout:
             for source, target in zip(link.source, link.target, strict=True)
             if target.block == name
         ]
-        return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[0]))
+        return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
 
 
 def lay_out(

@@ -3,7 +3,8 @@
 Sequential exchange: in each base step the blocks are stepped one after the other, and each sees what
 those before it have just given. Parallel exchange: all inputs are set from the values at the step's
 start, then all blocks are stepped. A step of a block is one gathering from the bus, one Set, one doStep
-and one Get; Get is never called between Set and doStep.
+and one Get; Get is never called between Set and doStep. At the end of a base step all that was given
+is looked at, and what is not finite ends the run.
 
 A block with `every: N` is stepped when N base steps have passed, over all of them, with the inputs of
 that moment.
@@ -164,38 +165,37 @@ class Master:
     def _sequential_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: block after block."""
         interval, numerator, denominator = self.clock.interval, self.clock.numerator, self.clock.denominator
-        isfinite = math.isfinite
-        plan = []
+        isfinite, values, dot = math.isfinite, bus.values, bus.values.dot
+        usual, recorded = [], []
         for seat in bus.seats:
             block, every = seat.block, self._every(seat)
-            calls = seat.gather, block.set_inputs, block.do_step, block.get_live, block.get_all, seat.view.dot
-            plan.append((seat, every, every * numerator / denominator, seat.view, *calls))
+            entry = seat, every, every * numerator / denominator, seat.gather, block.set_inputs, block.do_step
+            usual.append((*entry, block.get_live if every == 1 else block.get_all))
+            recorded.append((*entry, block.get_all))
 
         def advance(count: int) -> None:
-            recorded = count % interval == 0
-            for seat, every, step, view, gather, set_inputs, do_step, get_live, get_all, dot in plan:
+            last = (count - 1) * numerator / denominator
+            for seat, every, step, gather, set_inputs, do_step, get in usual if count % interval else recorded:
                 if every > 1 and count % every:
                     continue
                 try:
                     gather()
                     set_inputs()
-                    do_step((count - every) * numerator / denominator, step)
-                    if recorded or every > 1:
-                        get_all()
-                    else:
-                        get_live()
+                    do_step(last if every == 1 else (count - every) * numerator / denominator, step)
+                    get()
                 except BlockError as error:
+                    self._check(bus, count, seat)  # it may have refused what is not finite
                     error.time = self.clock.time(count - every)
                     raise
-                if not isfinite(dot(view)):
-                    check_finite(seat, self.clock.time(count))
+            if not isfinite(dot(values)):
+                self._check(bus, count)
 
         return advance
 
     def _parallel_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: all inputs from the step's start, then all blocks."""
         seats = [(seat, self._every(seat)) for seat in bus.seats]
-        interval, time = self.clock.interval, self.clock.time
+        interval, time, values = self.clock.interval, self.clock.time, bus.values
 
         def advance(count: int) -> None:
             active = [(seat, every) for seat, every in seats if count % every == 0]
@@ -215,11 +215,17 @@ class Master:
             except BlockError as error:
                 error.time = time(begun) if error.time is None else error.time
                 raise
-            for seat, _ in active:
-                if not math.isfinite(seat.view.dot(seat.view)):
-                    check_finite(seat, time(count))
+            if not math.isfinite(values.dot(values)):
+                self._check(bus, count)
 
         return advance
+
+    def _check(self, bus: Bus, count: int, end: Seat | None = None) -> None:
+        """Raises BlockError where an output is not finite; of the blocks before `end`."""
+        for seat in bus.seats:
+            if seat is end:
+                return
+            check_finite(seat, self.clock.time(count))
 
     def _every(self, seat: Seat) -> int:
         return self.every.get(seat.block.name, 1)

@@ -29,7 +29,7 @@ _WARNING, _ERROR, _FATAL = 1, 3, 4
 _FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
 _C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
 _STOP_TIME_DEFINED = 1
-_NO_RESTORE = c.c_int(1)
+_NO_RESTORE = c.c_int.from_param(1)
 """noSetFMUStatePriorToCurrentPoint: the master never goes back."""
 
 Call = Callable[[], None]
@@ -72,6 +72,7 @@ class Slave:
                 hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
             raise self._error("fmi2Instantiate", f"gave no instance{hint}") from None
         self.component = c.c_void_p(self._fmu.component)
+        self._argument = c.c_void_p.from_param(self._fmu.component)  # converted once, for the calls of every step
 
     def _load(self, fmu: Fmu, folder: Path) -> FMU2Slave:
         here = os.getcwd()
@@ -175,9 +176,9 @@ class Slave:
 
     def _call(self, exchange: Exchange, count: int, verb: str) -> Call:
         """The call for the first `count` values; its arguments are made once."""
-        name, function, failed, component = exchange.name, exchange.function, self.failed, self.component
-        references = c.c_void_p(exchange.references.ctypes.data)
-        data, n = c.c_void_p(exchange.buffer.ctypes.data), c.c_size_t(count)
+        name, function, failed, component = exchange.name, exchange.function, self.failed, self._argument
+        references = c.c_void_p.from_param(exchange.references.ctypes.data)
+        data, n = c.c_void_p.from_param(exchange.buffer.ctypes.data), c.c_size_t.from_param(count)
         values, buffer = exchange.values[:count], exchange.buffer[:count]
 
         def real() -> None:
@@ -199,11 +200,14 @@ class Slave:
 
     def _stepper(self) -> Callable[[float, float], None]:
         self.step_function = self._function("fmi2DoStep")
-        function, failed, component = self.step_function, self.failed, self.component
-        at, length = c.c_double(), c.c_double()
+        function, failed, component = self.step_function, self.failed, self._argument
+        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
 
         def do_step(time: float, step: float) -> None:
-            at.value, length.value = time, step
+            nonlocal length, last
+            if step != last:
+                length, last = c.c_double.from_param(step), step
+            at.value = time
             status = function(component, at, length, _NO_RESTORE)
             if status > _WARNING:
                 raise failed("fmi2DoStep", status)

@@ -33,11 +33,11 @@ static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
             {-a.y + f->z * total.x - 2.0 * J.c.x, a.x + f->z * total.y - 2.0 * J.c.y, along + f->z * total.z - 2.0 * J.c.z}};
         const Vector change = solve(jacobian, residual);
         *f = subtract(*f, change);
-        const double size = norm(change);
-        if (size <= 1e-9 * (1.0 + norm(*f))) { /* Newton's error squares: what is left is rounding */
+        const double size = dot(change, change);
+        if (size <= 1e-18 * (1.0 + dot(*f, *f))) { /* Newton's error squares: what is left is rounding */
             return true;
         }
-        if (!(size < 1e6)) {
+        if (!(size < 1e12)) {
             return false;
         }
     }
@@ -57,7 +57,7 @@ bool advance(const Body *body, int order, const Segment *wheel, Moment *moment, 
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double s = 0.0;
-    Vector tau = moment(context, x->R, t);
+    Vector tau = moment(context, &x->R, t);
     for (int i = 0; i < composition->stages; ++i) {
         const double h = composition->shares[i] * wheel->duration;
         const Vector kicked = add(x->Pi, scale(0.5 * h, tau));
@@ -71,7 +71,7 @@ bool advance(const Body *body, int order, const Segment *wheel, Moment *moment, 
         const Matrix F = cayley(turn);
         s += h;
         x->R = multiply(x->R, F);
-        tau = moment(context, x->R, t + s);
+        tau = moment(context, &x->R, t + s);
         x->Pi = add(apply_transposed(F, kicked), scale(0.5 * h, tau));
     }
     return true;

@@ -13,7 +13,7 @@
 #include "wheel.h"
 
 /* External moment, N m, body axes, at attitude R and time t. */
-typedef Vector Moment(void *context, Matrix R, double t);
+typedef Vector Moment(void *context, const Matrix *R, double t);
 
 typedef struct {
     Matrix J, J_inverse; /* kg m2, wheel locked */

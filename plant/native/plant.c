@@ -45,17 +45,17 @@ static Vector drag(const PlantLaw *plant, Vector v_B, double density)
     return cross(arms, scale(-density, v_B));
 }
 
-static Vector external_moment(void *context, Matrix R, double t)
+static Vector external_moment(void *context, const Matrix *R, double t)
 {
     const Acting *acting = context;
     PlantLaw *plant = acting->plant;
     const Surroundings *around = surroundings_at(&plant->environment, t);
-    Vector tau = add(cross(acting->dipole_B, apply_transposed(R, around->along.b_N)), vector(plant->p.disturbance_torque_B));
+    Vector tau = add(cross(acting->dipole_B, apply_transposed(*R, around->along.b_N)), vector(plant->p.disturbance_torque_B));
     if (plant->p.gravity_gradient) {
-        tau = add(tau, gravity_gradient(plant, apply_transposed(R, around->along.pull_N)));
+        tau = add(tau, gravity_gradient(plant, apply_transposed(*R, around->along.pull_N)));
     }
     if (plant->p.drag) {
-        tau = add(tau, drag(plant, apply_transposed(R, around->along.flow_N), around->density));
+        tau = add(tau, drag(plant, apply_transposed(*R, around->along.flow_N), around->density));
     }
     return tau;
 }
