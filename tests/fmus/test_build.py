@@ -16,8 +16,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from fmus.build import ROOT, BuildError, build, ensure, fmu_path
-from fmus.interface import BLOCKS
+from fmus.build import ROOT, BuildError, blocks_of, build, ensure, fmu_path
 
 from .host import Host
 from .toy import toy
@@ -98,7 +97,7 @@ print("foreign:", sorted(foreign - {{"numpy", "fmpy", "lxml"}}))
 
 
 def test_an_fmu_carries_requirements_documentation_and_licences(built_fmus: dict[str, Path]) -> None:
-    for block in BLOCKS:
+    for block in blocks_of("python"):
         with zipfile.ZipFile(built_fmus[block]) as archive:
             assert archive.read("resources/requirements.txt").startswith(b"numpy")
             assert b"omega_B" in archive.read("documentation/index.html")

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import build
-from fmus.interface import BLOCKS
+from fmus.build import blocks_of, build
 
 from .host import Host
 from .toy import toy
@@ -140,7 +139,7 @@ def _drive(host: Host, block: str, k: int, count: int) -> None:
         host.step(i)
 
 
-@pytest.mark.parametrize("block", [*BLOCKS, "toy"])
+@pytest.mark.parametrize("block", [*blocks_of("python"), "toy"])
 @pytest.mark.parametrize("way", ["same instance", "same instance, twice", "other instance by bytes"])
 def test_a_run_restored_at_half_time_ends_in_the_same_bits(
     built_fmus: dict[str, Path], path: Path, block: str, way: str
@@ -181,7 +180,7 @@ def test_a_saved_state_brings_back_inputs_parameters_and_memory_whatever_came_af
         host.fmu.freeFMUstate(state)  # of nothing: allowed
 
 
-@pytest.mark.parametrize("block", BLOCKS)
+@pytest.mark.parametrize("block", blocks_of("python"))
 def test_the_fmu_gives_what_the_block_gives_when_called_directly(built_fmus: dict[str, Path], block: str) -> None:
     from tests.blocks import inputs, parameters
     from tests.blocks import module as package

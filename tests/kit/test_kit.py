@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import zipfile
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -14,8 +17,11 @@ from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
 from fmus import kit
-from fmus.interface import BLOCKS, load
+from fmus.interface import BLOCKS, load, package_of, parse
 from orchestration.cli import main
+from orchestration.interfaces import place
+from orchestration.scenario import load as load_scenario
+from orchestration.vector import name_of
 from tests.blocks import folder as folder_of
 
 ROOT = Path(__file__).parents[2]
@@ -33,10 +39,24 @@ def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["make", *targets], cwd=folder, capture_output=True, text=True, check=False)
 
 
+def flown(block: str, folder: Path) -> list[str]:
+    """Options for a run with the block, where no scenario of the project has it: that of the block in whose place it stands."""
+    if any(name_of(load_scenario(path), block) for path in kit.SCENARIO.parent.glob("*.yaml")):
+        return []
+    source = load_scenario(kit.SCENARIO).source.without([(key,) for key in ("expect", "figures", "holds", "record")])
+    entry = source.data["blocks"][place(block)]
+    known = load(block).variables
+    start = {key: value for key, value in entry["start"].items() if key.partition("[")[0] in known}
+    source = source.with_entry(("blocks", place(block)), {"fmu": block, "start": start})
+    path = folder / "flown.yaml"
+    path.write_text(json.dumps(source.data), "utf-8")  # which is YAML, too
+    return ["--scenario", str(path)]
+
+
 @pytest.fixture(scope="module", params=BLOCKS)
 def c_kit(request, tmp_path_factory) -> tuple[str, Path]:
     folder = tmp_path_factory.mktemp("kits") / request.param
-    result = orchestrate("new", request.param, folder, "--lang", "c")
+    result = orchestrate("new", request.param, folder, "--lang", "c", *flown(request.param, folder.parent))
     assert result.exit_code == 0, result.output
     return request.param, folder
 
@@ -66,9 +86,7 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
         if path.name != "ports.h":  # the kit has its own
             shutil.copy(path, folder)
     if (source / "tables.py").exists():
-        from plant.native.tables import generated
-
-        for name, text in generated().items():
+        for name, text in import_module(f"{package_of(block)}.native.tables").generated().items():
             (folder / name).write_text(text)
     right = make(folder, "vector", "CFLAGS=-O1")
     assert right.returncode == 0, right.stdout + right.stderr
@@ -103,6 +121,22 @@ def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
     subprocess.run([sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, check=True)
     right = orchestrate("check", fmu, "--as", "allocator", "--vector", folder / "vector")
     assert right.exit_code == 0, right.stdout
+
+
+def test_a_team_may_build_in_python_what_we_have_in_c_only(tmp_path):
+    only = parse(load("allocator").source.replace("[block]", '[block]\nflavours = ["native"]', 1))
+    kit.write(only, tmp_path, "python")
+    assert parse((tmp_path / "interface.toml").read_text()).flavours == ("native", "python")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "build.py"], cwd=tmp_path, env=environment, capture_output=True, check=True)
+    assert validate_fmu(str(tmp_path / "allocator.fmu")) == []
+
+
+def test_what_the_skeletons_say_of_an_optional_input(tmp_path):
+    for language, file in (("c", "generated/ports.h"), ("python", "allocator_bounded/block.py")):
+        kit.write(load("allocator_bounded"), tmp_path / language, language)
+        text = (tmp_path / language / file).read_text()
+        assert re.sub(r"\s+(\* )?", " ", text).count("optional: 1e9, its start, means not connected") == 2
 
 
 def test_what_a_team_has_written_is_kept(tmp_path):
