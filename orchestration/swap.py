@@ -18,7 +18,7 @@ from . import mapping as mappings
 from .block import Block
 from .errors import InputError, nearest
 from .fit import Fit, fit, model, unfed
-from .interfaces import Reference, is_path, own, reference
+from .interfaces import Reference, is_path, own, place, reference
 from .model import Element, Model
 from .order import Hook
 from .scenario import BlockEntry, Scenario, load, split
@@ -60,12 +60,17 @@ class Prepared:
         return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in found.items()}
 
 
-def interface_of(scenario: Scenario, name: str) -> str | None:
-    """The interface that a block is held to; None where it is one of the project's own blocks, or none is known."""
+def interface_of(scenario: Scenario, name: str, model_name: str) -> str | None:
+    """The interface that a block is held to; None where it is one of the project's own blocks, or none is known.
+
+    An FMU that is called as one of ours for this place, as `controller_planned` for `controller`, is held to that.
+    """
     entry = scenario.blocks[name]
     if entry.interface is not None:
         return entry.interface
-    return name if is_path(entry.fmu) and name in own() else None
+    if not is_path(entry.fmu) or name not in own():
+        return None
+    return model_name if model_name in own() and place(model_name) == place(name) else name
 
 
 def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
@@ -74,7 +79,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     faults: list[str] = []
     references: dict[str, Reference] = {}
     for name, entry in scenario.blocks.items():
-        asked = interface_of(scenario, name)
+        asked = interface_of(scenario, name, fmus[name].model.name)
         if asked is None:
             if entry.map is not None:
                 message = "a mapping needs to know whose ports stand on its left; say 'interface: ...' beside it"

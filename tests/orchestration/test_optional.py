@@ -347,6 +347,21 @@ def test_figures_and_report_show_an_element_in_its_own_unit(here):
     assert axes.get_ylabel() == "it.b_B[4], mN.m.s"
 
 
+def test_an_fmu_that_is_called_as_a_block_for_this_place_is_held_to_that(here):
+    """As in an archive of a loop with it, where nothing but its file tells what it is."""
+    fed = DELAYED.replace("delays:", "  - plant.wheel_torque -> allocator.wheel_torque_ff\ndelays:").replace(
+        "[allocator.dipole_ff]", "[allocator.dipole_ff, allocator.wheel_torque_ff]"
+    )
+    (here / "fed.yaml").write_text(
+        fed.replace("fmu: allocator_bounded", "fmu: allocator_bounded, start: {rod_weight: 2.0e-6}")
+    )
+    ours = orchestration.run("fed.yaml")
+    assert orchestrate("export", "fed.yaml", "--ssp", "fed.ssp").exit_code == 0
+    back = orchestration.run("fed.ssp")
+    np.testing.assert_array_equal(back["plant.omega_B"], ours["plant.omega_B"])
+    assert not [note for note in back.warnings if "dropped" in note or "further" in note]
+
+
 def test_an_archive_gives_each_element_its_own_unit(here):
     changed(ensure("plant"), here / "mixed.fmu", ('name="h_w"', 'name="b_B[4]"'))
     (here / "one.yaml").write_text(
