@@ -14,13 +14,14 @@ static const double CHALLENGE_PERIOD = 30.0;    /* s */
 static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
+static const double STEERING_LEFT = 150.0;      /* s of steering, beyond which it goes on down to the next share */
+static const double STEERING_DONE = 0.4;        /* of steering_limit */
 static const double WHEEL_REST = 10.0;          /* s, over which the wheel is brought to rest while steering */
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0;
 static const double LOST_ANGLE = 0.0872664626;
 static const double CASCADE_RATES[] = {0.008, 0.02}; /* rad/s */
 static const double MODEL_SHARE = 0.1;          /* of a change of rate by the model that may be wrong */
 static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong at rest */
-static const double OBSERVER_RODS = 0.3;        /* of dipole_max, below which the observer listens */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
 static bool absent(const double *x, int n)
@@ -148,11 +149,11 @@ static Model believed(const ControllerPlannedLaw *law, const ControllerPlannedSt
     model.J.c.z = x->identification.p[2];
     model.J_inverse = inverse(model.J);
     for (int i = 0; i < 3; ++i) {
-        model.rods[i] = scale(p->dipole_max * x->identification.p[3], law->rod_axes[i]);
+        model.rods[i] = scale(p->dipole_max * x->identification.p[GAIN], law->rod_axes[i]);
     }
     model.wheel_torque_max = p->wheel_torque_max;
     model.wheel_momentum_max = p->wheel_momentum_max;
-    model.disturbance_B = x->disturbance_B;
+    model.disturbance_B = vector(x->identification.p + TORQUE);
     return model;
 }
 
@@ -224,41 +225,24 @@ static Motion corrected(const ControllerPlannedState *x, Matrix R, Vector Omega,
     return (Motion){multiply(was->R, rotation_exp(turn)), add(was->Omega, scale(x->rate_gain, subtract(Omega, was->Omega))), l};
 }
 
-/* The torque that the model does not know shows in what the measurements keep correcting; while rods are weak. */
-static void observe(const ControllerPlannedLaw *law, ControllerPlannedState *x, const double given[CONTROLS])
-{
-    const ControllerPlannedParameters *p = &law->p;
-    if (largest(vector(given)) < OBSERVER_RODS) {
-        const Vector missing = apply(believed(law, x).J, subtract(x->estimate.Omega, x->predicted.Omega));
-        const Vector d = add(x->disturbance_B, scale(1.0 / p->disturbance_time, missing));
-        const double size = norm(d);
-        x->disturbance_B = size > p->disturbance_max ? scale(p->disturbance_max / size, d) : d;
-    }
-}
-
-/* Inertia and rod gain from the sample that ends now. */
+/* Disturbance, inertia and rod gain from the sample that ends now. */
 static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *now, Vector B_B,
                   const double given[CONTROLS], const Around *around, double dt)
 {
     const ControllerPlannedParameters *p = &law->p;
-    if (p->identify) {
-        const Model model = believed(law, x);
-        const double start[UNKNOWNS] = {p->J_B[0][0], p->J_B[1][1], p->J_B[2][2], 1.0};
-        Model nominal = model;
-        for (int i = 0; i < 3; ++i) {
-            nominal.rods[i] = scale(p->dipole_max, law->rod_axes[i]);
-        }
-        const Vector tau_rods = cross(dipole_of(&nominal, given), scale(0.5, add(x->B_B, B_B)));
-        /* The products of inertia are taken as they are given. */
-        Matrix products = matrix(p->J_B);
-        products.a.x = products.b.y = products.c.z = 0.0;
-        const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
-        const Vector known =
-            subtract(add(gravity_gradient(model.J, around, now->R), x->disturbance_B),
-                     add(cross(middle, apply(products, middle)),
-                         scale(1.0 / dt, apply(products, subtract(now->Omega, x->measured.Omega)))));
-        identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, start, &x->identification);
+    Model nominal = believed(law, x);
+    for (int i = 0; i < 3; ++i) {
+        nominal.rods[i] = scale(p->dipole_max, law->rod_axes[i]);
     }
+    const Vector tau_rods = cross(dipole_of(&nominal, given), scale(0.5, add(x->B_B, B_B)));
+    /* The products of inertia are taken as they are given. */
+    Matrix products = matrix(p->J_B);
+    products.a.x = products.b.y = products.c.z = 0.0;
+    const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
+    const Vector change = scale(1.0 / dt, subtract(now->Omega, x->measured.Omega));
+    const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
+                                  add(cross(middle, apply(products, middle)), apply(products, change)));
+    identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, p->identify, &x->identification);
 }
 
 /* ---------------------------------------------------------------- what it decides */
@@ -302,7 +286,9 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
         x->settled_since = x->t;
     }
     const int32_t before = x->phase;
-    if (norm(D_N) > (before == PHASE_STEERING ? 1.0 : STEERING_AGAIN) * p->steering_limit) {
+    const double left = norm(D_N) / p->steering_limit;
+    const bool far = x->steering.time > STEERING_LEFT && left > STEERING_DONE;
+    if (before == PHASE_STEERING ? left > 1.0 || far : left > STEERING_AGAIN) {
         x->phase = PHASE_STEERING;
     } else if (before == PHASE_STEERING || angle > LOST_ANGLE) {
         x->phase = PHASE_ACQUISITION;
@@ -314,7 +300,7 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
 
     if (x->phase == PHASE_STEERING) {
         if (due) {
-            steer(ahead, x->t, D_N, STEERING_DIPOLE * p->dipole_max * x->identification.p[3], law->steering_field, &x->steering);
+            steer(ahead, x->t, D_N, STEERING_DIPOLE * p->dipole_max * x->identification.p[GAIN], law->steering_field, &x->steering);
             x->next_plan = x->t + p->plan_period;
         } else {
             x->steering.time = larger(x->steering.time - dt, 0.0);
@@ -390,7 +376,7 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     } else {
         Vector tau = add(scale(-1.0, apply(matrix(p->L0), omega)), gradient);
         tau = add(tau, add(apply(J, apply_transposed(Q, dOmega_d)), cross(w, apply(J, w))));
-        store(subtract(tau, add(M_g, x->disturbance_B)), y->tau_cmd_B);
+        store(subtract(tau, add(M_g, vector(x->identification.p + TORQUE))), y->tau_cmd_B);
     }
     for (int i = 0; i < 3; ++i) {
         y->dipole_ff[i] = p->dipole_max * controls[i];
@@ -404,9 +390,9 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     y->h_w_ref = d->l;
     y->plan_cost = x->plan.cost;
     y->phase = x->phase;
-    store(x->disturbance_B, y->disturbance_B);
+    store(vector(x->identification.p + TORQUE), y->disturbance_B);
     store_matrix(J, y->J_estimate_B);
-    y->rod_gain_estimate = x->identification.p[3];
+    y->rod_gain_estimate = x->identification.p[GAIN];
     y->h_w_estimate = l;
 }
 
@@ -439,16 +425,17 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
         x->l_own = u->h_w;
     }
     const Motion measured = {R, vector(u->omega_B), x->l_own};
-    if (first) {
-        x->predicted = measured;
-        x->rate_gain = x->attitude_gain = 1.0;
-    } else {
+    if (!first) {
         learn(law, x, &measured, B_B, given, &around, dt);
         predict(law, x, given, &around, dt);
     }
+    /* Also after a measurement so wrong that nothing follows from it. */
+    if (first || !is_finite_matrix(x->predicted.R) || !is_finite(x->predicted.Omega)) {
+        x->predicted = measured;
+        x->rate_gain = x->attitude_gain = 1.0;
+    }
     const Motion now = x->estimate = corrected(x, R, measured.Omega, measured.l);
     if (!first) {
-        observe(law, x, given);
         if (x->phase != PHASE_STEERING) {
             const Model model = believed(law, x);
             x->reference = advanced(&model, &around, &x->reference, x->u, dt);
@@ -469,10 +456,11 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     }
     memset(x, 0, sizeof *x);
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
-    identification_start(inertia, law->p.identify_spread, &x->identification);
+    identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
+                         &x->identification);
     x->phase = PHASE_STEERING;
     x->settled_since = INFINITY;
-    x->next_sample = law->p.control_period;
+    x->until_sample = law->p.control_period;
     sample(law, x, u, true);
     return true;
 }
@@ -500,12 +488,15 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
+    const double period = law->p.control_period;
     x->t += h;
+    x->until_sample -= h;
     x->sampled = false;
-    if (x->t >= x->next_sample - EARLY * law->p.control_period) {
+    if (x->until_sample <= EARLY * period) {
         sample(law, x, u, false);
-        while (x->next_sample <= x->t + EARLY * law->p.control_period) {
-            x->next_sample += law->p.control_period;
+        x->until_sample += period;
+        if (x->until_sample <= EARLY * period) {
+            x->until_sample = period; /* a step longer than a period: the samples' grid begins anew */
         }
     }
     *y = x->held;

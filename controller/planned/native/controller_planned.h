@@ -19,7 +19,7 @@ typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3 } Phase
 
 typedef struct {
     double t;              /* s */
-    double next_sample;    /* s, when the control acts next */
+    double until_sample;   /* s, until the control acts next */
     double next_plan;      /* s */
     double next_challenge; /* s */
     double settled_since;  /* s; beyond t while not settled */
@@ -28,7 +28,6 @@ typedef struct {
     Steering steering;
     Plan plan;
     Motion reference;      /* of the plan, at t_sample */
-    Vector disturbance_B;
     Vector field_bias_N;   /* measured field less that of the onboard model */
     double l_own;          /* wheel momentum by the controller's own account */
     Identification identification;

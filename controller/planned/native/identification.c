@@ -8,19 +8,27 @@ static const double NOISE_RODS = 0.01;     /* of the rods' impulse */
 static const double GATE = 5.0;            /* standard deviations */
 static const double CHANGE_MIN = 1e-3;     /* rad/s, of the rate in a window that tells something */
 static const double KNOWN_MIN = 1e-3;      /* N m s, of a known impulse from which the scale of p can be told */
+static const double EXPECTED = 0.25;       /* of the largest disturbance: its standard deviation before the flight */
 static const double TRUST = 0.4;           /* largest change of what is identified, relative */
 
-void identification_start(const double inertia[3], double spread, Identification *id)
+void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
+                          Identification *id)
 {
     memset(id, 0, sizeof *id);
+    id->disturbance_max = disturbance_max;
+    /* The walk for which the filter at rest forgets over disturbance_time. */
+    id->walk = NOISE / WINDOW * (WINDOW / disturbance_time);
     for (int i = 0; i < UNKNOWNS; ++i) {
-        id->p[i] = i < 3 ? inertia[i] : 1.0;
-        id->P[i][i] = spread * spread * id->p[i] * id->p[i];
+        id->p[i] = i < 3 ? inertia[i] : i == GAIN ? 1.0 : 0.0;
+        id->P[i][i] = i < TORQUE ? spread * spread * id->p[i] * id->p[i] : EXPECTED * EXPECTED * disturbance_max * disturbance_max;
+        if (i < TORQUE) {
+            id->start[i] = id->p[i];
+        }
     }
 }
 
 /* One equation row.p = value with the variance of its noise. */
-static void update(Identification *id, const double row[UNKNOWNS], double value, double variance, const double start[UNKNOWNS])
+static void update(Identification *id, const double row[UNKNOWNS], double value, double variance, bool quiet)
 {
     double Pr[UNKNOWNS], spread = variance, error = value;
     for (int i = 0; i < UNKNOWNS; ++i) {
@@ -33,17 +41,17 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
         spread += row[i] * Pr[i];
         error -= row[i] * id->p[i];
     }
-    if (error * error > GATE * GATE * spread) {
+    if (!(error * error <= GATE * GATE * spread && isfinite(spread))) {
         return;
     }
     double scale_before = 0.0, scale_after = 0.0;
     for (int i = 0; i < UNKNOWNS; ++i) {
-        scale_before += id->p[i] / start[i];
+        scale_before += i < TORQUE ? id->p[i] / id->start[i] : 0.0;
         id->p[i] += Pr[i] * error / spread;
-        scale_after += id->p[i] / start[i];
+        scale_after += i < TORQUE ? id->p[i] / id->start[i] : 0.0;
     }
     /* Without a known impulse the row tells of ratios only: its noise alone would draw all of p towards zero. */
-    for (int i = 0; i < UNKNOWNS && fabs(value) < KNOWN_MIN; ++i) {
+    for (int i = 0; i < UNKNOWNS && !quiet && fabs(value) < KNOWN_MIN; ++i) {
         id->p[i] *= scale_before / scale_after;
     }
     for (int i = 0; i < UNKNOWNS; ++i) {
@@ -53,7 +61,7 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
     }
 }
 
-static void use_window(Identification *id, Vector Omega, double l, const double start[UNKNOWNS])
+static void use_window(Identification *id, Vector Omega, double l, bool inertia)
 {
     double dOmega[3], products[3], rods[3], others[3], wheel[3];
     store(subtract(Omega, id->Omega_0), dOmega);
@@ -62,26 +70,37 @@ static void use_window(Identification *id, Vector Omega, double l, const double 
     store(id->others, others);
     store(id->wheel, wheel);
     const double dl[3] = {l - id->l_0, 0.0, 0.0};
-    if (norm(vector(dOmega)) < CHANGE_MIN) {
-        return;
+    const bool quiet = !inertia || norm(vector(dOmega)) < CHANGE_MIN;
+    for (int i = 0; i < 3; ++i) {
+        id->P[TORQUE + i][TORQUE + i] += id->walk * id->walk;
     }
     for (int i = 0; i < 3; ++i) {
-        /* J_i dOmega_i + (J_k - J_j) int Omega_j Omega_k - gain int tau_i = int known - dl - int (Omega x l e1)_i */
+        /* J_i dOmega_i + (J_k - J_j) int Omega_j Omega_k - gain int tau_i - d_i T = int known - dl - int (Omega x l e1)_i */
         double row[UNKNOWNS] = {0.0};
         row[i] = dOmega[i];
         row[(i + 1) % 3] = -products[i];
         row[(i + 2) % 3] = products[i];
-        row[3] = -rods[i];
+        row[GAIN] = -rods[i];
+        double value = others[i] - dl[i] - wheel[i];
+        for (int j = 0; j < TORQUE && quiet; ++j) {
+            value -= row[j] * id->p[j];
+            row[j] = 0.0;
+        }
+        row[TORQUE + i] = -id->elapsed;
         const double variance = NOISE * NOISE + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
-        update(id, row, others[i] - dl[i] - wheel[i], variance, start);
+        update(id, row, value, variance, quiet);
     }
-    for (int i = 0; i < UNKNOWNS; ++i) {
-        id->p[i] = larger(smaller(id->p[i], (1.0 + TRUST) * start[i]), (1.0 - TRUST) * start[i]);
+    for (int i = 0; i < TORQUE; ++i) {
+        id->p[i] = larger(smaller(id->p[i], (1.0 + TRUST) * id->start[i]), (1.0 - TRUST) * id->start[i]);
+    }
+    const double size = norm(vector(id->p + TORQUE));
+    for (int i = TORQUE; i < UNKNOWNS && size > id->disturbance_max; ++i) {
+        id->p[i] *= id->disturbance_max / size;
     }
 }
 
 void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
-              const double start[UNKNOWNS], Identification *id)
+              bool inertia, Identification *id)
 {
     if (id->elapsed == 0.0) {
         id->Omega_0 = Omega;
@@ -98,7 +117,7 @@ void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_nex
                                         -m * (Omega.y * l + Omega_next.y * l_next)});
     id->elapsed += dt;
     if (id->elapsed >= WINDOW - 1e-9) {
-        use_window(id, Omega_next, l_next, start);
+        use_window(id, Omega_next, l_next, inertia);
         id->elapsed = 0.0;
     }
 }

@@ -51,8 +51,17 @@ bool days_of_epoch(const char *epoch, double *days)
     }
     if (*s == 'Z') {
         ++s;
+    } else if (*s == '+') {
+        int zone;
+        ++s;
+        if (!digits(&s, 2, &zone) || zone != 0 || !mark(&s, ':') || !digits(&s, 2, &zone) || zone != 0) {
+            return false;
+        }
     }
-    if (*s != '\0' || M < 1 || M > 12 || D < 1 || D > 31 || hour > 23 || minute > 59 || second > 60) {
+    static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    const bool leap = Y % 4 == 0 && (Y % 100 != 0 || Y % 400 == 0);
+    if (*s != '\0' || M < 1 || M > 12 || D < 1 || D > lengths[M - 1] + (M == 2 && leap ? 1 : 0) || hour > 23 || minute > 59 ||
+        second > 59) {
         return false;
     }
     /* Days since 1 March of the year 0, from which leap days come last. */

@@ -339,7 +339,7 @@ void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wo
     static const double shares[] = {1.0, 0.5, 0.25, 0.1, 0.02};
     int now = 0;
     w->x[0][0] = w->x[1][0] = *x;
-    memcpy(w->u[0], plan->u, sizeof plan->u);
+    memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
     plan->cost = roll_out(model, plan, w, 0, 0, 0.0);
     for (int i = 0; i < iterations && plan->cost < NEVER; ++i) {
         sweep_back(model, plan, w, now);
@@ -360,7 +360,7 @@ void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wo
             break;
         }
     }
-    memcpy(plan->u, w->u[now], sizeof plan->u);
+    memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
 }
 
 void plan_at(const Plan *plan, double t, double u[CONTROLS])
@@ -388,8 +388,8 @@ void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double 
 {
     Motion now = *x;
     double s = 0.0;
+    memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
-    plan->stages = 0;
     while (s < HORIZON - 1e-6) {
         const double whole = s < NEAR - 1e-6 ? STAGE_NEAR : STAGE_FAR;
         const int left = STAGES - plan->stages - (int)((NEAR - smaller(s, NEAR)) / STAGE_NEAR) -
