@@ -138,11 +138,13 @@ class Master:
         due = begun + REPORT_EVERY
         with interruptible() as interrupted, np.errstate(over="ignore"):
             try:
-                while count < steps and not interrupted:
+                for following in range(1, steps + 1):
+                    if interrupted:
+                        break
                     if delay is not None:
                         delay()
-                    advance(count + 1)
-                    count += 1
+                    advance(following)
+                    count = following
                     if count % interval == 0:
                         take(columns, 0, rows[count // interval], "clip")
                     if watch is not None:
@@ -168,21 +170,24 @@ class Master:
         isfinite, values, dot = math.isfinite, bus.values, bus.values.dot
         usual, recorded = [], []
         for seat in bus.seats:
-            block, every = seat.block, self._every(seat)
-            entry = seat, every, every * numerator / denominator, seat.gather, block.set_inputs, block.do_step
-            usual.append((*entry, block.get_live if every == 1 else block.get_all))
-            recorded.append((*entry, block.get_all))
+            every, fetch_all = self._every(seat), _stride(seat.block, seat.block.get_all)
+            # An FMU in this process has one function for all three calls.
+            stride = getattr(seat.block, "stride", None) or _stride(seat.block, seat.block.get_live)
+            step = every * numerator / denominator
+            usual.append((seat, every, step, seat.gather, stride if every == 1 else fetch_all))
+            recorded.append((seat, every, step, seat.gather, fetch_all))
 
         def advance(count: int) -> None:
             last = (count - 1) * numerator / denominator
-            for seat, every, step, gather, set_inputs, do_step, get in usual if count % interval else recorded:
-                if every > 1 and count % every:
-                    continue
+            for seat, every, step, gather, stride in usual if count % interval else recorded:
+                begun = last
+                if every > 1:
+                    if count % every:
+                        continue
+                    begun = (count - every) * numerator / denominator
                 try:
                     gather()
-                    set_inputs()
-                    do_step(last if every == 1 else (count - every) * numerator / denominator, step)
-                    get()
+                    stride(begun, step)
                 except BlockError as error:
                     self._check(bus, count, seat)  # it may have refused what is not finite
                     error.time = self.clock.time(count - every)
@@ -229,3 +234,15 @@ class Master:
 
     def _every(self, seat: Seat) -> int:
         return self.every.get(seat.block.name, 1)
+
+
+def _stride(block: Block, get: Callable[[], None]) -> Callable[[float, float], None]:
+    """One step of a block, with the outputs that `get` fetches."""
+    set_inputs, do_step = block.set_inputs, block.do_step
+
+    def stride(time: float, step: float) -> None:
+        set_inputs()
+        do_step(time, step)
+        get()
+
+    return stride

@@ -148,6 +148,7 @@ class Slave:
         self.get_all = _one_after_the_other([self._call(e, len(e.values), "Get") for e in self.getters])
         self.get_live = _one_after_the_other([self._call(e, e.live, "Get") for e in self.getters if e.live])
         self.do_step = self._stepper()
+        self.stride = self._strider()
         return values
 
     setters: list[Exchange]
@@ -158,6 +159,8 @@ class Slave:
     get_all: Call
     get_live: Call
     do_step: Callable[[float, float], None]
+    stride: Callable[[float, float], None]
+    """`set_inputs`, `do_step` and `get_live` in one."""
 
     def _exchanges(self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats) -> list[Exchange]:
         """A call for each type that occurs."""
@@ -176,9 +179,8 @@ class Slave:
 
     def _call(self, exchange: Exchange, count: int, verb: str) -> Call:
         """The call for the first `count` values; its arguments are made once."""
-        name, function, failed, component = exchange.name, exchange.function, self.failed, self._argument
-        references = c.c_void_p.from_param(exchange.references.ctypes.data)
-        data, n = c.c_void_p.from_param(exchange.buffer.ctypes.data), c.c_size_t.from_param(count)
+        name, function, failed = exchange.name, exchange.function, self.failed
+        component, references, n, data = self._arguments(exchange, count)
         values, buffer = exchange.values[:count], exchange.buffer[:count]
 
         def real() -> None:
@@ -198,6 +200,11 @@ class Slave:
             return real
         return whole_set if verb == "Set" else whole_get
 
+    def _arguments(self, exchange: Exchange, count: int) -> tuple[Any, Any, Any, Any]:
+        references, data = exchange.references.ctypes.data, exchange.buffer.ctypes.data
+        pointer = c.c_void_p.from_param
+        return self._argument, pointer(references), c.c_size_t.from_param(count), pointer(data)
+
     def _stepper(self) -> Callable[[float, float], None]:
         self.step_function = self._function("fmi2DoStep")
         function, failed, component = self.step_function, self.failed, self._argument
@@ -213,6 +220,42 @@ class Slave:
                 raise failed("fmi2DoStep", status)
 
         return do_step
+
+    def _strider(self) -> Callable[[float, float], None]:
+        """A whole step. Where it sets and gets Reals only, as mostly, the three calls stand in one function."""
+        set_inputs, do_step, get_live = self.set_inputs, self.do_step, self.get_live
+        setters, getters = self.setters, [e for e in self.getters if e.live]
+        if len(setters) != 1 or len(getters) != 1 or any(e.buffer is not e.values for e in (*setters, *getters)):
+
+            def three(time: float, step: float) -> None:
+                set_inputs()
+                do_step(time, step)
+                get_live()
+
+            return three
+
+        setter, getter, failed = setters[0], getters[0], self.failed
+        set_real, advance, get_real = setter.function, self.step_function, getter.function
+        component, inputs, n, given = self._arguments(setter, len(setter.values))
+        _, outputs, m, taken = self._arguments(getter, getter.live)
+        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
+
+        def one(time: float, step: float) -> None:
+            nonlocal length, last
+            if step != last:
+                length, last = c.c_double.from_param(step), step
+            status = set_real(component, inputs, n, given)
+            if status > _WARNING:
+                raise failed(setter.name, status)
+            at.value = time
+            status = advance(component, at, length, _NO_RESTORE)
+            if status > _WARNING:
+                raise failed("fmi2DoStep", status)
+            status = get_real(component, outputs, m, taken)
+            if status > _WARNING:
+                raise failed(getter.name, status)
+
+        return one
 
     # ------------------------------------------------------------ end
 

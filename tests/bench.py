@@ -16,9 +16,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
 import orchestration
 from orchestration.runner import locate
 
@@ -34,7 +31,12 @@ def orbit(flavour: str, order: int) -> dict[str, Any]:
     return {**data, "record": {"interval": 1.0}, "expect": [], "figures": [], "holds": []}
 
 
-def loops(table: Table, runs: int) -> None:
+def row(what: str, time: str, rate: str) -> None:
+    """Printed as soon as it is measured."""
+    print(f"  {what:<44}{time:>12}{rate:>20}", flush=True)
+
+
+def loops(runs: int) -> None:
     """Wall time and steps a second of the orbit, for each flavour and each loop."""
     for flavour, order, compiled, repeats in (
         ("native", 4, True, runs),
@@ -48,10 +50,10 @@ def loops(table: Table, runs: int) -> None:
         results = [orchestration.run(orbit(flavour, order), compiled=compiled) for _ in range(repeats)]
         wall = statistics.median(result.wall for result in results)
         name = f"{flavour} FMUs, order {order}, {'compiled' if compiled else 'Python'} loop"
-        table.add_row(name, f"{wall:.3f} s", f"{results[0].steps / wall:,.0f} steps/s")
+        row(name, f"{wall:.3f} s", f"{results[0].steps / wall:,.0f} steps/s")
 
 
-def calls(table: Table, flavour: str, count: int) -> None:
+def calls(flavour: str, count: int) -> None:
     """What each FMU's doStep costs, called in a row without exchange."""
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
@@ -76,10 +78,10 @@ def calls(table: Table, flavour: str, count: int) -> None:
             each = (time.perf_counter() - begun) / count
             fmu.terminate()
             fmu.freeInstance()
-        table.add_row(f"doStep of {block}.fmu, {flavour}", f"{1e6 * each:.2f} us", "through ctypes")
+        row(f"doStep of {block}.fmu, {flavour}", f"{1e6 * each:.2f} us", "through ctypes")
 
 
-def process(table: Table, runs: int) -> None:
+def process(runs: int) -> None:
     """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed."""
     with tempfile.TemporaryDirectory() as out:
         command = [sys.executable, "-m", "orchestration.cli", str(SCENARIO), "--out", out]
@@ -89,10 +91,10 @@ def process(table: Table, runs: int) -> None:
                 begun = time.perf_counter()
                 subprocess.run([*command, *arguments], cwd=ROOT, check=False, capture_output=True)
                 walls.append(time.perf_counter() - begun)
-            table.add_row(f"orchestrate as a {name}", f"{statistics.median(walls):.3f} s", "")
+            row(f"orchestrate as a {name}", f"{statistics.median(walls):.3f} s", "")
 
 
-def isolation(table: Table) -> None:
+def isolation() -> None:
     """What a step costs more when a block runs in a process of its own."""
     from orchestration.fmu import open_fmu
     from tests.orchestration.bench_isolation import measure
@@ -100,14 +102,14 @@ def isolation(table: Table) -> None:
     for block in ("controller", "plant"):
         found = measure(open_fmu(locate(block, ROOT, "native")))
         name = f"whole step of {block}.fmu"
-        table.add_row(f"{name}, in this process", f"{found['none'][0]:.1f} us", "Python loop")
-        table.add_row(f"{name}, in its own process", f"{found['process'][0]:.1f} us", "Python loop")
+        row(f"{name}, in this process", f"{found['none'][0]:.1f} us", "Python loop")
+        row(f"{name}, in its own process", f"{found['process'][0]:.1f} us", "Python loop")
 
 
-def basilisk(table: Table) -> None:
+def basilisk() -> None:
     """The same orbit by Basilisk, in a process of its own."""
     if find_spec("Basilisk") is None:
-        table.add_row("Basilisk", "not installed", "pip install bsk")
+        row("Basilisk", "not installed", "pip install bsk")
         return
     run = subprocess.run(
         [sys.executable, "-m", "tests.bench_basilisk", str(ORBIT)],
@@ -117,37 +119,27 @@ def basilisk(table: Table) -> None:
         check=False,
     )
     if run.returncode:
-        table.add_row("Basilisk", "failed", run.stderr.strip().splitlines()[-1])
+        row("Basilisk", "failed", run.stderr.strip().splitlines()[-1])
         return
     imports, setup, wall = map(float, run.stdout.split()[-3:])
-    table.add_row("Basilisk, the same orbit", f"{wall:.3f} s", f"{ORBIT / 0.1 / wall:,.0f} steps/s")
-    table.add_row("Basilisk, imports and set-up", f"{imports + setup:.3f} s", "")
+    row("Basilisk, the same orbit", f"{wall:.3f} s", f"{ORBIT / 0.1 / wall:,.0f} steps/s")
+    row("Basilisk, imports and set-up", f"{imports + setup:.3f} s", "")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=5, help="runs of which the median is taken (native and processes)")
     runs = max(parser.parse_args().runs, 1)
-    console = Console()
-    table = Table(title=f"One orbit, {ORBIT:.0f} s at 0.1 s; {platform.machine()}, Python {platform.python_version()}")
-    for column in ("what", "time", ""):
-        table.add_column(column, justify="left" if column == "what" else "right")
+    print(f"One orbit, {ORBIT:.0f} s at 0.1 s; {platform.machine()}, Python {platform.python_version()}", flush=True)
     for flavour in ("native", "python"):
         for block in ("plant", "controller", "allocator"):
             locate(block, ROOT, flavour)
-    with console.status("measuring") as status:
-        for part, arguments in (
-            (loops, (runs,)),
-            (calls, ("native", 20000)),
-            (calls, ("python", 2000)),
-            (process, (runs,)),
-            (isolation, ()),
-            (basilisk, ()),
-        ):
-            status.update(f"measuring: {(part.__doc__ or '').splitlines()[0]}")
-            part(table, *arguments)  # type: ignore[operator]
-            table.add_section()
-    console.print(table)
+    loops(runs)
+    calls("native", 20000)
+    calls("python", 2000)
+    process(runs)
+    isolation()
+    basilisk()
 
 
 if __name__ == "__main__":
