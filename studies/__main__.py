@@ -1,4 +1,4 @@
-"""python -m studies: the momentum bound of a scenario, and the page docs/reproduction.md.
+"""python -m studies: the momentum bound of a scenario, and the pages docs/reproduction.md and docs/allocators.md.
 
 Exit status: 0 all well; 1 the time asked for is impossible; 2 the input is wrong.
 """
@@ -108,6 +108,63 @@ def reproduction(jobs: int) -> None:
     from .reproduction import make
 
     say(f"written: {make(jobs)}")
+
+
+@main.command()
+@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+@click.option("--page", is_flag=True, help="Fly all that docs/allocators.md shows, and write it with its figure.")
+def allocators(jobs: int, page: bool) -> None:
+    """The paper's allocator against the bounded one, under the paper's law at 36 nodes: a minute, with --page five."""
+    from rich.console import Console
+
+    from . import allocators as study
+
+    done = study.compute(study.cases() if page else study.comparison(), jobs)
+    Console().print(study.table(done))
+    if page:
+        from .allocators_page import write
+
+        say(f"written: {write(done)}")
+
+
+@main.command()
+@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+@click.option(
+    "--cases",
+    default=1000,
+    show_default=True,
+    type=click.IntRange(1, 1000),
+    help="Random tumbles of each kind; fewer write to results/.",
+)
+def flight(jobs: int, cases: int) -> None:
+    """Make docs/flight.md and its figures, all from flights; one that was interrupted goes on."""
+    from .flight import make, seeds_said
+
+    say(seeds_said(cases))
+    say(f"written: {make(cases, jobs)}")
+
+
+@main.command("flight-case")
+@click.argument("group")
+@click.argument("seed", type=int)
+def flight_case(group: str, seed: int) -> None:
+    """Fly one case of docs/flight.md, such as nominal 100017, and write its scenario."""
+    from .flight import write_case
+
+    file, row = write_case(group, seed)
+    for name, value in row.items():
+        say(f"{name:12} {value}")
+    say(f"written: {file}")
+
+
+@main.command("flight-tune")
+@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+def flight_tune(jobs: int) -> None:
+    """Search the gains of law [8] in SI units that docs/flight.md compares with."""
+    from .flight_tune import search
+
+    for line in search(jobs):
+        say(line)
 
 
 if __name__ == "__main__":
