@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test lint fmus bench figures reproduction format docs authorities clean
+.PHONY: run test lint fmus bench figures reproduction flight format docs authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -33,6 +33,10 @@ figures: $(VENV)/test
 # The paper's claims, examined: docs/reproduction.md and its figures; about five minutes on two cores.
 reproduction: $(VENV)/test
 	$(BIN)/python -m studies reproduction
+
+# Thousands of flights in SI units: docs/flight.md and its figures; about half an hour on two cores, goes on where it was stopped.
+flight: $(VENV)/test
+	$(BIN)/python -m studies flight
 
 # The outside authorities' table, docs/verification.md.
 authorities: $(VENV)/test
