@@ -19,14 +19,16 @@ from scipy.optimize import brentq, minimize
 Array = NDArray[np.float64]
 
 
-def least_time(D_N: Array, field: Callable[[float], Array], rho: float, longest: float, step: float = 5.0) -> tuple[Array, float]:
+def least_time(
+    D_N: Array, field: Callable[[float], Array], rho: float, longest: float, step: float = 5.0
+) -> tuple[Array, float]:
     """lambda (3,) and T, s, for D_N (3,) N m s, field(t) (3,) T and rho A m2. Raises ValueError beyond `longest`, s."""
     times = np.arange(0.0, longest + step, step)
     B = np.array([field(t) for t in times])
 
     def weights(T: float) -> Array:
-        w = np.clip((T - times) / step, 0.0, 1.0) * step
-        w[0] *= 0.5
+        w = np.clip((T - times) / step + 0.5, 0.0, 1.0) * step  # each node stands for half an interval on either side
+        w[0] -= 0.5 * step
         return w
 
     def short(T: float) -> tuple[float, Array]:
@@ -42,7 +44,8 @@ def least_time(D_N: Array, field: Callable[[float], Array], rho: float, longest:
             value, slope = value / size, slope / size - value * p / size**3
             return -value / np.linalg.norm(D_N), -slope / np.linalg.norm(D_N)
 
-        found = [minimize(cost, start, jac=True, options={"gtol": 1e-10}) for start in (D_N / np.linalg.norm(D_N), *B[:40:13] * 1e4)]
+        starts = (D_N / np.linalg.norm(D_N), *B[:40:13] / np.linalg.norm(B[0]))
+        found = [minimize(cost, start, jac=True, options={"gtol": 1e-10}) for start in starts]
         best = min(found, key=lambda f: float(f.fun))
         return -float(best.fun), best.x / np.linalg.norm(best.x)
 

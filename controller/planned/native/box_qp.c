@@ -99,7 +99,21 @@ void box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const 
             }
         }
         if (!(now < best)) {
-            return;
+            /* The bounds bend Newton's step too far: each variable's own minimum, one after the other, always descends. */
+            for (int i = 0; i < CONTROLS; ++i) {
+                trial[i] = u[i];
+            }
+            for (int i = 0; i < CONTROLS; ++i) {
+                double sum = g[i];
+                for (int j = 0; j < CONTROLS; ++j) {
+                    sum += H[i][j] * trial[j];
+                }
+                trial[i] = inside(trial[i] - sum / H[i][i], low[i], high[i]);
+            }
+            now = value(H, g, trial);
+            if (!(now < best)) {
+                return;
+            }
         }
         const bool done = best - now < 1e-12 * (fabs(best) + fabs(now));
         best = now;

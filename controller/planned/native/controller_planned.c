@@ -9,7 +9,7 @@ static const double COLLINEAR = 1e-6;           /* |r x v|/(|r||v|) below which 
 static const double ABSENT = 1e9;               /* an optional input that is not connected stands at its start */
 static const double EARLY = 1e-6;               /* of the control period: a sample is due that much before its time */
 
-static const int ITERATIONS = 5, ITERATIONS_COLD = 60;
+static const int ITERATIONS = 5;
 static const double CHALLENGE_PERIOD = 30.0;    /* s */
 static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
@@ -19,7 +19,6 @@ static const double STEERING_DONE = 0.4;        /* of steering_limit */
 static const double WHEEL_REST = 10.0;          /* s, over which the wheel is brought to rest while steering */
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0;
 static const double LOST_ANGLE = 0.0872664626;
-static const double CASCADE_RATES[] = {0.008, 0.02}; /* rad/s */
 static const double MODEL_SHARE = 0.1;          /* of a change of rate by the model that may be wrong */
 static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong at rest */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
@@ -254,20 +253,12 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
     return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, Pi));
 }
 
-/* The best plan of three starts. */
-static void plan_anew(ControllerPlannedLaw *law, const Ahead *ahead, const Model *model, const Motion *now, double t, Plan *best)
+/* The plan that was, from here and now on. */
+static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ahead, const Motion *now, double t, const Plan *was,
+                  Plan *plan)
 {
-    Plan *trial = &law->trial[1];
-    for (int k = 0; k < 3; ++k) {
-        lay_stages(model, ahead, now, t, NULL, trial, &law->workspace);
-        if (k > 0) {
-            cascade(model, now, CASCADE_RATES[k - 1], trial, &law->workspace);
-        }
-        improve(model, now, ITERATIONS_COLD, trial, &law->workspace);
-        if (k == 0 || trial->cost < best->cost) {
-            memcpy(best, trial, sizeof *best);
-        }
-    }
+    lay_stages(model, ahead, now, t, was, plan, &law->workspace);
+    improve(model, now, ITERATIONS, plan, &law->workspace);
 }
 
 static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now, double dt)
@@ -285,18 +276,33 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
     } else if (x->settled_since > x->t) {
         x->settled_since = x->t;
     }
-    const int32_t before = x->phase;
     const double left = norm(D_N) / p->steering_limit;
+    const bool steering = x->phase == PHASE_STEERING;
     const bool far = x->steering.time > STEERING_LEFT && left > STEERING_DONE;
-    if (before == PHASE_STEERING ? left > 1.0 || far : left > STEERING_AGAIN) {
+    const bool lost = steering ? left > 1.0 || far : left > STEERING_AGAIN;
+
+    /* A search for a plan from nothing ends after some samples; until then all goes on as it was. */
+    Search *search = &x->search;
+    if (lost) {
+        search->active = search->ready = false;
+    } else if (!search->active && !search->ready &&
+               (steering || (x->phase == PHASE_ACQUISITION && x->t >= x->next_challenge - early))) {
+        search_begin(now, x->t, search);
+    }
+    search_on(&model, ahead, p->search_iterations, search, &law->workspace);
+
+    bool due = x->t >= x->next_plan - early;
+    if (lost) {
+        due = due || !steering;
         x->phase = PHASE_STEERING;
-    } else if (before == PHASE_STEERING || angle > LOST_ANGLE) {
+    } else if (steering && search->ready) {
+        due = true;
         x->phase = PHASE_ACQUISITION;
-    } else if (x->t - x->settled_since >= SETTLED_TIME) {
+    } else if (x->phase == PHASE_HOLD && angle > LOST_ANGLE) {
+        x->phase = PHASE_ACQUISITION;
+    } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME) {
         x->phase = PHASE_HOLD;
     }
-    const bool turned_over = x->phase != before;
-    const bool due = x->t >= x->next_plan - early || (turned_over && x->phase != PHASE_HOLD);
 
     if (x->phase == PHASE_STEERING) {
         if (due) {
@@ -315,19 +321,18 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
     }
     x->next_plan = x->t + p->plan_period;
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
-    Plan *shifted = &law->trial[0];
     const bool fresh = x->plan.stages == 0;
     if (!fresh) {
-        lay_stages(&model, ahead, now, x->t, &x->plan, shifted, &law->workspace);
-        improve(&model, now, ITERATIONS, shifted, &law->workspace);
-        memcpy(&x->plan, shifted, sizeof x->plan);
+        renew(law, &model, ahead, now, x->t, &x->plan, &law->trial);
+        memcpy(&x->plan, &law->trial, sizeof x->plan);
     }
-    if (fresh || (x->phase == PHASE_ACQUISITION && x->t >= x->next_challenge - early)) {
-        x->next_challenge = x->t + CHALLENGE_PERIOD;
-        plan_anew(law, ahead, &model, now, x->t, shifted);
-        if (fresh || shifted->cost < CHALLENGE_GAIN * x->plan.cost) {
-            memcpy(&x->plan, shifted, sizeof x->plan);
+    if (search->ready) {
+        renew(law, &model, ahead, now, x->t, &search->best, &law->trial);
+        if (fresh || law->trial.cost < CHALLENGE_GAIN * x->plan.cost) {
+            memcpy(&x->plan, &law->trial, sizeof x->plan);
         }
+        search->ready = false;
+        x->next_challenge = x->t + CHALLENGE_PERIOD;
     }
     x->reference = *now;
 }

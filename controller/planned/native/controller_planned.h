@@ -27,6 +27,7 @@ typedef struct {
     bool sampled;          /* whether the control has acted at t */
     Steering steering;
     Plan plan;
+    Search search;
     Motion reference;      /* of the plan, at t_sample */
     Vector field_bias_N;   /* measured field less that of the onboard model */
     double l_own;          /* wheel momentum by the controller's own account */
@@ -49,7 +50,7 @@ typedef struct {
     Vector rod_axes[3]; /* unit */
     OnboardField field;
     Workspace workspace;
-    Plan trial[2];
+    Plan trial;
     Vector steering_field[STEERING_NODES];
 } ControllerPlannedLaw;
 

@@ -44,14 +44,16 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
     if (!(error * error <= GATE * GATE * spread && isfinite(spread))) {
         return;
     }
+    /* Without a known impulse the row tells of ratios only: its noise alone would draw all of p towards zero. Rods that are
+     * at rest have no part in the ratios. */
+    const int ratios = fabs(row[GAIN]) >= KNOWN_MIN ? TORQUE : GAIN;
     double scale_before = 0.0, scale_after = 0.0;
     for (int i = 0; i < UNKNOWNS; ++i) {
-        scale_before += i < TORQUE ? id->p[i] / id->start[i] : 0.0;
+        scale_before += i < ratios ? id->p[i] / id->start[i] : 0.0;
         id->p[i] += Pr[i] * error / spread;
-        scale_after += i < TORQUE ? id->p[i] / id->start[i] : 0.0;
+        scale_after += i < ratios ? id->p[i] / id->start[i] : 0.0;
     }
-    /* Without a known impulse the row tells of ratios only: its noise alone would draw all of p towards zero. */
-    for (int i = 0; i < UNKNOWNS && !quiet && fabs(value) < KNOWN_MIN; ++i) {
+    for (int i = 0; i < ratios && !quiet && fabs(value) < KNOWN_MIN; ++i) {
         id->p[i] *= scale_before / scale_after;
     }
     for (int i = 0; i < UNKNOWNS; ++i) {

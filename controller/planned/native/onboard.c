@@ -124,9 +124,10 @@ Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
     const double angle = field->sidereal_angle + EARTH_RATE * t;
     const double ca = cos(angle), sa = sin(angle);
     const Vector r = {ca * r_N.x + sa * r_N.y, ca * r_N.y - sa * r_N.x, r_N.z};
-    const double size = norm(r), rho = larger(sqrt(r.x * r.x + r.y * r.y), 1e-7 * size);
+    const double size = norm(r), from_axis = sqrt(r.x * r.x + r.y * r.y), rho = larger(from_axis, 1e-7 * size);
     const double c = r.z / size, s = rho / size; /* of the colatitude */
-    const double cl = r.x / rho, sl = r.y / rho; /* of the longitude */
+    const bool polar = from_axis < rho;
+    const double cl = polar ? 1.0 : r.x / rho, sl = polar ? 0.0 : r.y / rho; /* of the longitude, any at the poles */
     double P[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1], dP[ONBOARD_DEGREE_MAX + 1][ONBOARD_DEGREE_MAX + 1];
     double cm[ONBOARD_DEGREE_MAX + 1], sm[ONBOARD_DEGREE_MAX + 1];
     P[0][0] = cm[0] = 1.0;
@@ -213,8 +214,9 @@ Vector rotation_log(Matrix R)
     if (c > 0.0) {
         return scale(0.5, twice);
     }
-    /* Near a half turn the axis comes from R + I = 2 axis axis^T, by its largest column. */
-    const Vector columns[3] = {{R.a.x + 1.0, R.b.x, R.c.x}, {R.a.y, R.b.y + 1.0, R.c.y}, {R.a.z, R.b.z, R.c.z + 1.0}};
+    /* Near a half turn the axis comes from (R + R^T)/2 - c I = (1 - c) axis axis^T, by its largest column. */
+    const double xy = 0.5 * (R.a.y + R.b.x), yz = 0.5 * (R.b.z + R.c.y), zx = 0.5 * (R.c.x + R.a.z);
+    const Vector columns[3] = {{R.a.x - c, xy, zx}, {xy, R.b.y - c, yz}, {zx, yz, R.c.z - c}};
     Vector axis = columns[0];
     for (int i = 1; i < 3; ++i) {
         axis = dot(columns[i], columns[i]) > dot(axis, axis) ? columns[i] : axis;

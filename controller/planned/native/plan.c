@@ -17,6 +17,8 @@ static const double FAST = 0.04, FASTER = 0.08;        /* rad/s; stages are halv
 static const double TURN_MAX = 1.5;                    /* rad in a stage; a motion beyond is no plan */
 static const double BIAS_FADES = 600.0;                 /* s */
 static const double NEVER = 1e300;
+static const int ITERATIONS_COLD = 60;                 /* of a start of a search */
+static const double CASCADE_RATES[STARTS - 1] = {0.008, 0.02}; /* rad/s; the first start has no controls */
 
 Around around_at(const Ahead *ahead, double t)
 {
@@ -334,14 +336,15 @@ static void sweep_back(const Model *model, const Plan *plan, Workspace *w, int a
     }
 }
 
-void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w)
+int improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w)
 {
     static const double shares[] = {1.0, 0.5, 0.25, 0.1, 0.02};
-    int now = 0;
+    int now = 0, used = 0;
     w->x[0][0] = w->x[1][0] = *x;
     memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
     plan->cost = roll_out(model, plan, w, 0, 0, 0.0);
-    for (int i = 0; i < iterations && plan->cost < NEVER; ++i) {
+    while (used < iterations && plan->cost < NEVER) {
+        ++used;
         sweep_back(model, plan, w, now);
         double cost = NEVER;
         for (size_t k = 0; k < sizeof shares / sizeof shares[0]; ++k) {
@@ -351,16 +354,22 @@ void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wo
             }
         }
         if (!(cost < plan->cost)) {
+            used = iterations;
             break;
         }
         const bool done = plan->cost - cost < 1e-6 * cost;
         plan->cost = cost;
         now = 1 - now;
         if (done) {
-            break;
+            used = iterations;
         }
     }
-    memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
+    if (plan->cost < NEVER) {
+        memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
+    } else {
+        used = iterations;
+    }
+    return used;
 }
 
 void plan_at(const Plan *plan, double t, double u[CONTROLS])
@@ -376,12 +385,20 @@ void plan_at(const Plan *plan, double t, double u[CONTROLS])
     memset(u, 0, sizeof plan->u[0]);
 }
 
-static void add_stage(const Ahead *ahead, Plan *plan, Workspace *w, double t, double h)
+static void survey_stage(const Ahead *ahead, int i, double t, double h, Workspace *w)
 {
-    const int i = plan->stages++;
-    plan->h[i] = h;
     w->stage[i].around = around_at(ahead, t + 0.5 * h);
     w->stage[i].target = target_at(ahead, t);
+}
+
+void survey(const Ahead *ahead, const Plan *plan, Workspace *w)
+{
+    double t = plan->start;
+    for (int i = 0; i < plan->stages; ++i) {
+        survey_stage(ahead, i, t, plan->h[i], w);
+        t += plan->h[i];
+    }
+    w->stage[plan->stages].target = target_at(ahead, t);
 }
 
 void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was, Plan *plan, Workspace *w)
@@ -399,13 +416,15 @@ void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double 
         const int parts = left >= 4 ? wanted : 1;
         for (int i = 0; i < parts; ++i) {
             const double h = whole / parts;
-            add_stage(ahead, plan, w, t + s, h);
-            double *u = plan->u[plan->stages - 1];
+            const int k = plan->stages++;
+            plan->h[k] = h;
+            survey_stage(ahead, k, t + s, h, w);
+            double *u = plan->u[k];
             memset(u, 0, sizeof plan->u[0]);
             if (was != NULL) {
                 plan_at(was, t + s + 0.5 * h, u);
             }
-            now = advanced(model, &w->stage[plan->stages - 1].around, &now, u, h);
+            now = advanced(model, &w->stage[k].around, &now, u, h);
             s += h;
         }
     }
@@ -435,7 +454,8 @@ void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u
     box_qp((const double(*)[CONTROLS])H, g, low, high, 12, u, free);
 }
 
-void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Workspace *w)
+/* Controls of a cascade through the limits, to start from: turns to the target at no more than `rate`, rad/s. */
+static void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Workspace *w)
 {
     static const double stiffness = 0.02, damping = 0.05; /* 1/s */
     Motion now = *x;
@@ -452,5 +472,43 @@ void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Works
         tau = subtract(tau, cross(Pi, now.Omega));
         controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
+    }
+}
+
+void search_begin(const Motion *x, double t, Search *search)
+{
+    search->active = true;
+    search->ready = false;
+    search->start = 0;
+    search->left = ITERATIONS_COLD;
+    search->x = *x;
+    search->t = t;
+}
+
+void search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w)
+{
+    while (search->active && iterations > 0) {
+        if (search->left == ITERATIONS_COLD) {
+            lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w);
+            if (search->start > 0) {
+                cascade(model, &search->x, CASCADE_RATES[search->start - 1], &search->trial, w);
+            }
+        } else {
+            survey(ahead, &search->trial, w);
+        }
+        const int wanted = search->left < iterations ? search->left : iterations;
+        const int used = improve(model, &search->x, wanted, &search->trial, w);
+        search->left -= used;
+        iterations -= used;
+        if (search->left == 0) {
+            if (search->start == 0 || search->trial.cost < search->best.cost) {
+                memcpy(&search->best, &search->trial, sizeof search->best);
+            }
+            search->left = ITERATIONS_COLD;
+            if (++search->start == STARTS) {
+                search->active = false;
+                search->ready = true;
+            }
+        }
     }
 }

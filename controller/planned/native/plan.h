@@ -85,11 +85,28 @@ Motion advanced(const Model *model, const Around *around, const Motion *x, const
 void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was, Plan *plan,
                 Workspace *w);
 
-/* Improves the plan from x by a number of iterations; its cost is then that of its motion. */
-void improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w);
+/* The same for the stages that the plan has. */
+void survey(const Ahead *ahead, const Plan *plan, Workspace *w);
 
-/* Controls of a cascade through the limits, as a plan to start from: turns to the target at no more than `rate`, rad/s. */
-void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Workspace *w);
+/* Improves the plan from x by at most a number of iterations, which it returns, fewer where nothing more is gained; the
+ * plan's cost is then that of its motion. Its stages must be those that were laid or surveyed last. */
+int improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w);
+
+/* The search for a plan from nothing: three starts, each improved, the best kept; a few iterations in each call. */
+enum { STARTS = 3 };
+
+typedef struct {
+    bool active, ready;
+    int32_t start, left; /* iterations of this start */
+    Motion x;
+    double t;
+    Plan trial, best;
+} Search;
+
+void search_begin(const Motion *x, double t, Search *search);
+
+/* Goes on by at most `iterations`. */
+void search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w);
 
 /* The controls nearest to a demanded torque of rods and wheel in the field B_B. */
 void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);

@@ -40,6 +40,9 @@ typedef struct {
     double wheel_momentum_max;
     /* s; Time between two plans */
     double plan_period;
+    /* Iterations in one sample of the search for a plan from nothing, of 180 in all: fewer make a call
+     * shorter and the search take more samples */
+    int32_t search_iterations;
     /* N.m.s; Handover from steering to the plan below this distance from the target's momentum */
     double steering_limit;
     /* rad; Standard deviation of the measured attitude about each axis, as the estimator assumes it */

@@ -4,6 +4,8 @@
 
 static const double SPACING = 20.0;      /* s between nodes of the field ahead */
 static const double ALIGNED_MIN = 0.03;  /* |B x lambda| counts at least as this share of |B| */
+static const double EXACT = 60.0;        /* s before the end from which the direction is kept exactly */
+static const double ALIGNED_FULL = 0.2;  /* cosine of a rod to the wanted dipole from which it is at its limit */
 static const double TAPER = 20.0;        /* s before the end from which the dipole is lessened */
 enum { ITERATIONS = 5 };
 
@@ -73,6 +75,16 @@ void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field
 
 void steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3])
 {
+    const Vector w = cross(B_B, apply_transposed(R, steering->lambda_N));
+    if (steering->time > EXACT) {
+        /* What gives most along lambda: each rod at its limit, smoothly where it changes sign. What it gives besides
+         * averages out as the satellite turns. */
+        for (int i = 0; i < 3; ++i) {
+            const double along = dot(rods[i], w) / larger(norm(rods[i]) * norm(w), 1e-300);
+            u[i] = larger(smaller(along / ALIGNED_FULL, 1.0), -1.0);
+        }
+        return;
+    }
     /* Shares of the rods' limits that give m, and B: columns `rods` times the shares. */
     const Matrix axes = transposed((Matrix){rods[0], rods[1], rods[2]});
     const Vector m = cross(B_B, apply_transposed(R, steering->lambda_N));
