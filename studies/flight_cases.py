@@ -18,7 +18,9 @@ import numpy as np
 from fmus.interface import load
 from orchestration.source import read
 
-from .claims import INERTIA, ORBIT, ROOT
+from . import setup
+from .claims import INERTIA, ORBIT, ROOT, SCENARIOS
+from .setup import Loop
 from .sweep import wrong_inertias
 from .vectors import Array, random_rotations
 
@@ -31,7 +33,7 @@ J = np.diag(INERTIA)
 SHORT, LONG = 1.1 * ORBIT, 3.0 * ORBIT
 """How long a case is flown, s, and how long if it has not settled by then."""
 RECORD = ("plant.R_NB", "plant.omega_B", "plant.r_N", "plant.v_N", "plant.h_w")
-TUNED = {"K0": [9.0e-4, 1.0e-3, 1.1e-3], "L0": (0.1 * np.eye(3)).tolist()}
+TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
 """Gains of law [8] in SI units with the bounded allocator: the best of `python -m studies flight-tune`."""
 
 
@@ -284,21 +286,19 @@ def _fast(data: Data, rng: np.random.Generator) -> None:
 
 def _eccentric(data: Data, rng: np.random.Generator) -> None:
     """e = 0.02 at the same semi-major axis, from a perigee anywhere on the orbit."""
-    start = data["blocks"]["plant"]["start"]
-    node, where, tilt = float(start["node_longitude"]), rng.uniform(0.0, 2.0 * math.pi), math.radians(98.0)
-    toward = np.array([math.cos(node), math.sin(node), 0.0])
-    along = np.array([-math.sin(node) * math.cos(tilt), math.cos(node) * math.cos(tilt), math.sin(tilt)])
-    up = math.cos(where) * toward + math.sin(where) * along
-    ahead = -math.sin(where) * toward + math.cos(where) * along
-    a, e, mu = 6971e3, 0.02, 3.986004418e14
-    change(
-        data,
-        {
-            "plant.orbit_start": "position_velocity",
-            "plant.r_N0": a * (1.0 - e) * up,
-            "plant.v_N0": math.sqrt(mu / a * (1.0 + e) / (1.0 - e)) * ahead,
-        },
-    )
+    node = float(data["blocks"]["plant"]["start"]["node_longitude"])
+    place = {"plant.node_longitude": node, "plant.argument_of_latitude": rng.uniform(0.0, 2.0 * math.pi)}
+    orbit = scenario_loop().change(place).plant.orbit
+    r, v = orbit.position_velocity(0.0)
+    e = 0.02
+    factor = math.sqrt((1.0 + e) / (1.0 - e))
+    change(data, {"plant.orbit_start": "position_velocity", "plant.r_N0": (1.0 - e) * r, "plant.v_N0": factor * v})
+
+
+@cache
+def scenario_loop() -> Loop:
+    """The paper's loop, for what its plant's functions tell of orbits."""
+    return setup.read(ROOT / SCENARIOS["V.B"]).loop
 
 
 def _lost(*targets: str) -> Callable[[Data, np.random.Generator], Any]:

@@ -69,7 +69,8 @@ def settling(done: Done) -> Any:
         ax.set_xticks([0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0], ["0.003", "0.01", "0.03", "0.1", "0.3", "1", "3"])
         ax.set_ylim(-2.0, 103.0)
         _label(ax, "time, orbits", "settled, % of the tumbles" if ax is axes[0, 0] else "", title)
-    axes[0, 0].legend(fontsize=8, frameon=False, loc="upper left")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=8, frameon=False, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -149,7 +150,7 @@ def flight(done: Done) -> Any:
                 ax.axvspan(begin, min(stop, end), color=colour, zorder=0, linewidth=0)
     from matplotlib.patches import Patch
 
-    patches = [Patch(color=colour, label=name) for _, colour, name in _PHASES]
+    patches = [Patch(facecolor=colour, edgecolor="0.6", label=name) for _, colour, name in _PHASES]
     top[1].legend(handles=patches, fontsize=8, frameon=False, loc="upper right")
     return figure
 

@@ -8,6 +8,7 @@ during a study changes nothing in it.
 from __future__ import annotations
 
 import atexit
+import ctypes
 import hashlib
 import json
 import math
@@ -152,14 +153,13 @@ def run(data: Data, duration: float, fmus: Mapping[str, Path]) -> Result:
     return result
 
 
-def memory(slave: Any) -> int:
-    """Bytes of an instance's state as FMI serializes it."""
-    fmu = slave._fmu
-    state = fmu.getFMUstate()
-    try:
-        return len(fmu.serializeFMUstate(state))
-    finally:
-        fmu.freeFMUstate(state)
+def memory(component: Any) -> int | None:
+    """Bytes of an instance, which the native FMUs allocate as a whole; None where the C library does not tell."""
+    size = getattr(ctypes.CDLL(None), "malloc_usable_size", None) if os.name == "posix" else None
+    if size is None:
+        return None
+    size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_void_p]
+    return int(size(component))
 
 
 def fly(case: Case, fmus: Mapping[str, Path]) -> Row:
@@ -221,9 +221,12 @@ class Rows:
     def add(self, key: str, name: str, row: Row) -> None:
         self.rows[key] = row
         self.file.parent.mkdir(parents=True, exist_ok=True)
-        cut_off = self.file.exists() and not self.file.read_bytes().endswith(b"\n")
-        with self.file.open("a", encoding="utf-8") as out:
-            out.write(("\n" if cut_off else "") + json.dumps({"key": key, "case": name, "row": row}) + "\n")
+        line = json.dumps({"key": key, "case": name, "row": row}) + "\n"
+        with self.file.open("ab+") as out:
+            if out.tell():  # a line that was cut off ends here
+                out.seek(-1, os.SEEK_END)
+                line = line if out.read(1) == b"\n" else "\n" + line
+            out.write(line.encode())
 
 
 def key(case: Case, fmus: Mapping[str, Path]) -> str:
