@@ -16,7 +16,7 @@ from orchestration import Result
 
 from . import flight_cases, flight_run
 from .claims import ROOT
-from .flight_cases import BESIDE, SEEDS, TRIES, Case
+from .flight_cases import BESIDE, SEEDS, TRIES, Case, share
 from .flight_run import FOLDER, Row
 from .vectors import Array
 
@@ -178,10 +178,10 @@ def seeds_said(n: int) -> str:
     sets = [
         (n, "nominal"),
         (n, "errors"),
-        (min(n, TRIES), "tried"),
+        (share(n, TRIES), "tried"),
     ]
     said = "; ".join(f"{name} {SEEDS[name]} to {SEEDS[name] + count - 1}" for count, name in sets)
-    return f"seeds: {said}; the first {min(n, BESIDE)} of nominal and errors also by the other schemes"
+    return f"seeds: {said}; the first {share(n, BESIDE)} of nominal and errors also by the other schemes"
 
 
 def write_case(group: str, seed: int) -> tuple[Path, Row]:

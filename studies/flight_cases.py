@@ -191,18 +191,23 @@ BESIDE = 200
 TRIES = 50
 
 
+def share(n: int, full: int) -> int:
+    """How many of a set that has `full` with 1000 random cases, with n of them."""
+    return min(n, max(2, full * n // 1000))
+
+
 def all_cases(n: int) -> list[Case]:
-    """Everything that is flown, with n random cases under each condition; the fewer of the tables are never more than n."""
+    """Everything that is flown, with n random cases under each condition, and of the smaller sets in proportion."""
     cases = [flight("nominal", s) for s in seeds("nominal", n)]
     cases += [flight("errors", s, errors=True) for s in seeds("errors", n)]
     cases += [manoeuvre(which, node) for which in ("vb", "vc") for node in NODES]
     for scheme in ("tuned", "paper"):
-        some = min(n, BESIDE)
+        some = share(n, BESIDE)
         cases += [flight(f"nominal, {scheme}", s, scheme) for s in seeds("nominal", some)]
         cases += [flight(f"errors, {scheme}", s, scheme, True) for s in seeds("errors", some)]
         cases += [manoeuvre(which, node, scheme) for which in ("vb", "vc") for node in NODES]
     cases += [hold(node) for node in HOLD_NODES] + pairings()
-    return cases + [case for t in TRIED for case in t.cases(min(n, TRIES))]
+    return cases + [case for t in TRIED for case in t.cases(share(n, TRIES))]
 
 
 def hold(node: int) -> Case:

@@ -11,7 +11,7 @@ import numpy as np
 from . import flight_cases
 from .claims import ORBIT
 from .flight import Done
-from .flight_cases import BESIDE, HOLD_ORBITS, PAIRINGS, RATE_MAX, SEEDS, SHORT, TRIED, TRIES, TUNED, Case
+from .flight_cases import BESIDE, HOLD_ORBITS, PAIRINGS, RATE_MAX, SEEDS, SHORT, TRIED, TRIES, TUNED, Case, share
 from .flight_run import HOLD, RATE, Row, truth
 from .vectors import Array
 
@@ -162,7 +162,7 @@ All errors together: inertia 5 to 10% off in each axis, rods that give 0.9 of th
 
 Those that never settle count as later than all others in every percentile. *The bound* is each case's own [momentum bound](reproduction.md#the-balance-of-momentum): a proven lower bound for any controller with these rods, from the same start,
 to the tolerance of 5°. *Law [8], tuned* is the paper's `controller` with `allocator_bounded`, K = {best["K0"][1]:.3g} diag(0.9, 1, 1.1) N m and L = {best["L0"][0][0]:.3g} I N m s, the best of a random search on tumbles of its own
-(`python -m studies flight-tune`). *The paper's scheme* is `controller` and `allocator` with the paper's gains, at 10 Hz. Both fly the first {min(done.n, BESIDE)} of the cases under each condition, for 3 orbits, as all 1000 would take too long.
+(`python -m studies flight-tune`). *The paper's scheme* is `controller` and `allocator` with the paper's gains, at 10 Hz. Both fly the first {share(done.n, BESIDE)} of the cases under each condition, for 3 orbits, as all 1000 would take too long.
 
 | goals | settled | median to 5°, orbits | worst | hold rms |
 | --- | --- | --- | --- | --- |
@@ -310,7 +310,7 @@ def _tried(done: Done) -> str:
     return f"""
 ## Also tried
 
-The same {min(done.n, TRIES)} tumbles each time, nominal but for one thing (unless all errors are named), flown for {SHORT / ORBIT:.1f} orbits. “Not known” is not known to the flight software, which is told nothing of it.
+The same {share(done.n, TRIES)} tumbles each time, nominal but for one thing (unless all errors are named), flown for {SHORT / ORBIT:.1f} orbits. “Not known” is not known to the flight software, which is told nothing of it.
 
 {_table("what is different|below 5°|median, orbits|90%|worst|below 1°|hold rms, median|worst", rows)}
 """
