@@ -1,0 +1,315 @@
+"""The planned controller's C functions behind numpy: compiled as the FMUs are, reached through probe.c."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from controller.planned.native import tables
+from fmus.native.toolchain import PLATFORMS, compile_library, host_platform
+
+ROOT = Path(__file__).parents[3]
+NATIVE = ROOT / "controller" / "planned" / "native"
+MODELS = ("igrf14", "wmm2010", "wmm2015", "wmm2020", "wmm2025")
+MU = 3.986004418e14
+U3 = 1.0 / np.sqrt(3.0)
+RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
+STAGES = 208
+
+Array = NDArray[np.float64]
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """The controller's C with the probe as a shared library."""
+    folder = Path(tempfile.mkdtemp())
+    generated = []
+    for name, text in tables.generated().items():
+        (folder / name).write_text(text, "utf-8")
+        generated.append(folder / name)
+    sources = [path for path in sorted(NATIVE.glob("*.c")) if path.name != "plan.c"]
+    host = host_platform()
+    made = compile_library(
+        "probe",
+        [Path(__file__).with_name("probe.c"), *sources, *generated],
+        [ROOT / "fmus" / "native" / "common", NATIVE],
+        [host],
+    )
+    path = folder / f"probe{PLATFORMS[host].suffix}"
+    path.write_bytes(made[host])
+    lib = ctypes.CDLL(str(path))
+    for name in ("probe_year", "probe_sidereal", "probe_cost_rate", "probe_plan_cost", "probe_steer"):
+        getattr(lib, name).restype = c_double
+    return lib
+
+
+def _doubles(x: ArrayLike) -> Any:
+    """A C array of the values. Keep it while C uses it."""
+    flat = np.ravel(np.asarray(x, float))
+    return (c_double * flat.size)(*flat)
+
+
+def _room(*shape: int) -> tuple[Any, Any]:
+    """A C array to be written to, and its values in this shape."""
+    room = (c_double * int(np.prod(shape)))()
+    return room, lambda: np.array(room).reshape(shape)
+
+
+class _Model(ctypes.Structure):
+    _fields_ = (
+        ("J", c_double * 9),
+        ("rods", c_double * 9),
+        ("wheel_torque_max", c_double),
+        ("wheel_momentum_max", c_double),
+        ("disturbance_B", c_double * 3),
+    )
+
+
+class _Around(ctypes.Structure):
+    _fields_ = (("B_N", c_double * 3), ("r_hat_N", c_double * 3), ("rate_squared", c_double))
+
+
+class _Motion(ctypes.Structure):
+    _fields_ = (("R", c_double * 9), ("Omega", c_double * 3), ("h_w", c_double))
+
+
+class _Ahead(ctypes.Structure):
+    _fields_ = (
+        ("t", c_double),
+        ("mu", c_double),
+        ("r", c_double * 3),
+        ("v", c_double * 3),
+        ("days", c_double),
+        ("bias_N", c_double * 3),
+        ("bias_t", c_double),
+        ("R_d0", c_double * 9),
+        ("model", c_int32),
+        ("degree", c_int32),
+        ("target", c_int32),
+    )
+
+
+@dataclass(frozen=True)
+class Satellite:
+    """J (3, 3) kg m2, rods (3, 3): rows, dipoles at the limit, A m2; N m; N m s; N m."""
+
+    J: Array = field(default_factory=lambda: np.diag([2.13, 3.04, 3.09]))
+    rods: Array = field(default_factory=lambda: 25.0 * RODS)
+    wheel_torque_max: float = 3e-3
+    wheel_momentum_max: float = 0.03
+    disturbance_B: Array = field(default_factory=lambda: np.zeros(3))
+
+    def c(self) -> Any:
+        return byref(
+            _Model(
+                _doubles(self.J),
+                _doubles(self.rods),
+                self.wheel_torque_max,
+                self.wheel_momentum_max,
+                _doubles(self.disturbance_B),
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Around:
+    """B_N (3,) T, r_hat_N (3,), rate_squared 1/s2."""
+
+    B_N: Array
+    r_hat_N: Array
+    rate_squared: float
+
+    def c(self) -> Any:
+        return byref(_Around(_doubles(self.B_N), _doubles(self.r_hat_N), self.rate_squared))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """R (3, 3) N from B, Omega (3,) rad/s, h_w N m s."""
+
+    R: Array
+    Omega: Array
+    h_w: float
+
+    def c(self) -> Any:
+        return byref(_Motion(_doubles(self.R), _doubles(self.Omega), self.h_w))
+
+    @staticmethod
+    def of(m: Any) -> Motion:
+        return Motion(np.array(m.R).reshape(3, 3), np.array(m.Omega), float(m.h_w))
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """Orbit through r_N, v_N at t, field of a model on a day; target 1: LVLH, 2: R_d0 at rest."""
+
+    r_N: Array
+    v_N: Array
+    t: float = 0.0
+    days: float = 3508.5
+    model: int = 1
+    degree: int = 10
+    target: int = 1
+    R_d0: Array = field(default_factory=lambda: np.eye(3))
+    bias_N: Array = field(default_factory=lambda: np.zeros(3))
+
+    def c(self) -> Any:
+        ahead = _Ahead(self.t, MU, _doubles(self.r_N), _doubles(self.v_N), self.days, _doubles(self.bias_N), self.t)
+        ahead.R_d0[:] = np.ravel(self.R_d0).tolist()
+        ahead.model, ahead.degree, ahead.target = self.model, self.degree, self.target
+        return byref(ahead)
+
+
+def days(text: str) -> float | None:
+    """Days from 2000-01-01T12:00; None where the text is no date."""
+    found = c_double()
+    return found.value if library().probe_days(text.encode(), byref(found)) else None
+
+
+def year(of_days: float) -> float:
+    return float(library().probe_year(c_double(of_days)))
+
+
+def sidereal(of_days: float) -> float:
+    return float(library().probe_sidereal(c_double(of_days)))
+
+
+def field_at(
+    model: str, of_days: float, degree: int, r_N: Array, t: float = 0.0, error: ArrayLike = (0, 0, 0)
+) -> Array:
+    """B_N (..., 3) T at r_N (..., 3)."""
+    r = np.atleast_2d(r_N)
+    room, values = _room(*r.shape)
+    library().probe_field(
+        MODELS.index(model) + 1, c_double(of_days), degree, _doubles(error), c_double(t), len(r), _doubles(r), room
+    )
+    return np.reshape(values(), np.shape(r_N))
+
+
+def orbit_at(r: Array, v: Array, dt: float, mu: float = MU) -> tuple[Array, Array]:
+    room, values = _room(2, 3)
+    library().probe_orbit(c_double(mu), _doubles(r), _doubles(v), c_double(dt), room)
+    return values()[0], values()[1]
+
+
+def logs(R: Array) -> Array:
+    """(n, 3) of (n, 3, 3)."""
+    room, values = _room(len(R), 3)
+    library().probe_log(len(R), _doubles(R), room)
+    return values()
+
+
+def lvlh(r: Array, v: Array) -> tuple[Array, Array]:
+    """R_d (3, 3) and Omega_d (3,)."""
+    (a, R), (b, w) = _room(3, 3), _room(3)
+    library().probe_target(_doubles(r), _doubles(v), a, b)
+    return R(), w()
+
+
+def box_qp(H: Array, g: Array, low: Array, high: Array, start: Array, passes: int = 12) -> tuple[Array, Array]:
+    """Solutions (n, 4) and which variables are free (n, 4) of n problems."""
+    n = len(H)
+    u = _doubles(start)
+    free = (c_ubyte * (4 * n))()
+    library().probe_box_qp(n, _doubles(H), _doubles(g), _doubles(low), _doubles(high), passes, u, free)
+    return np.array(u).reshape(n, 4), np.array(free).reshape(n, 4).astype(bool)
+
+
+def acceleration(m: Satellite, a: Around, x: Motion, u: ArrayLike) -> Array:
+    room, values = _room(3)
+    library().probe_acceleration(m.c(), a.c(), x.c(), _doubles(u), room)
+    return values()
+
+
+def advanced(m: Satellite, a: Around, x: Motion, u: ArrayLike, h: float) -> Motion:
+    found = _Motion()
+    library().probe_advanced(m.c(), a.c(), x.c(), _doubles(u), c_double(h), byref(found))
+    return Motion.of(found)
+
+
+def linearised(m: Satellite, a: Around, x: Motion, u: ArrayLike, h: float) -> tuple[Array, Array]:
+    """A (7, 7), G (7, 4)."""
+    (p, A), (q, G) = _room(7, 7), _room(7, 4)
+    library().probe_linearised(m.c(), a.c(), x.c(), _doubles(u), c_double(h), p, q)
+    return A(), G()
+
+
+def cost_rate(m: Satellite, R_d: Array, Omega_d: Array, x: Motion) -> tuple[float, Array]:
+    """Cost rate and its gradient (7,)."""
+    room, values = _room(7)
+    return float(library().probe_cost_rate(m.c(), _doubles(R_d), _doubles(Omega_d), x.c(), room)), values()
+
+
+def controls_for(m: Satellite, tau: Array, B_B: Array, h_w: float) -> Array:
+    room, values = _room(4)
+    library().probe_controls_for(m.c(), _doubles(tau), _doubles(B_B), c_double(h_w), room)
+    return values()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """h (n,) s, u (n, 4), its cost, and the motions at the stages' beginnings and at the end."""
+
+    h: Array
+    u: Array
+    cost: float
+    path: list[Motion]
+
+
+def plan(m: Satellite, a: Ahead, x: Motion, iterations: int, rate: float = 0.0, t: float = 0.0) -> Plan:
+    (hs, h), (us, u), cost = _room(STAGES), _room(STAGES, 4), c_double()
+    path = (_Motion * (STAGES + 1))()
+    n = library().probe_plan(m.c(), a.c(), x.c(), c_double(t), c_double(rate), iterations, hs, us, byref(cost), path)
+    return Plan(h()[:n], u()[:n], cost.value, [Motion.of(path[i]) for i in range(n + 1)])
+
+
+def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> float:
+    """Of controls u (n, 4) on the stages that a plan without controls has."""
+    return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), _doubles(u)))
+
+
+def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: float) -> tuple[Array, Array]:
+    """Stages h (n,) and controls u (n, 4) of a plan from t that is laid anew from t_next."""
+    (hs, h), (us, u) = _room(STAGES), _room(STAGES, 4)
+    n = library().probe_replanned(
+        m.c(), a.c(), x.c(), c_double(t), len(was.h), _doubles(was.h), _doubles(was.u), c_double(t_next), hs, us
+    )
+    return h()[:n], u()[:n]
+
+
+def around(a: Ahead, t: float) -> tuple[Around, Array, Array]:
+    """What surrounds the satellite, and the target's R_d, Omega_d."""
+    found = _Around()
+    (p, R), (q, w) = _room(3, 3), _room(3)
+    library().probe_around(a.c(), c_double(t), byref(found), p, q)
+    return Around(np.array(found.B_N), np.array(found.r_hat_N), float(found.rate_squared)), R(), w()
+
+
+def steer(a: Ahead, t: float, D: Array, dipole: float, calls: int = 1) -> tuple[Array, float]:
+    """lambda (3,) and the time, s, after a number of calls from nothing."""
+    lam = _doubles(np.zeros(3))
+    time = 0.0
+    for _ in range(calls):
+        time = float(library().probe_steer(a.c(), c_double(t), _doubles(D), c_double(dipole), lam))
+    return np.array(lam), time
+
+
+def steering_rods(lam: Array, time: float, R: Array, B_B: Array, rods: Array) -> Array:
+    room, values = _room(3)
+    library().probe_steering_rods(_doubles(lam), c_double(time), _doubles(R), _doubles(B_B), _doubles(rods), room)
+    return values()
+
+
+def sizes() -> tuple[int, int]:
+    """Bytes of the state and of the law with its workspace."""
+    found = (c_size_t * 2)()
+    library().probe_sizes(found)
+    return found[0], found[1]

@@ -1,0 +1,308 @@
+/* The planned controller's inner functions, for tests: flat arrays of doubles in, flat arrays out.
+ * plan.c is included, so that what is static in it can be looked at. */
+#include "../../../controller/planned/native/plan.c"
+
+#include "controller_planned.h"
+#include "identification.h"
+#include "steering.h"
+
+#if defined _WIN32
+#define PROBE __declspec(dllexport)
+#else
+#define PROBE __attribute__((visibility("default")))
+#endif
+
+typedef struct {
+    double J[3][3], rods[3][3], wheel_torque_max, wheel_momentum_max, disturbance_B[3];
+} FlatModel;
+
+typedef struct {
+    double B_N[3], r_hat_N[3], rate_squared;
+} FlatAround;
+
+typedef struct {
+    double R[3][3], Omega[3], l;
+} FlatMotion;
+
+/* The orbit and field of a plan. */
+typedef struct {
+    double t, mu, r[3], v[3], days, bias_N[3], bias_t, R_d0[3][3];
+    int32_t model, degree, target;
+} FlatAhead;
+
+PROBE int probe_days(const char *text, double *days);
+PROBE double probe_year(double days);
+PROBE void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B);
+PROBE double probe_sidereal(double days);
+PROBE void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6]);
+PROBE void probe_log(int n, const double *R, double *zeta);
+PROBE void probe_target(const double r[3], const double v[3], double R[9], double Omega[3]);
+PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
+                        unsigned char *free);
+PROBE void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3]);
+PROBE void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, FlatMotion *y);
+PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, double *A,
+                            double *G);
+PROBE double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
+                             double gradient[7]);
+PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4]);
+PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations,
+                     double *h, double *u, double *cost, FlatMotion *path);
+PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u);
+PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
+                          const double *u, double t_next, double *h_next, double *u_next);
+PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
+PROBE double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3]);
+PROBE void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
+                               double u[3]);
+PROBE void probe_sizes(size_t sizes[2]);
+
+static Workspace workspace;
+static Plan plans[2];
+
+static Matrix nine(const double m[9])
+{
+    return (Matrix){vector(m), vector(m + 3), vector(m + 6)};
+}
+
+static void nine_of(Matrix m, double out[9])
+{
+    store(m.a, out);
+    store(m.b, out + 3);
+    store(m.c, out + 6);
+}
+
+static Model model_of(const FlatModel *f)
+{
+    Model m = {matrix(f->J), inverse(matrix(f->J)), {vector(f->rods[0]), vector(f->rods[1]), vector(f->rods[2])},
+               f->wheel_torque_max, f->wheel_momentum_max, vector(f->disturbance_B)};
+    return m;
+}
+
+static Around around_of(const FlatAround *f)
+{
+    return (Around){vector(f->B_N), vector(f->r_hat_N), f->rate_squared};
+}
+
+static Motion motion_of(const FlatMotion *f)
+{
+    return (Motion){matrix(f->R), vector(f->Omega), f->l};
+}
+
+static void flatten(const Motion *x, FlatMotion *f)
+{
+    store_matrix(x->R, f->R);
+    store(x->Omega, f->Omega);
+    f->l = x->l;
+}
+
+static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
+{
+    const double none[3] = {0.0, 0.0, 0.0};
+    onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
+    const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
+    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0)};
+}
+
+int probe_days(const char *text, double *days)
+{
+    return days_of_epoch(text, days);
+}
+
+double probe_year(double days)
+{
+    return year_of_days(days);
+}
+
+void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B)
+{
+    OnboardField field;
+    onboard_field(&gauss_models[model - 1], days, degree, error, &field);
+    for (int i = 0; i < n; ++i) {
+        store(onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
+    }
+}
+
+double probe_sidereal(double days)
+{
+    OnboardField field;
+    const double none[3] = {0.0, 0.0, 0.0};
+    onboard_field(&gauss_models[0], days, 1, none, &field);
+    return field.sidereal_angle;
+}
+
+void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6])
+{
+    const OnboardOrbit orbit = {5.0, mu, vector(r), vector(v)};
+    Vector r_N, v_N;
+    onboard_orbit_at(&orbit, 5.0 + dt, &r_N, &v_N);
+    store(r_N, out);
+    store(v_N, out + 3);
+}
+
+void probe_log(int n, const double *R, double *zeta)
+{
+    for (int i = 0; i < n; ++i) {
+        store(rotation_log(nine(R + 9 * i)), zeta + 3 * i);
+    }
+}
+
+void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
+{
+    const Target target = target_of(ONBOARD_TARGET_LVLH, identity, vector(r), vector(v));
+    nine_of(target.R, R);
+    store(target.Omega, Omega);
+}
+
+void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
+                  unsigned char *free)
+{
+    for (int i = 0; i < n; ++i) {
+        double h[CONTROLS][CONTROLS];
+        bool f[CONTROLS];
+        memcpy(h, H + 16 * i, sizeof h);
+        box_qp((const double(*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
+        for (int k = 0; k < CONTROLS; ++k) {
+            free[4 * i + k] = f[k];
+        }
+    }
+}
+
+void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3])
+{
+    const Model model = model_of(m);
+    const Around around = around_of(a);
+    const Motion motion = motion_of(x);
+    store(acceleration(&model, &around, &motion, u), out);
+}
+
+void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, FlatMotion *y)
+{
+    const Model model = model_of(m);
+    const Around around = around_of(a);
+    const Motion motion = motion_of(x), next = advanced(&model, &around, &motion, u, h);
+    flatten(&next, y);
+}
+
+void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, double *A,
+                      double *G)
+{
+    const Model model = model_of(m);
+    const Around around = around_of(a);
+    const Motion motion = motion_of(x), next = advanced(&model, &around, &motion, u, h);
+    Square square;
+    double columns[ERRORS][CONTROLS];
+    linearise(&model, &around, &motion, &next, u, h, square, columns);
+    memcpy(A, square, sizeof square);
+    memcpy(G, columns, sizeof columns);
+}
+
+double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x, double gradient[7])
+{
+    const Model model = model_of(m);
+    const Target target = {nine(R_d), vector(Omega_d)};
+    const Motion motion = motion_of(x);
+    double hessian[ERRORS];
+    return cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian);
+}
+
+void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])
+{
+    const Model model = model_of(m);
+    controls_for(&model, vector(tau), vector(B), l, u);
+}
+
+/* Lays stages, fills them by the cascade where `rate` is above 0, improves; returns the number of stages. */
+int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations, double *h,
+               double *u, double *cost, FlatMotion *path)
+{
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    Motion now = motion_of(x);
+    Plan *plan = &plans[0];
+    lay_stages(&model, &ahead, &now, t, NULL, plan, &workspace);
+    if (rate > 0.0) {
+        cascade(&model, &now, rate, plan, &workspace);
+    }
+    improve(&model, &now, iterations, plan, &workspace);
+    for (int i = 0; i < plan->stages; ++i) {
+        flatten(&now, &path[i]);
+        h[i] = plan->h[i];
+        memcpy(u + 4 * i, plan->u[i], sizeof plan->u[i]);
+        now = advanced(&model, &workspace.stage[i].around, &now, plan->u[i], plan->h[i]);
+    }
+    flatten(&now, &path[plan->stages]);
+    *cost = plan->cost;
+    return plan->stages;
+}
+
+/* The cost of given controls on the stages of a plan with none. */
+double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u)
+{
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    Plan *plan = &plans[0];
+    lay_stages(&model, &ahead, &now, t, NULL, plan, &workspace);
+    memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
+    improve(&model, &now, 0, plan, &workspace);
+    return plan->cost;
+}
+
+/* The stages and controls that a plan from t becomes when it is laid anew from t_next. */
+int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h, const double *u,
+                    double t_next, double *h_next, double *u_next)
+{
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    memset(&plans[0], 0, sizeof plans[0]);
+    plans[0].start = t;
+    plans[0].stages = n;
+    memcpy(plans[0].h, h, (size_t)n * sizeof h[0]);
+    memcpy(plans[0].u, u, (size_t)n * sizeof plans[0].u[0]);
+    lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], &workspace);
+    memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
+    memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
+    return plans[1].stages;
+}
+
+void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3])
+{
+    OnboardField field;
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Around around = around_at(&ahead, t);
+    const Target target = target_at(&ahead, t);
+    store(around.B_N, out->B_N);
+    store(around.r_hat_N, out->r_hat_N);
+    out->rate_squared = around.rate_squared;
+    nine_of(target.R, R_d);
+    store(target.Omega, Omega_d);
+}
+
+double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3])
+{
+    static Vector nodes[STEERING_NODES];
+    OnboardField field;
+    const Ahead ahead = ahead_of_flat(a, &field);
+    Steering steering = {vector(lambda), 0.0};
+    steer(&ahead, t, vector(D), dipole, nodes, &steering);
+    store(steering.lambda_N, lambda);
+    return steering.time;
+}
+
+void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods, double u[3])
+{
+    const Steering steering = {vector(lambda), time};
+    const Vector axes[3] = {vector(rods), vector(rods + 3), vector(rods + 6)};
+    steering_rods(&steering, nine(R), vector(B), axes, u);
+}
+
+void probe_sizes(size_t sizes[2])
+{
+    sizes[0] = sizeof(ControllerPlannedState);
+    sizes[1] = sizeof(ControllerPlannedLaw);
+}

@@ -1,0 +1,503 @@
+"""The block as a host sees it: samples, memory, saved states, optional inputs, refusals, and the law's own equation."""
+
+import contextlib
+import math
+import re
+from ctypes import byref, c_void_p
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.native.driver import Instance, Refused
+from tests.native.test_shell import saved, serialized
+
+from . import core
+from .truth import DAYS, NORMAL, Truth, orbit
+
+BLOCK = "controller_planned"
+J = np.diag([2.13, 3.04, 3.09])
+RODS = 25.0 * core.RODS
+E1 = np.array([1.0, 0.0, 0.0])
+SEARCHED = 40.0
+"""s, by which the search for the first plan is over."""
+
+
+def lvlh(t=0.0):
+    r, _ = orbit(t)
+    z, y = -r / np.linalg.norm(r), -NORMAL
+    return np.column_stack((np.cross(y, z), y, z))
+
+
+def near_target(t):
+    """Inputs as of a satellite that nods about LVLH: smooth functions of time, so acquisition and hold."""
+    r, v = orbit(t)
+    angle = 0.2 * np.array([math.cos(0.02 * t), math.sin(0.01 * t), 0.5])
+    R = lvlh(t) @ Rotation.from_rotvec(angle).as_matrix()
+    return {
+        "R_NB": R,
+        "omega_B": [-0.004 * math.sin(0.02 * t), -1.08e-3 + 0.002 * math.cos(0.01 * t), 0.0],
+        "r_N": r, "v_N": v, "h_w": 0.004 * math.cos(0.01 * t), "b_B": R.T @ core.field_at("igrf14", DAYS, 10, r, t),
+        "u_applied": [3.0, -2.0, 5.0 * math.cos(0.03 * t), -4e-5 * math.sin(0.01 * t)],
+    }  # fmt: skip
+
+
+def tumbling(t):
+    R, B = Rotation.from_rotvec([0.05 * t, 0, 1]).as_matrix(), core.field_at("igrf14", DAYS, 10, orbit(t)[0], t)
+    return {**near_target(t), "omega_B": [0.05, -0.04 + 1e-4 * t, 0.03], "R_NB": R, "b_B": R.T @ B}
+
+
+def feed(it, values):
+    for name, value in values.items():
+        it.set(name, value)
+
+
+def started(inputs=near_target, **changes):
+    it = Instance(BLOCK)
+    feed(it, changes)
+    feed(it, inputs(0.0))
+    it.initialize()
+    return it
+
+
+def run(it, first, last, h=0.5, inputs=near_target):
+    """Steps of h from first to last, s; the outputs after each."""
+    found = []
+    for i in range(round(first / h), round(last / h)):
+        feed(it, inputs((i + 1) * h))
+        it.step(i * h, h)
+        found.append(it.outputs())
+    return found
+
+
+def same(a, b):
+    return all(np.array_equal(a[name], b[name]) for name in a)
+
+
+def alike(a, b, rel=1e-9):
+    return all(np.allclose(a[name], b[name], rtol=rel, atol=rel * max(1e-6, np.abs(b[name]).max())) for name in a)
+
+
+# ------------------------------------------------------------------------------------------- samples
+
+
+@pytest.mark.parametrize("inputs", [near_target, tumbling])
+def test_samples_are_independent_of_the_communication_step(inputs):
+    runs = {}
+    for h in (0.1, 0.25, 0.5):
+        with started(inputs) as it:
+            runs[h] = run(it, 0.0, 25.0, h, inputs)[round(0.5 / h) - 1 :: round(0.5 / h)]
+    assert len({len(r) for r in runs.values()}) == 1
+    for a, b, c in zip(*runs.values(), strict=True):
+        assert alike(a, c, 1e-6)
+        assert alike(b, c, 1e-6)
+
+
+def test_between_samples_all_outputs_are_held():
+    with started() as it:
+        after = run(it, 0.0, 3.0, 0.1)
+        for i in range(0, 25, 5):  # 0.5 s is the fifth
+            sample = after[i + 4]
+            assert all(same(sample, held) for held in after[i + 5 : i + 9])
+            assert not same(sample, after[i + 9])
+        feed(it, {"omega_B": [0.1, 0.0, 0.0]})
+        it.step(3.0, 0.1)
+        held = it.outputs()
+        feed(it, {"omega_B": [0.2, 0.0, 0.0]})
+        assert same(it.outputs(), held)
+
+
+def test_samples_stay_in_time_over_hundreds_of_thousands_of_steps():
+    """Sums of a tenth drift by far more than what a sample may be early; the samples must not drift with them."""
+    with started(control_period=0.5, plan_period=1000.0) as it:
+        feed(it, near_target(0.0))
+        late = 0
+        for i in range(200_000):
+            it.step(0.1 * i, 0.1)
+            if i % 1000 == 3:  # the step before a sample, and the sample
+                before = it.get("tau_cmd_B")
+                feed(it, {"omega_B": [1e-4 * (i // 1000 % 7), -1e-3, 0.0]})
+                late += not np.array_equal(it.get("tau_cmd_B"), before)
+            if i % 1000 == 4:
+                now = it.get("tau_cmd_B")
+                late += np.array_equal(now, before)
+    assert late == 0
+
+
+def test_a_step_of_any_length_takes_bounded_time():
+    with started() as it:
+        feed(it, near_target(0.0))
+        for t, h in ((0.0, 3.0), (3.0, 1e4), (10003.0, 0.5)):
+            it.step(t, h)
+            assert all(np.isfinite(v).all() for v in it.outputs().values())
+    with started() as it, contextlib.suppress(Refused):  # to the end of time: refused or not, but at once
+        it.step(0.0, 1e300)
+
+
+# ------------------------------------------------------------------------------------------- memory
+
+
+@pytest.mark.parametrize("inputs", [near_target, tumbling])
+def test_get_after_set_evaluates_the_law_anew_and_leaves_no_trace(inputs):
+    with started(inputs) as it, started(inputs) as twin:
+        for i in range(40):
+            for each in (it, twin):
+                feed(each, inputs(0.5 * (i + 1)))
+                each.step(0.5 * i, 0.5)
+            first = it.outputs()
+            feed(
+                it,
+                {"omega_B": [0.01, 0.02, -0.03], "R_NB": Rotation.from_rotvec([0.3, 1, 0.1]).as_matrix(), "h_w": 0.02},
+            )
+            other = it.outputs()
+            assert not np.array_equal(other["tau_cmd_B"], first["tau_cmd_B"])
+            assert not np.array_equal(other["attitude_error"], first["attitude_error"])
+            feed(it, inputs(0.5 * (i + 1)))
+            assert same(it.outputs(), first)
+            assert same(twin.outputs(), first)
+
+
+def test_a_state_saved_after_a_plan_goes_on_in_the_same_bits():
+    with started() as it, started(tumbling) as other:
+        run(it, 0.0, 45.0)
+        state = saved(it)
+        data = serialized(it, state)
+        end = run(it, 45.0, 100.0)
+        assert end[0]["phase"] == 2
+        bytes_at_end = serialized(it, saved(it))
+        it.call("SetFMUstate", state)
+        assert all(map(same, run(it, 45.0, 100.0), end))
+        run(other, 0.0, 7.0, inputs=tumbling)  # a life of its own before
+        read = c_void_p()
+        other.call("DeSerializeFMUstate", data, len(data), byref(read))
+        other.call("SetFMUstate", read)
+        assert all(map(same, run(other, 45.0, 100.0), end))
+        assert serialized(other, saved(other)) == bytes_at_end
+
+
+def test_a_states_bytes_depend_on_its_own_history_only():
+    """Nothing of what the instance did before, and no memory that was never written, is in it."""
+    with started() as fresh, started(tumbling) as again:
+        run(again, 0.0, 12.0, inputs=tumbling)
+        again.call("Reset")
+        feed(again, near_target(0.0))
+        again.initialize()
+        for t in (0.0, 30.0):
+            assert all(map(same, run(fresh, t, t + 30.0), run(again, t, t + 30.0)))
+            assert serialized(fresh, saved(fresh)) == serialized(again, saved(again))
+
+
+def test_instances_side_by_side_do_as_each_alone():
+    with started() as a:
+        alone_a = run(a, 0.0, 12.0)
+    with started(tumbling) as b:
+        alone_b = run(b, 0.0, 12.0, inputs=tumbling)
+    with started() as a, started(tumbling) as b:
+        for i in range(24):
+            (now_a,) = run(a, 0.5 * i, 0.5 * (i + 1))
+            (now_b,) = run(b, 0.5 * i, 0.5 * (i + 1), inputs=tumbling)
+            assert same(now_a, alone_a[i])
+            assert same(now_b, alone_b[i])
+
+
+# ------------------------------------------------------------------------------------------- optional inputs
+
+
+def without(*names):
+    sizes = {"h_w": 1, "b_B": 3, "u_applied": 4}
+
+    def inputs(t):
+        absent = {name: np.full(sizes[name], 1e9) if sizes[name] > 1 else 1e9 for name in names}
+        return {**near_target(t), **absent}
+
+    return inputs
+
+
+@pytest.mark.parametrize("names", [("h_w",), ("b_B",), ("u_applied",), ("h_w", "b_B", "u_applied")])
+def test_without_its_optional_inputs_it_goes_on(names):
+    with started(without(*names)) as it:
+        for y in run(it, 0.0, 40.0, inputs=without(*names)):
+            assert all(np.isfinite(v).all() for v in y.values())
+            assert np.abs(y["dipole_ff"]).max() <= 25.0 * (1 + 1e-12)
+            assert abs(y["wheel_torque_ff"]) <= 3e-3 * (1 + 1e-12)
+
+
+def test_one_absent_element_makes_the_input_absent():
+    def partly(t):
+        return {**near_target(t), "b_B": [2e-5, 1e9, 3e-5], "u_applied": [1e9, 0.0, 0.0, 0.0]}
+
+    absent = without("b_B", "u_applied")
+    with started(partly) as a, started(absent) as b:
+        assert all(map(same, run(a, 0.0, 15.0, inputs=partly), run(b, 0.0, 15.0, inputs=absent)))
+
+
+def test_a_field_of_exactly_zero_is_no_field():
+    def zero(t):
+        return {**near_target(t), "b_B": [0.0, 0.0, 0.0]}
+
+    with started(zero) as a, started(without("b_B")) as b:
+        assert all(map(same, run(a, 0.0, 15.0, inputs=zero), run(b, 0.0, 15.0, inputs=without("b_B"))))
+
+
+def test_without_h_w_the_wheel_is_reckoned_from_what_was_given():
+    def inputs(t):
+        return {**near_target(t), "h_w": 1e9, "u_applied": [0.0, 0.0, 0.0, 2e-4 if t < 20.0 else -1e-3]}
+
+    with started(inputs) as it:
+        found = [float(y["h_w_estimate"]) for y in run(it, 0.0, 60.0, inputs=inputs)]
+    t = 0.5 * np.arange(1, 121)
+    torque = np.where(t < 20.0, 2e-4, -1e-3)
+    assert found == pytest.approx(np.maximum(np.cumsum(0.5 * torque), -0.03), abs=1e-12)
+
+
+# ------------------------------------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    ("inputs", "message"),
+    [
+        ({"R_NB": np.diag([1.0, 1.0, 1.001])}, r"R_NB: expected a rotation matrix.*found 0.00200"),
+        (
+            {"R_NB": np.diag([1.0, 1.0, -1.0])},
+            r"R_NB: expected a rotation matrix, determinant \+1 \(this is a reflection\)",
+        ),
+        ({"r_N": [9e5, 0.0, 0.0]}, r"r_N: expected at least 1000 km from the Earth's centre, found 900000"),
+        ({"v_N": [100.0, 0.0, 0.0]}, r"v_N: expected a velocity that spans the orbit's plane with r_N.*found 0"),
+        ({"v_N": [0.0, 0.0, 0.0]}, r"v_N: expected a velocity that spans the orbit's plane with r_N.*found 0"),
+        ({"v_N": [0.0, 0.0, 11e3]}, r"v_N: expected the velocity of a closed orbit, below that of escape, found 11000"),
+    ],
+)
+def test_inputs_from_which_nothing_follows_are_refused_by_name(inputs, message):
+    with started() as it:
+        before = it.outputs()
+        good = {name: it.get(name) for name in inputs}
+        feed(it, inputs)
+        with pytest.raises(Refused, match=f"fmi2DoStep: {message}"):
+            it.step(0.0, 0.5)
+        feed(it, good)
+        assert same(it.outputs(), before)
+        it.step(0.0, 0.5)
+
+
+@pytest.mark.parametrize("name", ["R_NB", "omega_B", "r_N", "v_N", "h_w", "b_B", "u_applied"])
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_what_is_no_number_is_refused_where_it_comes_in(name, value):
+    with started() as it:
+        before = it.get(name)
+        wrong = np.array(before, float)
+        wrong[(-1,) * wrong.ndim] = value
+        with pytest.raises(Refused, match=rf"{name}.*expected a finite number"):
+            it.set(name, wrong if wrong.ndim else float(wrong))
+        assert np.array_equal(it.get(name), before)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"epoch": "2039-01-01T00:00:00Z"}, r"epoch: expected a date that igrf14 covers, 2000.0 to 2030.0, found 2039"),
+        (
+            {"epoch": "1999-06-01T00:00:00Z"},
+            r"epoch: expected a date that igrf14 covers, 2000.0 to 2030.0, found 1999.4",
+        ),
+        ({"field_model": "wmm2020"}, r"epoch: expected a date that wmm2020 covers, 2020.0 to 2025.0, found 2009.6"),
+        ({"epoch": "2009-02-30T00:00:00Z"}, r"epoch: expected a date and time such as.*found '2009-02-30T00:00:00Z'"),
+        ({"epoch": "yesterday %s"}, r"epoch: expected a date and time such as.*found 'yesterday %%s'"),
+        ({"J_B": np.diag([1.0, 1.0, 2.5])}, r"J_B: expected the inertia of a body"),
+        ({"J_B": [[2, 0.1, 0], [0, 2, 0], [0, 0, 2]]}, r"J_B: expected a symmetric matrix"),
+        ({"K0": [1e-3, 1e-3, 2e-3]}, r"K0\[2\]: expected 0 < K0\[1\] < K0\[2\] < K0\[3\], finite, found 0.001"),
+        ({"L0": np.diag([0.1, -0.1, 0.1])}, r"L0: expected a positive definite matrix"),
+        ({"rod_axes": np.eye(3) * 0.99}, r"rod_axes: expected rows of unit length to 1e-06, found 0.99"),
+        ({"rod_axes": [[1, 0, 0], [0, 1, 0], [0.6, 0.8, 0]]}, r"rod_axes: expected linearly independent axes"),
+        ({"R_d0": np.diag([1.0, 1.0, 0.9])}, r"R_d0: expected a rotation matrix"),
+    ],
+)
+def test_parameters_that_do_not_fit_are_refused_by_name(changes, message):
+    with Instance(BLOCK) as it:
+        feed(it, changes)
+        it.call("EnterInitializationMode")
+        with pytest.raises(Refused, match=f"fmi2ExitInitializationMode: {message}"):
+            it.call("ExitInitializationMode")
+
+
+def test_a_measurement_that_is_wildly_wrong_for_once_is_forgotten():
+    """A rate of a million rad/s in one sample: the estimates stay, and the law is again that of the measurements."""
+    with started() as hit, started() as twin:
+        for i in range(80):
+            for it in (hit, twin):
+                values = near_target(0.5 * (i + 1))
+                if it is hit and i == 30:
+                    values["omega_B"] = [1e6, 0.0, 0.0]
+                feed(it, values)
+                it.step(0.5 * i, 0.5)
+        a, b = hit.outputs(), twin.outputs()
+        assert a["phase"] == b["phase"]
+        assert a["attitude_error"] == pytest.approx(b["attitude_error"], abs=0.01)
+        assert a["rate_error_B"] == pytest.approx(b["rate_error_B"], abs=2e-3)
+        assert np.abs(a["J_estimate_B"] - b["J_estimate_B"]).max() < 0.05
+        assert np.abs(a["tau_cmd_B"]).max() < 1e-2
+
+
+# ------------------------------------------------------------------------------------------- the law
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_under_the_law_the_lyapunov_function_falls_as_the_paper_says(seed):
+    """dV/dt = -omega.L omega for a body that the demanded torque moves, by differences of V along the exact motion [11]."""
+    rng = np.random.default_rng(seed)
+    full = np.array([[2.13, 0.11, -0.07], [0.11, 3.04, 0.19], [-0.07, 0.19, 3.09]])
+    L = np.diag([0.05, 0.06, 0.07]) + 0.01
+    exact = {
+        "attitude_noise": 0.0,
+        "rate_noise": 0.0,
+        "identify": False,
+        "disturbance_max": 0.0,
+    }  # no estimator between
+    with started(J_B=full, L0=L, K0=[4e-4, 5e-4, 7e-4], **exact) as it:
+        y = run(it, 0.0, SEARCHED)[-1]
+        assert y["phase"] == 2
+        R = y["R_d"] @ Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
+        Omega = rng.normal(size=3) * 0.02
+        r, _ = orbit(SEARCHED)
+        feed(it, {"R_NB": R, "omega_B": Omega})  # the plan stays as it was
+        y = it.outputs()
+        rho = R.T @ r / np.linalg.norm(r)
+        gravity = 3.0 * core.MU / np.linalg.norm(r) ** 3 * np.cross(rho, full @ rho)
+        dOmega = np.linalg.solve(full, np.cross(full @ Omega, Omega) + y["tau_cmd_B"] + gravity + y["disturbance_B"])
+
+        def V(dt):
+            """Of body and plan moved on by dt: the plan's rate is Omega_d + dOmega_d dt."""
+            A = R @ Rotation.from_rotvec(dt * (Omega + 0.5 * dt * dOmega)).as_matrix()
+            D = y["R_d"] @ Rotation.from_rotvec(dt * (y["Omega_d"] + 0.5 * dt * y["dOmega_d"])).as_matrix()
+            Q = D.T @ A
+            w = Omega + dt * dOmega - Q.T @ (y["Omega_d"] + dt * y["dOmega_d"])
+            return 0.5 * w @ full @ w + np.trace(np.diag([4e-4, 5e-4, 7e-4]) @ (np.eye(3) - Q)), w
+
+        value, omega = V(0.0)
+        assert y["lyapunov"] == pytest.approx(value, rel=1e-9)
+        slope = (V(1e-3)[0] - V(-1e-3)[0]) / 2e-3
+        assert slope == pytest.approx(-omega @ L @ omega, rel=1e-5)
+
+
+def test_the_errors_are_those_from_the_target_not_from_the_plan():
+    with started() as it:
+        for y in run(it, 0.0, 10.0)[::5]:
+            assert y["gain_k"] == y["gain_l"] == 1.0
+        t, u = 10.0, near_target(10.0)
+        Q = lvlh(t).T @ u["R_NB"]
+        assert y["attitude_error"] == pytest.approx(Rotation.from_matrix(Q).magnitude(), abs=0.02)
+    with started(R_d0=lvlh(0.0), reference="inertial") as it:
+        y = it.outputs()
+        assert y["attitude_error"] == pytest.approx(
+            Rotation.from_matrix(lvlh(0.0).T @ near_target(0.0)["R_NB"]).magnitude(), rel=1e-9
+        )
+        assert y["rate_error_B"] == pytest.approx(near_target(0.0)["omega_B"])
+
+
+def test_the_feed_forward_is_the_plan_and_the_plan_moves_as_the_controller_believes():
+    """dOmega_d is the right-hand side of the motion under the dipoles and the wheel torque that go with it."""
+    exact = {"attitude_noise": 0.0, "rate_noise": 0.0, "identify": False, "disturbance_max": 0.0}
+    with started(**exact) as it:
+        y = run(it, 0.0, SEARCHED)[-1]
+        r, _ = orbit(SEARCHED)
+        R, Omega = y["R_d"], y["Omega_d"]
+        B = R.T @ core.field_at("igrf14", DAYS, 10, r, SEARCHED)
+        torque = np.cross(y["dipole_ff"] @ core.RODS, B) - y["wheel_torque_ff"] * E1
+        rho = R.T @ r / np.linalg.norm(r)
+        Pi = J @ Omega + y["h_w_ref"] * E1
+        torque = torque + np.cross(Pi, Omega) + 3.0 * core.MU / np.linalg.norm(r) ** 3 * np.cross(rho, J @ rho)
+        assert y["dOmega_d"] == pytest.approx(np.linalg.solve(J, torque), rel=1e-4, abs=1e-9)
+
+
+def test_while_steering_the_torque_is_that_of_the_feed_forward():
+    with started(tumbling) as it:
+        for y, t in zip(run(it, 0.0, 20.0, inputs=tumbling), 0.5 * np.arange(1, 41), strict=True):
+            u = tumbling(t)
+            assert y["phase"] == 1
+            assert y["plan_cost"] == 0.0
+            assert 20.0 < np.abs(y["dipole_ff"]).max() <= 25.0 * (1.0 + 1e-12)
+            given = np.cross(y["dipole_ff"] @ core.RODS * y["rod_gain_estimate"], u["b_B"]) - y["wheel_torque_ff"] * E1
+            assert y["tau_cmd_B"] + np.cross(u["omega_B"], u["h_w"] * E1) == pytest.approx(given, abs=2e-6)
+
+
+# ------------------------------------------------------------------------------------------- identification
+
+
+def tumble(J_true, gain, seconds, seed=0, rate_noise=0.0, rods=True, wheel=True, d_B=(0.0, 0.0, 0.0), glitch=None):
+    """Outputs of a controller that looks at a tumbling satellite with commands that are not its own."""
+    rng = np.random.default_rng(seed)
+    truth = Truth(
+        J_true,
+        gain * RODS,
+        np.array(d_B),
+        Rotation.random(random_state=seed).as_matrix(),
+        np.array([0.05, -0.04, 0.045]),
+    )
+    found = []
+    with Instance(BLOCK) as it:
+        feed(it, {**truth.measured(), "rate_noise": max(rate_noise, 1e-6)})
+        it.initialize()
+        for i in range(int(2 * seconds)):
+            if i % 20 == 0:
+                u, dl = rng.uniform(-1, 1, 3) * rods, rng.uniform(-1e-3, 1e-3) * wheel
+                dl = dl if abs(truth.h_w + 10 * dl) < 0.02 else -dl
+            truth.fly(u, dl, 0.5)
+            measured = truth.measured(rng, rate_noise)
+            if i == glitch:
+                measured["omega_B"] = measured["omega_B"] + np.array([0.2, -0.1, 0.3])
+            feed(it, {**measured, "u_applied": [*(25.0 * u), dl]})
+            it.step(0.5 * i, 0.5)
+            found.append(it.outputs())
+    return found
+
+
+SCALES = np.diag([1.06, 0.95, 1.04])
+
+
+def test_inertia_and_rod_gain_are_found_in_a_tumble():
+    found = tumble(J @ SCALES, 0.9, 400, rate_noise=1e-5)
+    inertia = np.diag(found[-1]["J_estimate_B"]) / np.diag(J)
+    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
+    assert inertia == pytest.approx(np.diag(SCALES), abs=0.03)
+    assert found[-1]["rod_gain_estimate"] == pytest.approx(0.9, abs=0.03)
+
+
+def test_a_model_that_is_right_stays_right():
+    found = tumble(J, 1.0, 200, seed=2)
+    assert np.diag(found[-1]["J_estimate_B"]) == pytest.approx(np.diag(J), rel=0.005)
+    assert found[-1]["rod_gain_estimate"] == pytest.approx(1.0, abs=0.005)
+    assert np.linalg.norm(found[-1]["disturbance_B"]) < 5e-6
+
+
+def test_noise_alone_does_not_draw_the_inertia_down():
+    """Without rods and wheel only the ratios show: the scale of all must stay, whatever the noise."""
+    found = tumble(J, 1.0, 300, seed=3, rate_noise=5e-5, rods=False, wheel=False)
+    inertia = np.diag(found[-1]["J_estimate_B"]) / np.diag(J)
+    assert inertia.mean() == pytest.approx(1.0, abs=0.02)
+    assert inertia == pytest.approx(np.ones(3), abs=0.03)
+
+
+def test_ratios_are_found_without_any_torque():
+    found = tumble(J @ SCALES, 1.0, 300, seed=4, rods=False, wheel=False)
+    inertia = np.diag(found[-1]["J_estimate_B"]) / np.diag(J)
+    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
+
+
+def test_a_measurement_beyond_belief_is_not_learned_from():
+    with_glitch, without_it = (tumble(J, 1.0, 60, seed=5, glitch=g)[-1] for g in (59, None))
+    assert np.abs(with_glitch["J_estimate_B"] - without_it["J_estimate_B"]).max() < 0.02
+
+
+def test_identification_can_be_left_out():
+    with Instance(BLOCK) as it:
+        feed(it, {**tumbling(0.0), "identify": False})
+        it.initialize()
+        for y in run(it, 0.0, 60.0, inputs=tumbling):
+            assert np.array_equal(y["J_estimate_B"], J)
+            assert y["rod_gain_estimate"] == 1.0
+
+
+def test_the_sizes_that_the_documents_state_are_those_of_the_code():
+    state, law = core.sizes()
+    text = (core.ROOT / "docs" / "planned.md").read_text("utf-8")
+    (stated,) = re.findall(r"(\d+) KB of state and (\d+) KB of workspace", text)
+    assert [int(x) for x in stated] == [math.ceil(state / 1024), math.ceil(law / 1024)]
