@@ -49,7 +49,7 @@ typedef struct {
     double attitude_noise;
     /* rad/s; Standard deviation of the measured rate in each axis, as the estimator assumes it */
     double rate_noise;
-    /* s; Time constant of the disturbance observer */
+    /* s; Time over which the estimate of the disturbance forgets */
     double disturbance_time;
     /* N.m; Largest disturbance torque that is believed */
     double disturbance_max;
@@ -89,9 +89,9 @@ typedef struct {
     /* T; frame B; Measured geomagnetic field; corrects the onboard field model, which is used alone without
      * it; optional: 1e9, its start, means not connected */
     double b_B[3];
-    /* A.m2, A.m2, A.m2, N.m; What rods (along their axes) and wheel (dl_w/dt) gave over the last sample, for
-     * the disturbance observer and the identification; without it both take what the controller asked for;
-     * optional: 1e9, its start, means not connected */
+    /* A.m2, A.m2, A.m2, N.m; What rods (along their axes) and wheel (dl_w/dt) were commanded over the last
+     * sample, for the estimates; without it they take what the controller asked for; optional: 1e9, its
+     * start, means not connected */
     double u_applied[4];
 } ControllerPlannedInputs;
 
