@@ -32,6 +32,13 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
         "h_w": 1e-3,
     },
+    "controller_planned": {
+        **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"omega_B[{i}]": 0.02 * i for i in (1, 2, 3)},
+        **{f"b_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
+        **{f"u_applied[{i}]": 1e-4 * i for i in (1, 2, 3, 4)},
+        "h_w": 1e-3,
+    },
     "plant_sensors": {
         **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},

@@ -18,7 +18,7 @@ import allocator
 import controller
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING
-from tests.blocks import inputs, parameters
+from tests.blocks import folder, inputs, parameters
 
 from .driver import ROOT
 
@@ -36,7 +36,7 @@ def listing() -> str:
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """The listing with both laws as a library, and the offsets of what the test reaches into."""
-    folder = tmp_path_factory.mktemp("flight")
+    made = tmp_path_factory.mktemp("flight")
     own = "".join(
         f"bool {name};\n"
         for name in (
@@ -45,15 +45,15 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
             "attitude_control_step(AttitudeControl *, const Measurements *, double, AllocatorOutputs *, Fault *)",
         )
     )
-    source = folder / "flight.c"
+    source = made / "flight.c"
     text = listing().replace(
         "static AllocatorInputs demand", own + "size_t size_of(void);\nstatic AllocatorInputs demand", 1
     )
     source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n")
-    library = folder / "flight.so"
+    library = made / "flight.so"
     objects = []
     for block in ("controller", "allocator"):
-        objects.append(folder / f"{block}.o")
+        objects.append(made / f"{block}.o")
         law = ROOT / block / "native" / f"{block}.c"
         subprocess.run([*ZIG, *FLIGHT, f"-I{COMMON}", "-c", str(law), "-o", str(objects[-1])], check=True)
     command = [
@@ -138,18 +138,23 @@ def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
         assert commands.holding == expected.holding
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator"])
+FLOWN = ("controller", "allocator", "allocator_bounded", "controller_planned")
+
+
+@pytest.mark.parametrize("block", FLOWN)
 def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
-    law = ROOT / block / "native" / f"{block}.c"
-    command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
-    command += [f"-I{FREESTANDING}", f"-I{COMMON}", "-c", str(law), "-o", str(tmp_path / "law.o")]
-    subprocess.run(command, check=True)
+    native = folder(block) / "native"
+    for law in native.glob("*.c"):
+        command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
+        command += [f"-I{FREESTANDING}", f"-I{COMMON}", f"-I{native}", "-c", str(law), "-o", str(tmp_path / "law.o")]
+        subprocess.run(command, check=True)
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator"])
+@pytest.mark.parametrize("block", FLOWN)
 def test_the_laws_know_no_fmi_no_memory_and_no_globals(block: str) -> None:
-    text = (ROOT / block / "native" / f"{block}.c").read_text("utf-8")
-    assert not re.search(r"fmi|malloc|stdio|stdlib|\bgoto\b", text)
-    for line in text.splitlines():
-        if line.startswith("static") and "(" not in line.split("=")[0]:
-            assert line.startswith("static const"), line
+    for law in (folder(block) / "native").glob("*.c"):
+        text = law.read_text("utf-8")
+        assert not re.search(r"fmi|malloc|stdio|stdlib|\bgoto\b", text)
+        for line in text.splitlines():
+            if line.startswith("static") and "(" not in line.split("=")[0]:
+                assert line.startswith("static const"), line
