@@ -2,7 +2,6 @@
 
 import contextlib
 import math
-import re
 from ctypes import byref, c_void_p
 
 import numpy as np
@@ -494,10 +493,3 @@ def test_identification_can_be_left_out():
         for y in run(it, 0.0, 60.0, inputs=tumbling):
             assert np.array_equal(y["J_estimate_B"], J)
             assert y["rod_gain_estimate"] == 1.0
-
-
-def test_the_sizes_that_the_documents_state_are_those_of_the_code():
-    state, law = core.sizes()
-    text = (core.ROOT / "docs" / "planned.md").read_text("utf-8")
-    (stated,) = re.findall(r"(\d+) KB of state and (\d+) KB of workspace", text)
-    assert [int(x) for x in stated] == [math.ceil(state / 1024), math.ceil(law / 1024)]
