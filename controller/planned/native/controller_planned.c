@@ -261,7 +261,9 @@ static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ah
     improve(model, now, ITERATIONS, plan, &law->workspace);
 }
 
-static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now, double dt)
+/* At the first sample there is no time to keep, and no motion to go on with: the search is made whole. */
+static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now, double dt,
+                   bool first)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Model model = believed(law, x);
@@ -289,7 +291,7 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
                (steering || (x->phase == PHASE_ACQUISITION && x->t >= x->next_challenge - early))) {
         search_begin(now, x->t, search);
     }
-    search_on(&model, ahead, p->search_iterations, search, &law->workspace);
+    search_on(&model, ahead, first ? INT32_MAX : p->search_iterations, search, &law->workspace);
 
     bool due = x->t >= x->next_plan - early;
     if (lost) {
@@ -446,7 +448,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
             x->reference = advanced(&model, &around, &x->reference, x->u, dt);
         }
     }
-    decide(law, x, &ahead, &now, dt);
+    decide(law, x, &ahead, &now, dt, first);
     x->t_sample = x->t;
     x->measured = measured;
     x->B_B = B_B;
