@@ -87,14 +87,11 @@ def seen(result: Result) -> Row:
         phase = result["controller.phase"]
         row["steered"] = float(t[np.argmax(phase > 1)]) if (phase > 1).any() else None
         row["phase"] = int(phase[-1])
-    if (
-        t[-1] > 5.0 * ORBIT
-    ):  # a long hold: what it is after an orbit, and when the wheel was first at a tenth of its limit
+    if t[-1] > 5.0 * ORBIT:  # a long hold: what it is after an orbit
         late = t > ORBIT
         row["late_rms"] = float(np.sqrt((error[late] ** 2).mean()))
         row["late_max"] = float(error[late].max())
         row["late_wheel"] = float(np.abs(h_w[late]).max())
-        row["unloaded"] = float(t[np.argmax(np.abs(h_w) < 3e-3)])
     return row
 
 
