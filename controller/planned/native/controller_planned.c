@@ -21,6 +21,7 @@ static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_T
 static const double LOST_ANGLE = 0.0872664626;
 static const double MODEL_SHARE = 0.1;          /* of a change of rate by the model that may be wrong */
 static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong at rest */
+static const double CHANGE_MAX = 0.1;           /* rad/s^2 that rods and wheel may give to a light satellite */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
 static bool absent(const double *x, int n)
@@ -229,6 +230,12 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
                   const double given[CONTROLS], const Around *around, double dt)
 {
     const ControllerPlannedParameters *p = &law->p;
+    const Vector change = scale(1.0 / dt, subtract(now->Omega, x->measured.Omega));
+    const double slower = smaller(norm(now->Omega), norm(x->measured.Omega));
+    if (!(norm(change) < 2.0 * slower * slower + CHANGE_MAX + 20.0 * p->rate_noise / dt)) {
+        x->identification.elapsed = 0.0; /* no body changes its rate like that: the window begins anew */
+        return;
+    }
     Model nominal = believed(law, x);
     for (int i = 0; i < 3; ++i) {
         nominal.rods[i] = scale(p->dipole_max, law->rod_axes[i]);
@@ -238,7 +245,6 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
     Matrix products = matrix(p->J_B);
     products.a.x = products.b.y = products.c.z = 0.0;
     const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
-    const Vector change = scale(1.0 / dt, subtract(now->Omega, x->measured.Omega));
     const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
                                   add(cross(middle, apply(products, middle)), apply(products, change)));
     identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, p->identify, &x->identification);

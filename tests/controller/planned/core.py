@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
+from ctypes import byref, c_bool, c_char, c_double, c_int32, c_size_t, c_ubyte
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from controller.planned.native import tables
+from fmus.interface import load
 from fmus.native.toolchain import PLATFORMS, compile_library, host_platform
 
 ROOT = Path(__file__).parents[3]
@@ -306,6 +307,39 @@ def steering_rods(lam: Array, time: float, R: Array, B_B: Array, rods: Array) ->
     room, values = _room(3)
     library().probe_steering_rods(_doubles(lam), c_double(time), _doubles(R), _doubles(B_B), _doubles(rods), room)
     return values()
+
+
+@cache
+def record(causality: Literal["parameter", "input", "output"]) -> Any:
+    """The C structure of the block's ports."""
+    kinds: dict[str, Any] = {"real": c_double, "boolean": c_bool, "string": c_char * 64}
+    fields = []
+    for v in load("controller_planned").of(causality):
+        kind = kinds.get(v.type, c_int32)
+        fields.append((v.name, kind * len(v.elements) if v.shape else kind))
+    return type(causality, (ctypes.Structure,), {"_fields_": fields})
+
+
+def _started(causality: Literal["parameter", "input"], **changes: Any) -> Any:
+    """Start values, with changes."""
+    filled = record(causality)()
+    for v in load("controller_planned").of(causality):
+        value = changes.get(v.name, v.start)
+        if v.shape:
+            getattr(filled, v.name)[:] = np.ravel(value).tolist()
+        elif v.type in ("string", "enumeration"):
+            setattr(filled, v.name, value.encode() if v.type == "string" else v.items.index(value) + 1)
+        else:
+            setattr(filled, v.name, value)
+    return filled
+
+
+def after_glitch(rate: float, after: int, **inputs: Any) -> dict[str, Array]:
+    """Outputs of the flight code some samples after one with this rate about x, rad/s."""
+    y = record("output")()
+    p, u = _started("parameter"), _started("input", **inputs)
+    assert library().probe_glitch(byref(p), byref(u), c_double(rate), after, byref(y))
+    return {v.name: np.array(getattr(y, v.name)) for v in load("controller_planned").of("output")}
 
 
 def sizes() -> tuple[int, int]:

@@ -56,6 +56,8 @@ PROBE double probe_steer(const FlatAhead *a, double t, const double D[3], double
 PROBE void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
                                double u[3]);
 PROBE void probe_sizes(size_t sizes[2]);
+PROBE int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
+                       ControllerPlannedOutputs *y);
 
 static Workspace workspace;
 static Plan plans[2];
@@ -74,8 +76,16 @@ static void nine_of(Matrix m, double out[9])
 
 static Model model_of(const FlatModel *f)
 {
-    Model m = {matrix(f->J), inverse(matrix(f->J)), {vector(f->rods[0]), vector(f->rods[1]), vector(f->rods[2])},
-               f->wheel_torque_max, f->wheel_momentum_max, vector(f->disturbance_B)};
+    Model m;
+    memset(&m, 0, sizeof m);
+    m.J = matrix(f->J);
+    m.J_inverse = inverse(m.J);
+    for (int i = 0; i < 3; ++i) {
+        m.rods[i] = vector(f->rods[i]);
+    }
+    m.wheel_torque_max = f->wheel_torque_max;
+    m.wheel_momentum_max = f->wheel_momentum_max;
+    m.disturbance_B = vector(f->disturbance_B);
     return m;
 }
 
@@ -305,4 +315,22 @@ void probe_sizes(size_t sizes[2])
 {
     sizes[0] = sizeof(ControllerPlannedState);
     sizes[1] = sizeof(ControllerPlannedLaw);
+}
+
+/* Samples of the same inputs, the tenth with another rate about x, and `after` more; whether all went well. */
+int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
+                 ControllerPlannedOutputs *y)
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState x;
+    Fault f;
+    bool well = controller_planned_check(p, &f);
+    controller_planned_prepare(p, &law);
+    well = well && controller_planned_start(&law, u, &x, &f);
+    for (int i = 0; well && i < 10 + after; ++i) {
+        ControllerPlannedInputs v = *u;
+        v.omega_B[0] = i == 9 ? rate : u->omega_B[0];
+        well = controller_planned_step(&law, &x, &v, p->control_period, y, &f);
+    }
+    return well;
 }

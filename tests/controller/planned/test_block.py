@@ -92,6 +92,19 @@ def test_samples_are_independent_of_the_communication_step(inputs):
         assert alike(b, c, 1e-6)
 
 
+def test_samples_keep_their_grid_where_steps_do_not_divide_it():
+    """Steps of 0.2 s: a sample is the first step at or beyond each half second."""
+    with started() as it:
+        times, before = [], it.outputs()
+        for i in range(20):
+            feed(it, near_target(0.2 * (i + 1)))
+            it.step(0.2 * i, 0.2)
+            now = it.outputs()
+            times += [] if same(now, before) else [round(0.2 * (i + 1), 1)]
+            before = now
+    assert times == [0.6, 1.0, 1.6, 2.0, 2.6, 3.0, 3.6, 4.0]
+
+
 def test_between_samples_all_outputs_are_held():
     with started() as it:
         after = run(it, 0.0, 3.0, 0.1)
@@ -176,11 +189,17 @@ def test_a_state_saved_after_a_plan_goes_on_in_the_same_bits():
 
 def test_a_states_bytes_depend_on_its_own_history_only():
     """Nothing of what the instance did before, and no memory that was never written, is in it."""
-    with started() as fresh, started(tumbling) as again:
-        run(again, 0.0, 12.0, inputs=tumbling)
+
+    def quick(t):
+        """A light body that turns fast: its plans have more stages."""
+        return {**near_target(t), "omega_B": [0.07, -0.05, 0.02]}
+
+    with started() as fresh, started(quick, J_B=np.diag([0.4, 0.5, 0.55])) as again:
+        assert run(again, 0.0, 12.0, inputs=quick)[-1]["phase"] == 2
         again.call("Reset")
         feed(again, near_target(0.0))
         again.initialize()
+        assert serialized(fresh, saved(fresh)) == serialized(again, saved(again))
         for t in (0.0, 30.0):
             assert all(map(same, run(fresh, t, t + 30.0), run(again, t, t + 30.0)))
             assert serialized(fresh, saved(fresh)) == serialized(again, saved(again))
@@ -334,6 +353,17 @@ def test_a_measurement_that_is_wildly_wrong_for_once_is_forgotten():
         assert a["rate_error_B"] == pytest.approx(b["rate_error_B"], abs=2e-3)
         assert np.abs(a["J_estimate_B"] - b["J_estimate_B"]).max() < 0.05
         assert np.abs(a["tau_cmd_B"]).max() < 1e-2
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e80, 1e160, 1e300])
+def test_the_flight_code_recovers_from_a_rate_beyond_all_bounds(rate):
+    """No FMI shell is between, which would refuse the sample: what is not finite must not stay in the state."""
+    inputs = near_target(0.0)
+    right, found = (core.after_glitch(r, 30, **inputs) for r in (inputs["omega_B"][0], rate))
+    assert all(np.isfinite(value).all() for value in found.values())
+    assert found["attitude_error"] == pytest.approx(right["attitude_error"], abs=0.02)
+    assert found["rate_error_B"] == pytest.approx(right["rate_error_B"], abs=2e-3)
+    assert np.abs(found["J_estimate_B"] - right["J_estimate_B"]).max() < 0.1
 
 
 # ------------------------------------------------------------------------------------------- the law

@@ -141,14 +141,15 @@ def differences(x, a, u, h):
 @pytest.mark.parametrize("seed", range(5))
 def test_a_stages_derivatives_come_to_the_differences_of_its_motion_in_third_order(seed):
     x, a, u = state(seed, 0.03), around(seed), np.random.default_rng(seed).uniform(-0.5, 0.5, 4)
+    parts = [slice(0, 3), slice(3, 6), slice(6, 7)]
     off = []
-    for h in (4.0, 2.0, 1.0):
+    for h in (2.0, 1.0):
         found, expected = core.linearised(SATELLITE, a, x, u, h), differences(x, a, u, h)
-        off.append([np.abs(f - e).max() for f, e in zip(found, expected, strict=True)])
-    assert off[2][0] < 0.01
-    assert off[2][1] < 0.01 * np.abs(expected[1]).max()
-    ratios = np.array(off[1]) / np.array(off[2])
-    assert (ratios > 6.0).all()
+        A, G = (np.abs(f - e) for f, e in zip(found, expected, strict=True))
+        off.append([*(A[r, c].max() for r in parts for c in parts), *(G[r].max() for r in parts)])
+    assert max(off[1]) < 0.01
+    for before, after in zip(*off, strict=True):
+        assert after < before / 6.0 or before < 1e-8
 
 
 @pytest.mark.parametrize("seed", range(10))
