@@ -11,6 +11,7 @@ static const double EARLY = 1e-6;               /* of the control period: a samp
 
 static const int ITERATIONS = 5;
 static const double CHALLENGE_PERIOD = 30.0;    /* s */
+static const double HOLD_COST = 10.0;           /* of a plan that is challenged in the hold too: it has a turn in it */
 static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
@@ -154,6 +155,7 @@ static Model believed(const ControllerPlannedLaw *law, const ControllerPlannedSt
     model.wheel_torque_max = p->wheel_torque_max;
     model.wheel_momentum_max = p->wheel_momentum_max;
     model.disturbance_B = vector(x->identification.p + TORQUE);
+    model.residual_B = vector(x->identification.p + DIPOLE);
     return model;
 }
 
@@ -247,7 +249,8 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
     const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
     const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
                                   add(cross(middle, apply(products, middle)), apply(products, change)));
-    identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, p->identify, &x->identification);
+    identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, scale(0.5, add(x->B_B, B_B)),
+             p->identify, &x->identification);
 }
 
 /* ---------------------------------------------------------------- what it decides */
@@ -294,7 +297,7 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
     if (lost) {
         search->active = search->ready = false;
     } else if (!search->active && !search->ready &&
-               (steering || (x->phase == PHASE_ACQUISITION && x->t >= x->next_challenge - early))) {
+               (steering || ((x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST) && x->t >= x->next_challenge - early))) {
         search_begin(now, x->t, search);
     }
     search_on(&model, ahead, first ? INT32_MAX : p->search_iterations, search, &law->workspace);
@@ -389,7 +392,8 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     } else {
         Vector tau = add(scale(-1.0, apply(matrix(p->L0), omega)), gradient);
         tau = add(tau, add(apply(J, apply_transposed(Q, dOmega_d)), cross(w, apply(J, w))));
-        store(subtract(tau, add(M_g, vector(x->identification.p + TORQUE))), y->tau_cmd_B);
+        const Vector unwanted = add(model.disturbance_B, cross(model.residual_B, B_B));
+        store(subtract(tau, add(M_g, unwanted)), y->tau_cmd_B);
     }
     for (int i = 0; i < 3; ++i) {
         y->dipole_ff[i] = p->dipole_max * controls[i];
@@ -403,7 +407,8 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     y->h_w_ref = d->l;
     y->plan_cost = x->plan.cost;
     y->phase = x->phase;
-    store(vector(x->identification.p + TORQUE), y->disturbance_B);
+    store(model.disturbance_B, y->disturbance_B);
+    store(model.residual_B, y->residual_dipole_estimate_B);
     store_matrix(J, y->J_estimate_B);
     y->rod_gain_estimate = x->identification.p[GAIN];
     y->h_w_estimate = l;
@@ -470,7 +475,7 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     memset(x, 0, sizeof *x);
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
-                         &x->identification);
+                         law->p.residual_dipole_max, &x->identification);
     x->phase = PHASE_STEERING;
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

@@ -12,15 +12,17 @@ static const double EXPECTED = 0.25;       /* of the largest disturbance: its st
 static const double TRUST = 0.4;           /* largest change of what is identified, relative */
 
 void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
-                          Identification *id)
+                          double dipole_max, Identification *id)
 {
     memset(id, 0, sizeof *id);
     id->disturbance_max = disturbance_max;
+    id->dipole_max = dipole_max;
     /* The walk for which the filter at rest forgets over disturbance_time. */
     id->walk = NOISE / WINDOW * (WINDOW / disturbance_time);
     for (int i = 0; i < UNKNOWNS; ++i) {
         id->p[i] = i < 3 ? inertia[i] : i == GAIN ? 1.0 : 0.0;
-        id->P[i][i] = i < TORQUE ? spread * spread * id->p[i] * id->p[i] : EXPECTED * EXPECTED * disturbance_max * disturbance_max;
+        const double deviation = i < TORQUE ? spread * id->p[i] : EXPECTED * (i < DIPOLE ? disturbance_max : dipole_max);
+        id->P[i][i] = deviation * deviation;
         if (i < TORQUE) {
             id->start[i] = id->p[i];
         }
@@ -63,14 +65,23 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
     }
 }
 
+static void keep_within(double v[3], double limit)
+{
+    const double size = norm(vector(v));
+    for (int i = 0; i < 3 && size > limit; ++i) {
+        v[i] *= limit / size;
+    }
+}
+
 static void use_window(Identification *id, Vector Omega, double l, bool inertia)
 {
-    double dOmega[3], products[3], rods[3], others[3], wheel[3];
+    double dOmega[3], products[3], rods[3], others[3], wheel[3], field[3];
     store(subtract(Omega, id->Omega_0), dOmega);
     store(id->products, products);
     store(id->rods, rods);
     store(id->others, others);
     store(id->wheel, wheel);
+    store(id->field, field);
     const double dl[3] = {l - id->l_0, 0.0, 0.0};
     const bool quiet = !inertia || norm(vector(dOmega)) < CHANGE_MIN;
     for (int i = 0; i < 3; ++i) {
@@ -89,31 +100,33 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
             row[j] = 0.0;
         }
         row[TORQUE + i] = -id->elapsed;
+        /* -int (m x B)_i */
+        row[DIPOLE + (i + 1) % 3] = -field[(i + 2) % 3];
+        row[DIPOLE + (i + 2) % 3] = field[(i + 1) % 3];
         const double variance = NOISE * NOISE + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
         update(id, row, value, variance, quiet);
     }
     for (int i = 0; i < TORQUE; ++i) {
         id->p[i] = larger(smaller(id->p[i], (1.0 + TRUST) * id->start[i]), (1.0 - TRUST) * id->start[i]);
     }
-    const double size = norm(vector(id->p + TORQUE));
-    for (int i = TORQUE; i < UNKNOWNS && size > id->disturbance_max; ++i) {
-        id->p[i] *= id->disturbance_max / size;
-    }
+    keep_within(id->p + TORQUE, id->disturbance_max);
+    keep_within(id->p + DIPOLE, id->dipole_max);
 }
 
 void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
-              bool inertia, Identification *id)
+              Vector B_B, bool inertia, Identification *id)
 {
     if (id->elapsed == 0.0) {
         id->Omega_0 = Omega;
         id->l_0 = l;
-        id->products = id->rods = id->others = id->wheel = (Vector){0.0, 0.0, 0.0};
+        id->products = id->rods = id->others = id->wheel = id->field = (Vector){0.0, 0.0, 0.0};
     }
     const Vector a = {Omega.y * Omega.z, Omega.z * Omega.x, Omega.x * Omega.y};
     const Vector b = {Omega_next.y * Omega_next.z, Omega_next.z * Omega_next.x, Omega_next.x * Omega_next.y};
     id->products = add(id->products, scale(0.5 * dt, add(a, b)));
     id->rods = add(id->rods, scale(dt, tau_rods));
     id->others = add(id->others, scale(dt, tau_known));
+    id->field = add(id->field, scale(dt, B_B));
     const double m = 0.5 * dt;
     id->wheel = add(id->wheel, (Vector){0.0, m * (Omega.z * l + Omega_next.z * l_next),
                                         -m * (Omega.y * l + Omega_next.y * l_next)});

@@ -37,9 +37,10 @@ Target target_at(const Ahead *ahead, double t)
     return target_of(ahead->target_kind, ahead->R_d0, r_N, v_N);
 }
 
-static Vector rods_dipole(const Model *model, const double u[CONTROLS])
+/* Of the rods and of the satellite itself. */
+static Vector dipole(const Model *model, const double u[CONTROLS])
 {
-    return add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2])));
+    return add(model->residual_B, add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2]))));
 }
 
 Vector acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
@@ -47,7 +48,7 @@ Vector acceleration(const Model *model, const Around *around, const Motion *x, c
     const Vector B = apply_transposed(x->R, around->B_N), rho = apply_transposed(x->R, around->r_hat_N);
     Vector Pi = apply(model->J, x->Omega);
     Pi.x += x->l;
-    Vector tau = add(cross(Pi, x->Omega), cross(rods_dipole(model, u), B));
+    Vector tau = add(cross(Pi, x->Omega), cross(dipole(model, u), B));
     tau = add(tau, scale(3.0 * around->rate_squared, cross(rho, apply(model->J, rho))));
     tau = add(tau, model->disturbance_B);
     tau.x -= model->wheel_torque_max * u[3];
@@ -180,7 +181,7 @@ static void linearise(const Model *model, const Around *around, const Motion *x,
 
     /* J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x e1 dl + m x (B x dtheta) + dM_g */
     const Matrix rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, multiply(hat(Omega), J))));
-    const Vector m = rods_dipole(model, u);
+    const Vector m = dipole(model, u);
     const Matrix magnetic = multiply(hat(m), hat(B));
     const Matrix gravity = times(3.0 * around->rate_squared,
                                  sum(multiply(hat(rho), multiply(J, hat(rho))), times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
@@ -457,9 +458,9 @@ void controls_for(const Model *model, Vector tau, Vector B_B, double l, double u
 /* Controls of a cascade through the limits, to start from: turns to the target at no more than `rate`, rad/s. */
 static void cascade(const Model *model, const Motion *x, double rate, Plan *plan, Workspace *w)
 {
-    static const double stiffness = 0.02, damping = 0.05; /* 1/s */
     Motion now = *x;
     for (int i = 0; i < plan->stages; ++i) {
+        const double stiffness = smaller(0.02, 0.2 / plan->h[i]), damping = smaller(0.05, 0.5 / plan->h[i]); /* 1/s */
         const Stage *stage = &w->stage[i];
         const Matrix Q = multiply(transposed(stage->target.R), now.R);
         const Vector zeta = rotation_log(Q);

@@ -14,6 +14,7 @@ typedef struct {
     double wheel_torque_max; /* N m */
     double wheel_momentum_max;
     Vector disturbance_B; /* N m */
+    Vector residual_B;    /* dipole of the satellite itself, A m2 */
 } Model;
 
 typedef struct {

@@ -53,6 +53,8 @@ typedef struct {
     double disturbance_time;
     /* N.m; Largest disturbance torque that is believed */
     double disturbance_max;
+    /* A.m2; Largest dipole of the satellite itself that is believed */
+    double residual_dipole_max;
     /* Whether inertia and rod gain are identified in flight */
     bool identify;
     /* Standard deviation of the inertias and the rod gain before the flight, relative */
@@ -126,6 +128,8 @@ typedef struct {
     int32_t phase;
     /* N.m; frame B; Estimated disturbance torque */
     double disturbance_B[3];
+    /* A.m2; frame B; Estimated dipole of the satellite itself */
+    double residual_dipole_estimate_B[3];
     /* kg.m2; frame B; Estimated inertia, as the plan uses it */
     double J_estimate_B[3][3];
     /* Estimated share of a commanded dipole that the rods give */
