@@ -207,7 +207,7 @@ def all_cases(n: int) -> list[Case]:
         cases += [flight(f"errors, {scheme}", s, scheme, True) for s in seeds("errors", some)]
         cases += [manoeuvre(which, node, scheme) for which in ("vb", "vc") for node in NODES]
     cases += [hold(node) for node in HOLD_NODES] + pairings()
-    return cases + [case for t in TRIED for case in t.cases(share(n, TRIES))]
+    return cases + [t.case(seed) for seed in seeds("tried", share(n, TRIES)) for t in TRIED]
 
 
 def hold(node: int) -> Case:
@@ -230,9 +230,6 @@ class Tried:
     alter: Callable[[Data, np.random.Generator], Any]
     """Changes the scenario in place."""
     errors: bool = False
-
-    def cases(self, n: int) -> list[Case]:
-        return [self.case(seed) for seed in seeds("tried", n)]
 
     def case(self, seed: int) -> Case:
         data = change(base(), tumble(seed, self.errors))
