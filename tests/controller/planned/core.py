@@ -71,6 +71,7 @@ class _Model(ctypes.Structure):
         ("wheel_torque_max", c_double),
         ("wheel_momentum_max", c_double),
         ("disturbance_B", c_double * 3),
+        ("residual_B", c_double * 3),
     )
 
 
@@ -100,13 +101,14 @@ class _Ahead(ctypes.Structure):
 
 @dataclass(frozen=True)
 class Satellite:
-    """J (3, 3) kg m2, rods (3, 3): rows, dipoles at the limit, A m2; N m; N m s; N m."""
+    """J (3, 3) kg m2, rods (3, 3): rows, dipoles at the limit, A m2; N m; N m s; N m; A m2."""
 
     J: Array = field(default_factory=lambda: np.diag([2.13, 3.04, 3.09]))
     rods: Array = field(default_factory=lambda: 25.0 * RODS)
     wheel_torque_max: float = 3e-3
     wheel_momentum_max: float = 0.03
     disturbance_B: Array = field(default_factory=lambda: np.zeros(3))
+    residual_B: Array = field(default_factory=lambda: np.zeros(3))
 
     def c(self) -> Any:
         return byref(
@@ -116,6 +118,7 @@ class Satellite:
                 self.wheel_torque_max,
                 self.wheel_momentum_max,
                 _doubles(self.disturbance_B),
+                _doubles(self.residual_B),
             )
         )
 

@@ -13,7 +13,7 @@
 #endif
 
 typedef struct {
-    double J[3][3], rods[3][3], wheel_torque_max, wheel_momentum_max, disturbance_B[3];
+    double J[3][3], rods[3][3], wheel_torque_max, wheel_momentum_max, disturbance_B[3], residual_B[3];
 } FlatModel;
 
 typedef struct {
@@ -86,6 +86,7 @@ static Model model_of(const FlatModel *f)
     m.wheel_torque_max = f->wheel_torque_max;
     m.wheel_momentum_max = f->wheel_momentum_max;
     m.disturbance_B = vector(f->disturbance_B);
+    m.residual_B = vector(f->residual_B);
     return m;
 }
 

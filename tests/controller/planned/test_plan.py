@@ -16,7 +16,7 @@ from . import core
 RNG = np.random.default_rng(15)
 R0, V0 = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
 FULL_J = np.array([[2.13, 0.11, -0.07], [0.11, 3.04, 0.19], [-0.07, 0.19, 3.09]])
-SATELLITE = core.Satellite(J=FULL_J, disturbance_B=np.array([1e-5, -2e-5, 3e-5]))
+SATELLITE = core.Satellite(J=FULL_J, disturbance_B=np.array([1e-5, -2e-5, 3e-5]), residual_B=np.array([0.1, 0.2, -0.3]))
 AHEAD = core.Ahead(R0, V0)
 
 
@@ -42,7 +42,7 @@ def reference(satellite, a):
 def flown(satellite, a, x, u, h):
     """The motion after h by SciPy, in the quaternion of R."""
     s = reference(satellite, a)
-    m_B, dl = np.asarray(u[:3]) @ satellite.rods, u[3] * satellite.wheel_torque_max
+    m_B, dl = np.asarray(u[:3]) @ satellite.rods + satellite.residual_B, u[3] * satellite.wheel_torque_max
 
     def rates(t, y):
         q, Omega, h_w = y[:4], y[4:7], y[7]
@@ -73,7 +73,12 @@ def errors(x, y):
 def test_the_acceleration_is_that_of_the_equations(seed):
     x, a, u = state(seed), around(seed), RNG.uniform(-1, 1, 4)
     expected = motion.rate_of_change(
-        reference(SATELLITE, a), x.R, x.Omega, x.h_w, u[:3] @ SATELLITE.rods, u[3] * SATELLITE.wheel_torque_max
+        reference(SATELLITE, a),
+        x.R,
+        x.Omega,
+        x.h_w,
+        u[:3] @ SATELLITE.rods + SATELLITE.residual_B,
+        u[3] * SATELLITE.wheel_torque_max,
     )
     assert core.acceleration(SATELLITE, a, x, u) == pytest.approx(expected, rel=1e-12, abs=1e-18)
 
@@ -207,7 +212,7 @@ def test_iterations_never_cost_more_and_the_plan_keeps_its_limits(rate):
             assert np.abs(plan.u).max() <= 1.0
             assert max(abs(y.h_w) for y in plan.path) <= SATELLITE.wheel_momentum_max * (1 + 1e-9)
         assert all(after <= before for before, after in pairwise(costs))
-        assert costs[-1] < 0.7 * costs[0]
+        assert costs[-1] < 0.8 * costs[0]
 
 
 def test_the_plans_end_is_near_the_target_with_room_left_in_the_wheel():

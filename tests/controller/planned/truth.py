@@ -43,6 +43,7 @@ class Truth:
     R: Array = field(default_factory=lambda: np.eye(3))
     Omega: Array = field(default_factory=lambda: np.zeros(3))
     h_w: float = 0.0
+    own_dipole: Array = field(default_factory=lambda: np.zeros(3))
     t: float = 0.0
 
     def field_N(self, t: float) -> Array:
@@ -52,7 +53,7 @@ class Truth:
         """On by h under rods' controls u (3,) and motor dl, N m."""
         r = orbit(self.t + 0.5 * h)[0]
         s = motion.Surroundings(self.J, self.field_N(self.t + 0.5 * h), r / RADIUS, core.MU / RADIUS**3, self.d_B)
-        m_B, start = u @ self.rods, Rotation.from_matrix(self.R)
+        m_B, start = u @ self.rods + self.own_dipole, Rotation.from_matrix(self.R)
 
         def rates(t: float, y: Array) -> list[float]:
             R = (start * Rotation.from_rotvec(y[:3])).as_matrix()
