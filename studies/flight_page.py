@@ -93,7 +93,7 @@ def _head(done: Done) -> str:
 
 In SI units, with the hardware's limits (25 A m² a rod, 3 mN m, 30 mN m s) and the inertia diag(2.13, 3.04, 3.09) kg m², the published scheme does not detumble its own satellite
 ([reproduction.md](reproduction.md)). `controller_planned` and `allocator_bounded` do, in the same three blocks and on the same ports. This page flies them {len(done.cases)} times against the
-plant's truth, beside the paper's scheme and beside its law (8) with tuned gains.
+plant's truth, beside the paper's scheme and beside its law (8) with tuned gains. [planned.md](planned.md) says how they work.
 {few}
 - **Random tumbles up to {math.degrees(RATE_MAX):.0f} deg/s**, any attitude, any node: {"; ".join(verdicts)}.
 - **The hold** is {_degrees(held[0])} rms at the median nominally, {_degrees(held[1])} under all errors.
@@ -312,7 +312,32 @@ def _tried(done: Done) -> str:
 The same {share(done.n, TRIES)} tumbles each time, nominal but for one thing (unless all errors are named), flown for {SHORT / ORBIT:.1f} orbits. “Not known” is not known to the flight software, which is told nothing of it.
 
 {_table("what is different|below 5°|median, orbits|90%|worst|below 1°|hold rms, median|worst", rows)}
+
+{_found(done)}
 """
+
+
+def _found(done: Done) -> str:
+    """What stands out in the table, by its own numbers."""
+    usual = _quantile(done.times("as nominal"), 0.5)
+    lost, slow, coarse = [], [], []
+    for t in TRIED:
+        times, held = done.times(t.name), _hold_errors(done, t.name)
+        if not np.isfinite(times).all():
+            lost.append(f"{t.said} ({int((~np.isfinite(times)).sum())})")
+        elif _quantile(times, 0.5) > 1.5 * usual:
+            slow.append(t.said)
+        if len(held) and np.median(held) > 0.1:
+            coarse.append(t.said)
+    return "\n".join(
+        f"- **{what}:** {'; '.join(names)}."
+        for what, names in (
+            ("Not all settle (how many do not)", lost),
+            ("All settle, but half of them more than 1.5 times as late as nominally", slow),
+            ("Held worse than 0.1° rms at the median of those that settle", coarse),
+        )
+        if names
+    )
 
 
 def _pairings(done: Done) -> str:

@@ -17,6 +17,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -99,7 +100,7 @@ def seen(result: Result) -> Row:
 
 
 def pin(blocks: Iterable[str] = BLOCKS) -> dict[str, Path]:
-    """Builds the FMUs where need be, and copies them to where no build reaches; by block, named by their contents."""
+    """Builds the FMUs where need be, and copies them to where no build reaches; by block, named by what they do."""
     from fmus.build import ensure
 
     kept = FOLDER / "fmus"
@@ -107,13 +108,28 @@ def pin(blocks: Iterable[str] = BLOCKS) -> dict[str, Path]:
     found = {}
     for block in blocks:
         content = ensure(block, "native").read_bytes()
-        path = kept / f"{block}-{hashlib.sha256(content).hexdigest()[:16]}.fmu"
-        if not path.exists():
-            part = path.with_suffix(".part")
+        found[block] = kept / f"{block}-{identity(block)}.fmu"
+        if not found[block].exists():
+            part = found[block].with_suffix(f".{os.getpid()}")
             part.write_bytes(content)
-            part.replace(path)
-        found[block] = path
+            part.replace(found[block])
     return found
+
+
+def identity(block: str) -> str:
+    """What a block does, as a hash: its C and tables, and its variables but for how they are described in words."""
+    from fmus.build import Block
+    from fmus.interface import load
+    from fmus.native import sources
+
+    folder = Block.named(block).folder
+    tables = sorted(path for path in (folder / "tables").rglob("*") if path.suffix in (".py", ".csv"))
+    digest = hashlib.sha256()
+    for path in (*sources(folder), *tables):
+        digest.update(path.name.encode() + path.read_bytes())
+    for v in load(block).variables.values():
+        digest.update(repr(replace(v, description="")).encode())
+    return digest.hexdigest()[:16]
 
 
 @cache

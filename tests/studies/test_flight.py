@@ -1,13 +1,16 @@
 """The study of flights in SI units: how it judges, what it flies, and what its page says."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
+import fmus.interface
 from studies import flight_cases, flight_run
 from studies.__main__ import main
 from studies.flight_run import Rows, settled, truth
@@ -138,6 +141,25 @@ def test_a_key_is_of_the_scenario_and_of_the_fmus_that_fly_it():
     keys = [flight_run.key(one, fmus), flight_run.key(other, fmus), flight_run.key(one, newer)]
     assert len(set(keys)) == 3
     assert flight_run.key(law, fmus) == flight_run.key(law, newer)
+
+
+def test_what_a_block_does_is_told_by_its_code_and_variables_not_by_their_descriptions(monkeypatch):
+    before = {block: flight_run.identity(block) for block in flight_run.BLOCKS}
+    assert len(set(before.values())) == len(flight_run.BLOCKS)
+    load = fmus.interface.load
+
+    def changed(field, value):
+        def other(block):
+            interface = load(block)
+            variables = {name: replace(v, **{field: value}) for name, v in interface.variables.items()}
+            return SimpleNamespace(variables=variables)
+
+        return other
+
+    monkeypatch.setattr("fmus.interface.load", changed("description", "in other words"))
+    assert flight_run.identity("allocator") == before["allocator"]
+    monkeypatch.setattr("fmus.interface.load", changed("min", -2.0))
+    assert flight_run.identity("allocator") != before["allocator"]
 
 
 def test_a_case_can_be_flown_again_from_its_file(tmp_path, monkeypatch):
