@@ -148,6 +148,10 @@ static Model believed(const ControllerPlannedLaw *law, const ControllerPlannedSt
     model.J.a.x = x->identification.p[0];
     model.J.b.y = x->identification.p[1];
     model.J.c.z = x->identification.p[2];
+    Fault unused;
+    if (!is_inertia(model.J, "", &unused)) {
+        model.J = matrix(p->J_B); /* large products of inertia, which are not estimated, may not fit what is */
+    }
     model.J_inverse = inverse(model.J);
     for (int i = 0; i < 3; ++i) {
         model.rods[i] = scale(p->dipole_max * x->identification.p[GAIN], law->rod_axes[i]);

@@ -508,7 +508,7 @@ void search_on(const Model *model, const Ahead *ahead, int iterations, Search *s
             search->left = ITERATIONS_COLD;
             if (++search->start == STARTS) {
                 search->active = false;
-                search->ready = true;
+                search->ready = search->best.cost < NEVER;
             }
         }
     }

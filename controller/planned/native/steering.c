@@ -67,6 +67,9 @@ void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field
             }
             time = SPACING * (i - 1 + high);
         }
+        if (!(norm(ell) > 0.0 && is_finite(ell))) {
+            return; /* a field whose direction does not change gives nothing along it */
+        }
         lambda = scale(1.0 / norm(ell), ell);
     }
     steering->lambda_N = lambda;
