@@ -172,7 +172,7 @@ def _limited(variable: Variable, position: int, number: float, value: Any) -> fl
     high = variable.maxima[position] if variable.maxima else float("inf")
     if low <= number <= high:
         return number
-    unit = f" {variable.unit}" if variable.unit else ""
+    unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
     given = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
     element = f"{variable.label(position)}: " if variable.shape else ""
     side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"

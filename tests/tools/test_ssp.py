@@ -273,7 +273,8 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
         ("with a delay", "a container has no delays of single connections"),
         (
             "at another rate",
-            "loop.yaml:12: blocks.regulator.every: a container steps all its blocks at one rate; expected 1",
+            "loop.yaml:12: blocks.regulator.every: a container steps all its blocks at one rate; expected 1 "
+            "(remedy: no 'every', and the slowest block's step for all)",
         ),
     ],
 )

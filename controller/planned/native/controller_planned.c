@@ -7,11 +7,14 @@ static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed f
 static const double R_MIN = 1e6;                /* m */
 static const double COLLINEAR = 1e-6;           /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double ABSENT = 1e9;               /* an optional input that is not connected stands at its start */
+static const double RATE_MAX = 0.06;            /* rad/s, from which a plan of all its stages still succeeds */
+static const double FIELD_MAX = 1e-3;           /* T; no orbit has more, so a larger field is in another unit */
 static const double EARLY = 1e-6;               /* of the control period: a sample is due that much before its time */
 
 static const int ITERATIONS = 5;
 static const double CHALLENGE_PERIOD = 30.0;    /* s */
 static const double HOLD_COST = 10.0;           /* of a plan that is challenged in the hold too: it has a turn in it */
+static const double NO_PLAN = 1e299;            /* a cost beyond it is of a motion that turns too fast to be planned */
 static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
@@ -53,6 +56,23 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
     for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
         if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
             return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
+        }
+    }
+    if (p->reference != CONTROLLER_PLANNED_REFERENCE_LVLH && p->reference != CONTROLLER_PLANNED_REFERENCE_INERTIAL) {
+        return fault(f, "reference", p->reference, "1 (lvlh) or 2 (inertial); the planned controller does not offer 3 (rate)");
+    }
+    const struct {
+        const char *name;
+        int32_t value, low, high;
+        const char *expected;
+    } counts[] = {
+        {"field_model", p->field_model, CONTROLLER_PLANNED_FIELD_MODEL_IGRF14, CONTROLLER_PLANNED_FIELD_MODEL_WMM2025, "1 to 5"},
+        {"field_degree", p->field_degree, 1, ONBOARD_DEGREE_MAX, "1 to 13"},
+        {"search_iterations", p->search_iterations, 1, 1000, "1 to 1000"},
+    };
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        if (counts[i].value < counts[i].low || counts[i].value > counts[i].high) {
+            return fault(f, counts[i].name, counts[i].value, counts[i].expected);
         }
     }
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f)) {
@@ -115,6 +135,9 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
         if (!is_finite(inputs[i].value)) {
             return fault(f, inputs[i].name, NAN, "finite numbers");
         }
+    }
+    if (!absent(u->b_B, 3) && norm(vector(u->b_B)) > FIELD_MAX) {
+        return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
     }
     if (!isfinite(u->h_w)) {
         return fault(f, "h_w", u->h_w, "a finite number");
@@ -231,7 +254,7 @@ static Motion corrected(const ControllerPlannedState *x, Matrix R, Vector Omega,
     return (Motion){multiply(was->R, rotation_exp(turn)), add(was->Omega, scale(x->rate_gain, subtract(Omega, was->Omega))), l};
 }
 
-/* Disturbance, inertia and rod gain from the sample that ends now. */
+/* Disturbance, own dipole, inertia and rod gain from the sample that ends now. */
 static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *now, Vector B_B,
                   const double given[CONTROLS], const Around *around, double dt)
 {
@@ -291,7 +314,8 @@ static void decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const A
     } else if (x->settled_since > x->t) {
         x->settled_since = x->t;
     }
-    const double left = norm(D_N) / p->steering_limit;
+    const double least = smaller(p->J_B[0][0], smaller(p->J_B[1][1], p->J_B[2][2]));
+    const double left = norm(D_N) / smaller(p->steering_limit, RATE_MAX * least);
     const bool steering = x->phase == PHASE_STEERING;
     const bool far = x->steering.time > STEERING_LEFT && left > STEERING_DONE;
     const bool lost = steering ? left > 1.0 || far : left > STEERING_AGAIN;
@@ -409,7 +433,7 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     store(d->Omega, y->Omega_d);
     store(dOmega_d, y->dOmega_d);
     y->h_w_ref = d->l;
-    y->plan_cost = x->plan.cost;
+    y->plan_cost = x->plan.cost < NO_PLAN ? x->plan.cost : -1.0;
     y->phase = x->phase;
     store(model.disturbance_B, y->disturbance_B);
     store(model.residual_B, y->residual_dipole_estimate_B);
@@ -479,7 +503,7 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     memset(x, 0, sizeof *x);
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
-                         law->p.residual_dipole_max, &x->identification);
+                         law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
     x->phase = PHASE_STEERING;
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

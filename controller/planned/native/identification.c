@@ -3,7 +3,8 @@
 #include <string.h>
 
 static const double WINDOW = 5.0;          /* s */
-static const double NOISE = 1e-4;          /* N m s, of a window's balance of momentum */
+static const double NOISE = 1e-4;          /* N m s, of a window's balance of momentum, at least */
+static const double NOISE_RATES = 2.8;     /* standard deviations of a rate, times the inertia: two ends, and some more */
 static const double NOISE_RODS = 0.01;     /* of the rods' impulse */
 static const double GATE = 5.0;            /* standard deviations */
 static const double CHANGE_MIN = 1e-3;     /* rad/s, of the rate in a window that tells something */
@@ -12,13 +13,15 @@ static const double EXPECTED = 0.25;       /* of the largest disturbance: its st
 static const double TRUST = 0.4;           /* largest change of what is identified, relative */
 
 void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
-                          double dipole_max, Identification *id)
+                          double dipole_max, double rate_noise, Identification *id)
 {
     memset(id, 0, sizeof *id);
     id->disturbance_max = disturbance_max;
     id->dipole_max = dipole_max;
     /* The walk for which the filter at rest forgets over disturbance_time. */
-    id->walk = NOISE / WINDOW * (WINDOW / disturbance_time);
+    const double noise = larger(NOISE, NOISE_RATES * rate_noise * largest(vector(inertia)));
+    id->rate_noise = rate_noise;
+    id->walk = noise / WINDOW * (WINDOW / disturbance_time);
     for (int i = 0; i < UNKNOWNS; ++i) {
         id->p[i] = i < 3 ? inertia[i] : i == GAIN ? 1.0 : 0.0;
         const double deviation = i < TORQUE ? spread * id->p[i] : EXPECTED * (i < DIPOLE ? disturbance_max : dipole_max);
@@ -103,7 +106,8 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
         /* -int (m x B)_i */
         row[DIPOLE + (i + 1) % 3] = -field[(i + 2) % 3];
         row[DIPOLE + (i + 2) % 3] = field[(i + 1) % 3];
-        const double variance = NOISE * NOISE + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
+        const double noise = larger(NOISE, NOISE_RATES * id->rate_noise * id->start[i]);
+        const double variance = noise * noise + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
         update(id, row, value, variance, quiet);
     }
     for (int i = 0; i < TORQUE; ++i) {

@@ -1,4 +1,4 @@
-/* Disturbance torque, inertia and rod gain, from what was commanded and what was measured. */
+/* Disturbance torque, own dipole, inertia and rod gain, from what was commanded and what was measured. */
 #ifndef IDENTIFICATION_H
 #define IDENTIFICATION_H
 
@@ -13,6 +13,7 @@ typedef struct {
     double start[TORQUE];                  /* of inertias and gain */
     double disturbance_max, walk;          /* N m; its change in a window, one standard deviation */
     double dipole_max;                     /* A m2 */
+    double rate_noise;                     /* rad/s */
     /* Sums over the window that is open. */
     double elapsed;
     Vector Omega_0;                        /* rate at its beginning */
@@ -23,12 +24,13 @@ typedef struct {
 } Identification;
 
 /* `spread`: standard deviation of inertias and gain, relative; `disturbance_max`, N m; `disturbance_time`, s, over
- * which the disturbance is forgotten; `dipole_max`, A m2, of the satellite itself. */
+ * which the disturbance is forgotten; `dipole_max`, A m2, of the satellite itself;
+ * `rate_noise`, rad/s, of the measured rates. */
 void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
-                          double dipole_max, Identification *id);
+                          double dipole_max, double rate_noise, Identification *id);
 
 /* Adds a sample of dt: the rates and wheel momenta at its ends, the rods' torque at gain 1 and the other known torque
- * over it (gravity gradient, products of inertia), the field. A window that is full is used; it tells of the disturbance alone
+ * over it (gravity gradient, products of inertia), the field. A window that is full is used; it tells of disturbance and dipole alone
  * where `inertia` is false. */
 void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
               Vector B_B, bool inertia, Identification *id);

@@ -59,7 +59,8 @@ Vector acceleration(const Model *model, const Around *around, const Motion *x, c
 static double wheel_within(const Model *model, double l, double u, double h)
 {
     const double room = 1.0 / (model->wheel_torque_max * h);
-    return larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
+    const double v = larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
+    return larger(smaller(v, 1.0), -1.0); /* a wheel beyond its limit is brought back as fast as it can be */
 }
 
 static Motion moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)

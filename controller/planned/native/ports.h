@@ -16,7 +16,8 @@ enum {
 
 enum {
     CONTROLLER_PLANNED_REFERENCE_LVLH = 1,
-    CONTROLLER_PLANNED_REFERENCE_INERTIAL = 2
+    CONTROLLER_PLANNED_REFERENCE_INERTIAL = 2,
+    CONTROLLER_PLANNED_REFERENCE_RATE = 3
 };
 
 typedef struct {
@@ -69,7 +70,8 @@ typedef struct {
     int32_t field_degree;
     /* T; Added to g10, g11, h11 of the onboard field, to make it wrong on purpose */
     double field_error[3];
-    /* 'lvlh': hold LVLH, from r_N and v_N; 'inertial': hold R_d0 */
+    /* 'lvlh': hold LVLH, from r_N and v_N; 'inertial': hold R_d0; 'rate' is the paper's controller's and
+     * refused here */
     int32_t reference;
     /* frame N from desired body; Desired attitude for 'inertial'; orthonormal to 1e-3, projected onto SO(3)
      * */
@@ -92,8 +94,8 @@ typedef struct {
      * it; optional: 1e9, its start, means not connected */
     double b_B[3];
     /* A.m2, A.m2, A.m2, N.m; What rods (along their axes) and wheel (dl_w/dt) were commanded over the last
-     * sample, for the estimates; without it they take what the controller asked for; optional: 1e9, its
-     * start, means not connected */
+     * sample of the control, its mean where the allocator acts oftener; for the estimates, which without it
+     * take what the controller asked for; optional: 1e9, its start, means not connected */
     double u_applied[4];
 } ControllerPlannedInputs;
 
@@ -122,7 +124,8 @@ typedef struct {
     double dOmega_d[3];
     /* N.m.s; Wheel momentum of the plan */
     double h_w_ref;
-    /* Cost of the plan that is flown; zero while steering */
+    /* Cost of the plan that is flown; zero while steering, -1 where the satellite turns too fast for a plan
+     * */
     double plan_cost;
     /* 1: steering of the total momentum; 2: acquisition by plan; 3: hold */
     int32_t phase;

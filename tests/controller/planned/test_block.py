@@ -200,7 +200,7 @@ def test_a_states_bytes_depend_on_its_own_history_only():
 
     def quick(t):
         """A light body that turns fast: its plans have more stages."""
-        return {**near_target(t), "omega_B": [0.07, -0.05, 0.02]}
+        return {**near_target(t), "omega_B": [0.036, -0.022, 0.011]}
 
     with started() as fresh, started(quick, J_B=np.diag([0.4, 0.5, 0.55])) as again:
         assert run(again, 0.0, 12.0, inputs=quick)[-1]["phase"] == 2
