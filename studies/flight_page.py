@@ -53,8 +53,9 @@ def _quantile(times: Array, q: float) -> float:
 
 
 def _hold_errors(done: Done, group: str) -> Array:
-    """Rms angle over the last seconds of the cases that settled below 5 deg, deg."""
-    return np.degrees([row["hold_rms"] for _, row in done.of(group) if row.get("settled5") is not None])
+    """Rms angle over the last seconds of the cases that had settled below 5 deg by then, deg."""
+    held = [row for _, row in done.of(group) if row.get("settled5") is not None]
+    return np.degrees([row["hold_rms"] for row in held if row["settled5"] <= row["duration"] - HOLD])
 
 
 def _degrees(value: float) -> str:
@@ -67,9 +68,9 @@ def _worst(done: Done, group: str) -> Case:
 
 def _over_bound(done: Done, group: str, bounds: str) -> str:
     least = done.least(bounds)[: len(done.of(group))]
-    ratio = done.times(group) / least
-    usable = np.isfinite(ratio) & (least > 1.0 / ORBIT)
-    return f"{np.median(ratio[usable]):.1f}" if usable.any() else "–"
+    times = done.times(group)
+    usable = np.isfinite(times) & (least > 1.0 / ORBIT)
+    return f"{np.median(times[usable] / least[usable]):.1f}" if usable.any() else "–"
 
 
 # ---------------------------------------------------------------- parts
@@ -156,7 +157,7 @@ def _results(done: Done) -> str:
 
 Attitude uniform on SO(3), direction of the rate uniform, its size uniform in 0 to {math.degrees(RATE_MAX):.0f} deg/s, node uniform, drag and gravity gradient on. Nominal: a disturbance of 10⁻⁶ N m in a random direction, perfect sensors.
 All errors together: inertia 5 to 10% off in each axis, rods that give 0.9 of their command, a disturbance of 10⁻⁵ N m, noise of 0.01° about each axis, 10⁻⁵ rad/s and 50 nT, an onboard field model 200 nT off
-(in its dipole). Cases that have not settled within {SHORT / ORBIT:.1f} orbits are flown for 3. The hold's error is the rms over the last {HOLD:.0f} s of those that settle.
+(in its dipole). Cases that have not settled within {SHORT / ORBIT:.1f} orbits are flown for 3. The hold's error is the rms over the last {HOLD:.0f} s of those that have settled by then.
 
 {_table(header, rows)}
 
