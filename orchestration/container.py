@@ -56,7 +56,10 @@ def _check(system: System) -> None:
     often = next((name for name, entry in scenario.blocks.items() if entry.every != 1), None)
     if often is not None:
         raise InputError(
-            scenario.error(("blocks", often, "every"), "a container steps all its blocks at one rate; expected 1 (remedy: no 'every', and the slowest block's step for all)")
+            scenario.error(
+                ("blocks", often, "every"),
+                "a container steps all its blocks at one rate; expected 1 (remedy: no 'every', and the slowest block's step for all)",
+            )
         )
 
 
