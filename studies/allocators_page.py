@@ -12,15 +12,14 @@ from fmus.interface import load
 
 from .allocators import ALLOCATORS, COLUMNS, NODES, WEIGHTS, Flown, rows
 from .claims import CLAIMS, ORBIT, ROOT
-from .figures import BLUE, RED, _label, _new
+from .figures import BLUE, RED, name_axes, panels, save
 from .page import _table
 
 
 def write(done: Mapping[str, Flown]) -> Path:
     """Draws and writes; returns the page."""
     folder = ROOT / "docs" / "figures"
-    folder.mkdir(parents=True, exist_ok=True)
-    figure(done).savefig(folder / "allocators-wheel.png", dpi=130, metadata={"Software": None})
+    save({"allocators-wheel": figure(done)}, folder)
     target = ROOT / "docs" / "allocators.md"
     target.write_text(text(done), "utf-8")
     return target
@@ -28,7 +27,7 @@ def write(done: Mapping[str, Flown]) -> Path:
 
 def figure(done: Mapping[str, Flown]) -> Any:
     """The wheel's peak over the orbit at every node; hollow where an error left its tolerance."""
-    drawn, axes = _new(1, 2, 5.6, 3.4, sharey=True)
+    drawn, axes = panels(1, 2, 5.6, 3.4, sharey=True)
     limit = load("plant").variables["wheel_momentum_max"].start
     for ax, which in zip(axes[0], CLAIMS, strict=True):
         for name, colour, marker in zip(ALLOCATORS, (RED, BLUE), "so", strict=True):
@@ -41,7 +40,7 @@ def figure(done: Mapping[str, Flown]) -> Any:
             ax.plot([], [], marker + "-", color=colour, label=ALLOCATORS[name])
         ax.axhline(1e3 * limit, color="0.2", linestyle=(0, (5, 3)), linewidth=1)
         ax.set_yscale("log")
-        _label(
+        name_axes(
             ax, "node longitude, °E", "largest |l_w| in an orbit, mN m s", f"{which}: hollow where tolerance is lost"
         )
     axes[0][0].legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(0.0, 0.93))

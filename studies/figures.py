@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,18 @@ _HOLD_COLOURS = ("#d9d9d9", GREEN, SKY, RED, "#5b2000")
 
 def draw(done: dict[str, Any], folder: Path) -> None:
     """Draws all figures into a folder."""
+    save({f"repro-{name}": function(done) for name, function in _FIGURES.items()}, folder)
+
+
+def save(figures: Mapping[str, Any], folder: Path) -> None:
+    """Writes figures by their names, with nothing in a file that changes from day to day."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name, function in _FIGURES.items():
-        figure = function(done)
-        figure.savefig(folder / f"repro-{name}.png", dpi=130, metadata={"Software": None})
+    for name, figure in figures.items():
+        figure.savefig(folder / f"{name}.png", dpi=130, metadata={"Software": None})
 
 
-def _new(rows: int, columns: int, width: float = 4.6, height: float = 3.2, **options: Any) -> tuple[Any, Any]:
+def panels(rows: int, columns: int, width: float = 4.6, height: float = 3.2, **options: Any) -> tuple[Any, Any]:
+    """A figure of rows x columns axes, each `width` x `height` inches."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
@@ -38,7 +44,7 @@ def _new(rows: int, columns: int, width: float = 4.6, height: float = 3.2, **opt
     return figure, axes
 
 
-def _label(ax: Any, x: str, y: str, title: str = "") -> None:
+def name_axes(ax: Any, x: str, y: str, title: str = "") -> None:
     ax.set_xlabel(x, fontsize=9)
     ax.set_ylabel(y, fontsize=9)
     if title:
@@ -53,18 +59,18 @@ def _orbits(ax: Any) -> None:
 
 def lyapunov(done: dict[str, Any]) -> Any:
     """V, dV/dt and the share of the demand that is met, for both manoeuvres in reading (a)."""
-    figure, axes = _new(2, 3)
+    figure, axes = panels(2, 3)
     for row, which in zip(axes, CLAIMS, strict=True):
         r: Run = done[f"{which}: run a"]
         t, s = r.time, r.signals
         row[0].plot(t, 1e3 * s["lyapunov"], color=BLUE)
-        _label(row[0], "time, s", "V, mJ", f"{which}: Lyapunov function [11]")
+        name_axes(row[0], "time, s", "V, mJ", f"{which}: Lyapunov function [11]")
         measured = np.gradient(s["lyapunov"], t)
         L = s["gain_l"][:, None] * sweep.constants()["controller.L0"][0][0]
         expected = -(L * s["rate_error_B"] ** 2).sum(axis=1)
         row[1].plot(t, 1e6 * measured, color=BLUE, label="dV/dt as flown")
         row[1].plot(t, 1e6 * expected, color=RED, linestyle="--", label="−ω·Lω (constant gains, exact torque)")
-        _label(row[1], "time, s", "µW", f"{which}: dV/dt")
+        name_axes(row[1], "time, s", "µW", f"{which}: dV/dt")
         row[1].legend(fontsize=8, frameon=False)
         demand = np.linalg.norm(s["tau_cmd_B"], axis=1)
         met = 1.0 - np.linalg.norm(s["tau_residual_B"], axis=1) / np.maximum(demand, 1e-300)
@@ -74,7 +80,7 @@ def lyapunov(done: dict[str, Any]) -> Any:
         if held.any():
             row[2].axvspan(t[held][0], t[held][-1] + 0.1, color="0.8")
             row[2].set_xlim(-0.05, 3.0)
-        _label(
+        name_axes(
             row[2],
             "time, s",
             "1 − |unmet|/|demand|, %",
@@ -88,7 +94,7 @@ def lyapunov(done: dict[str, Any]) -> Any:
 
 def momentum(done: dict[str, Any]) -> Any:
     """Least times against the longitude of the node, in SI units."""
-    figure, axes = _new(1, 2, 5.6, 3.6, sharey=True)
+    figure, axes = panels(1, 2, 5.6, 3.6, sharey=True)
     for ax, which in zip(axes[0], CLAIMS, strict=True):
         limit, claimed = PAPER_LIMITS[which]
         for dipole, colour in ((limit, RED), (25.0, BLUE)):
@@ -101,7 +107,9 @@ def momentum(done: dict[str, Any]) -> Any:
         ax.text(346, claimed - 24, f"the paper: {claimed:.0f} s", fontsize=8, color="0.2", ha="right")
         ax.set_xlim(0, 350)
         ax.set_ylim(0, None)
-        _label(ax, "node longitude, °E", "least time, s", f"{which} in SI units: times below each line are impossible")
+        name_axes(
+            ax, "node longitude, °E", "least time, s", f"{which} in SI units: times below each line are impossible"
+        )
         ax.legend(fontsize=8, frameon=False, loc="lower right", ncols=2)
     return figure
 
@@ -137,14 +145,14 @@ def _maps(
 ) -> Any:
     from matplotlib.patches import Patch
 
-    figure, axes = _new(1, 3, 4.6, 4.0, sharey=True)
+    figure, axes = panels(1, 3, 4.6, 4.0, sharey=True)
     shape = (len(y), len(x))
     codes = [outcome(which, done[f"{which}: {key}"]).reshape(shape) for which in CLAIMS]
     for ax, which, code in zip(axes[0][:2], CLAIMS, codes, strict=True):
         _map(ax, code, x, y, _OUTCOME_COLOURS)
-        _label(ax, labels[0], labels[1] if which == "V.B" else "", which)
+        name_axes(ax, labels[0], labels[1] if which == "V.B" else "", which)
     _map(axes[0][2], _both(done, key, shape), x, y, _BOTH_COLOURS)
-    _label(axes[0][2], labels[0], "", "every claim holds in")
+    name_axes(axes[0][2], labels[0], "", "every claim holds in")
     for ax in axes[0]:
         ax.plot(*nominal, marker="+", color="black", markersize=10, markeredgewidth=1.5)
     handles = [Patch(facecolor=c, edgecolor="0.5", label=n) for n, c in zip(_BOTH, _BOTH_COLOURS, strict=True)]
@@ -177,7 +185,7 @@ def gains(done: dict[str, Any]) -> Any:
 
 def steps(done: dict[str, Any]) -> Any:
     """Node longitude against control step."""
-    figure, axes = _new(1, 2, 5.6, 3.4, sharey=True)
+    figure, axes = panels(1, 2, 5.6, 3.4, sharey=True)
     rows = np.arange(len(sweep.STEPS))
     shown = []
     for ax, which in zip(axes[0], CLAIMS, strict=True):
@@ -186,20 +194,20 @@ def steps(done: dict[str, Any]) -> Any:
         _map(ax, code, sweep.NODES, rows, _OUTCOME_COLOURS)
         ax.set_yticks(rows, [f"{s:g}" for s in sweep.STEPS])
         ax.plot(158.0, sweep.STEPS.index(0.1), marker="+", color="black", markersize=10, markeredgewidth=1.5)
-        _label(ax, "node longitude, °E", "control step, s" if which == "V.B" else "", which)
+        name_axes(ax, "node longitude, °E", "control step, s" if which == "V.B" else "", which)
     _legend(figure, OUTCOMES, _OUTCOME_COLOURS, np.array(shown))
     return figure
 
 
 def latch(done: dict[str, Any]) -> Any:
     """What became of V.C's hold against node longitude, and one run that latches."""
-    figure, axes = _new(1, 3, 4.8, 3.6)
+    figure, axes = panels(1, 3, 4.8, 3.6)
     ax = axes[0][0]
     settings = (("latch 0.65 0.9", "K₀ 0.65, L₀ 0.9"), ("latch 0.4 1", "K₀ 0.4, L₀ 1.0"))
     code = np.array([hold_outcome(done[key]) for key, _ in settings])
     _map(ax, code, np.arange(360.0), np.arange(2), _HOLD_COLOURS)
     ax.set_yticks([0, 1], [text for _, text in settings], rotation=90, va="center")
-    _label(ax, "node longitude, °E", "", "V.C: what becomes of the hold")
+    name_axes(ax, "node longitude, °E", "", "V.C: what becomes of the hold")
     r: Run = done["latched run"]
     since = np.nonzero(r.signals["holding"])[0][0]
     for ax, values, label, colour in (
@@ -209,7 +217,7 @@ def latch(done: dict[str, Any]) -> Any:
         ax.plot(r.time, values, color=colour)
         ax.axvspan(r.time[since], r.time[-1], color="0.9", zorder=0)
         ax.set_xlim(0, r.time[-1])
-        _label(ax, "time, s", label, "V.C, node at 200° E; shaded: held")
+        name_axes(ax, "time, s", label, "V.C, node at 200° E; shaded: held")
         _orbits(ax)
     for y in (-30.0, 30.0):
         axes[0][2].axhline(y, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
@@ -219,17 +227,17 @@ def latch(done: dict[str, Any]) -> Any:
 
 def convergence(done: dict[str, Any]) -> Any:
     """Random starts with exact torque."""
-    figure, axes = _new(1, 3, 4.6, 3.3)
+    figure, axes = panels(1, 3, 4.6, 3.3)
     for schedule, colour, text in (("constant", BLUE, "constant gains"), ("error", RED, "gains [10]")):
         f = done[f"random starts, {schedule}"]
         axes[0][0].plot(np.degrees(f.initial_angle), f.converged, ".", markersize=3, color=colour, label=text)
-    _label(axes[0][0], "initial attitude error, °", "settled at, s", "600 random starts, exact torque")
+    name_axes(axes[0][0], "initial attitude error, °", "settled at, s", "600 random starts, exact torque")
     axes[0][0].legend(fontsize=8, frameon=False)
     f = done["random starts, error"]
     rose = f.steps_up > 0
     axes[0][1].plot(np.degrees(f.initial_angle[rose]), 100 * f.largest_rise[rose], ".", color=RED)
     axes[0][1].set_xlim(0, 180)
-    _label(
+    name_axes(
         axes[0][1],
         "initial attitude error, °",
         "rise of V, % of V(0)",
@@ -242,13 +250,13 @@ def convergence(done: dict[str, Any]) -> Any:
     axes[0][2].hist(both[0], bins, color="0.75", label="inertia known")
     axes[0][2].hist(both[1], bins, histtype="step", color=RED, label="inertia off by up to 10%")
     axes[0][2].legend(fontsize=8, frameon=False)
-    _label(axes[0][2], "settled at, s", "cases", "gains [10], exact torque")
+    name_axes(axes[0][2], "settled at, s", "cases", "gains [10], exact torque")
     return figure
 
 
 def robustness(done: dict[str, Any]) -> Any:
     """Drag that the law does not know, and inertia errors, with the actuators in the loop."""
-    figure, axes = _new(1, 3, 4.6, 3.3)
+    figure, axes = panels(1, 3, 4.6, 3.3)
     for which, colour in zip(CLAIMS, (BLUE, RED), strict=True):
         seen: Seen = done[f"{which}: drag"]
         axes[0][0].loglog(
@@ -260,10 +268,10 @@ def robustness(done: dict[str, Any]) -> Any:
         axes[0][2].hist(seen.dipole, np.arange(10.0, 22.0, 0.5), histtype="step", color=colour, label=which)
     axes[0][0].axvline(1e-5, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
     axes[0][0].text(8e-6, 0.2, "the paper's 10⁻⁵ N m", fontsize=8, ha="right", va="bottom")
-    _label(axes[0][0], "drag moment at the end (SI), N m", "attitude error at the end, °", "unmodelled drag")
+    name_axes(axes[0][0], "drag moment at the end (SI), N m", "attitude error at the end, °", "unmodelled drag")
     axes[0][1].set_xlim(165, 240)
-    _label(axes[0][1], "settled at, s", "cases of 200", "inertia off by up to 10%")
-    _label(axes[0][2], "largest dipole of a rod, A m²", "cases of 200", "inertia off by up to 10%")
+    name_axes(axes[0][1], "settled at, s", "cases of 200", "inertia off by up to 10%")
+    name_axes(axes[0][2], "largest dipole of a rod, A m²", "cases of 200", "inertia off by up to 10%")
     for ax in axes[0]:
         ax.legend(fontsize=8, frameon=False)
     return figure
@@ -271,7 +279,7 @@ def robustness(done: dict[str, Any]) -> Any:
 
 def orbit(done: dict[str, Any]) -> Any:
     """LVLH hold over an orbit."""
-    figure, axes = _new(1, 3, 4.6, 3.2)
+    figure, axes = panels(1, 3, 4.6, 3.2)
     for key, colour, text in (
         ("hold over an orbit", BLUE, "drag as modelled"),
         ("with drag", RED, "drag of 10⁻⁵ N m (SI)"),
@@ -283,13 +291,13 @@ def orbit(done: dict[str, Any]) -> Any:
         axes[0][1].semilogy(minutes[1:], np.degrees(s["attitude_error"][1:]), color=colour, label=text)
         axes[0][2].semilogy(minutes[1:], s["demand_fraction"][1:], color=colour, label=text)
     axes[0][0].axhline(0.0, color="0.3", linewidth=0.8)
-    _label(axes[0][0], "time, min", "b₁ (unit field along the wheel)", "LVLH hold, one orbit, node at 158° E")
+    name_axes(axes[0][0], "time, min", "b₁ (unit field along the wheel)", "LVLH hold, one orbit, node at 158° E")
     axes[0][1].set_ylim(1e-6, None)
-    _label(axes[0][1], "time, min", "attitude error, °", "what drag leaves")
+    name_axes(axes[0][1], "time, min", "attitude error, °", "what drag leaves")
     axes[0][1].legend(fontsize=8, frameon=False)
     axes[0][2].axhline(0.8, color="0.3", linestyle=(0, (5, 3)), linewidth=0.9)
     axes[0][2].set_ylim(1e-8, 3.0)
-    _label(axes[0][2], "time, min", "largest demand over limit", "dashed: the hold's 80%")
+    name_axes(axes[0][2], "time, min", "largest demand over limit", "dashed: the hold's 80%")
     for ax in axes[0]:
         ax.set_xlim(0, minutes[-1])
     return figure

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .claims import ORBIT
-from .figures import AMBER, BLUE, GREEN, PINK, RED, SKY
+from .figures import AMBER, BLUE, GREEN, PINK, RED, SKY, name_axes, panels, save
 from .flight import Done
 from .flight_run import truth
 from .vectors import Array
@@ -18,28 +18,7 @@ _PHASES = ((1, "#fde8d0", "steering"), (2, "#e3eef8", "plan"), (3, "#e8f4e8", "h
 
 def draw(done: Done, folder: Path) -> None:
     """Draws all figures into a folder."""
-    for name, function in _FIGURES.items():
-        figure = function(done)
-        figure.savefig(folder / f"flight-{name}.png", dpi=130, metadata={"Software": None})
-
-
-def _new(rows: int, columns: int, width: float = 4.8, height: float = 3.3, **options: Any) -> tuple[Any, Any]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, **options)
-    for ax in axes.flat:
-        ax.tick_params(labelsize=8)
-        ax.grid(True, color="0.92", linewidth=0.6)
-        ax.set_axisbelow(True)
-    return figure, axes
-
-
-def _label(ax: Any, x: str, y: str, title: str = "") -> None:
-    ax.set_xlabel(x, fontsize=9)
-    ax.set_ylabel(y, fontsize=9)
-    if title:
-        ax.set_title(title, fontsize=10)
+    save({f"flight-{name}": function(done) for name, function in _FIGURES.items()}, folder)
 
 
 def _steps(ax: Any, times: Array, label: str, **style: Any) -> None:
@@ -51,7 +30,7 @@ def _steps(ax: Any, times: Array, label: str, **style: Any) -> None:
 
 def settling(done: Done) -> Any:
     """The share of tumbles settled over time, by scheme, beside the bound of momentum."""
-    figure, axes = _new(1, 2, 5.6, 3.8, sharey=True)
+    figure, axes = panels(1, 2, 5.6, 3.8, sharey=True)
     for ax, group, title in (
         (axes[0, 0], "nominal", "nominal"),
         (axes[0, 1], "errors", "all errors together"),
@@ -68,7 +47,7 @@ def settling(done: Done) -> Any:
         ax.set_xlim(0.003, 3.0)
         ax.set_xticks([0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0], ["0.003", "0.01", "0.03", "0.1", "0.3", "1", "3"])
         ax.set_ylim(-2.0, 103.0)
-        _label(ax, "time, orbits", "settled, % of the tumbles" if ax is axes[0, 0] else "", title)
+        name_axes(ax, "time, orbits", "settled, % of the tumbles" if ax is axes[0, 0] else "", title)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=8, frameon=False, loc="outside lower center", ncols=3)
     return figure
@@ -76,7 +55,7 @@ def settling(done: Done) -> Any:
 
 def against_bound(done: Done) -> Any:
     """Each tumble's time over its own bound, and over its initial rate."""
-    figure, axes = _new(1, 2, 5.2, 3.6)
+    figure, axes = panels(1, 2, 5.2, 3.6)
     for group, colour, label in (("nominal", BLUE, "nominal"), ("errors", RED, "all errors")):
         t, least = done.times(group), done.least(group)
         rate = np.degrees([row.get("rate", np.nan) for _, row in done.of(group)])
@@ -89,15 +68,15 @@ def against_bound(done: Done) -> Any:
         axes[0, 0].annotate(f"{factor}×", (ends[1], factor * ends[1]), fontsize=8, color="0.35")
     axes[0, 0].set_ylim(bottom=0.0)
     axes[0, 1].set_ylim(bottom=0.0)
-    _label(axes[0, 0], "momentum bound, orbits", "settled below 5°, orbits", "against each case's own bound")
-    _label(axes[0, 1], "initial rate, deg/s", "settled below 5°, orbits", "against the initial rate")
+    name_axes(axes[0, 0], "momentum bound, orbits", "settled below 5°, orbits", "against each case's own bound")
+    name_axes(axes[0, 1], "initial rate, deg/s", "settled below 5°, orbits", "against the initial rate")
     axes[0, 1].legend(fontsize=8, frameon=False, markerscale=2.5)
     return figure
 
 
 def nodes(done: Done) -> Any:
     """V.B and V.C round the Earth."""
-    figure, axes = _new(1, 2, 5.2, 3.3, sharey=True)
+    figure, axes = panels(1, 2, 5.2, 3.3, sharey=True)
     for ax, which, name in ((axes[0, 0], "vb", "V.B"), (axes[0, 1], "vc", "V.C")):
         at = np.array([case.seed for case, _ in done.of(which)])
         for degrees, colour in ((5, BLUE), (1, SKY)):
@@ -113,7 +92,7 @@ def nodes(done: Done) -> Any:
         ax.plot(at, done.least(which), "--", color="0.35", label="momentum bound")
         ax.set_ylim(bottom=0.0)
         ax.set_xticks(range(0, 361, 60))
-        _label(ax, "longitude of the node, °E", "settled, orbits" if which == "vb" else "", f"{name} in SI units")
+        name_axes(ax, "longitude of the node, °E", "settled, orbits" if which == "vb" else "", f"{name} in SI units")
     axes[0, 0].legend(fontsize=8, frameon=False)
     return figure
 
@@ -123,26 +102,26 @@ def flight(done: Done) -> Any:
     r = done.tumble
     t, phase = r.time, r["controller.phase"]
     error, rate = truth(*(r[f"plant.{name}"] for name in ("R_NB", "omega_B", "r_N", "v_N")))
-    figure, axes = _new(2, 2, 5.6, 2.9, sharex=True)
+    figure, axes = panels(2, 2, 5.6, 2.9, sharex=True)
     end = float(t[np.argmax(phase == 3)]) + 900.0
     top, bottom = axes
     top[0].semilogy(t, np.degrees(error), color=BLUE)
     for line in (5.0, 1.0):
         top[0].axhline(line, color="0.35", linewidth=0.8, linestyle="--")
-    _label(top[0], "", "angle to LVLH, °")
+    name_axes(top[0], "", "angle to LVLH, °")
     top[1].semilogy(t, rate, color=BLUE)
     top[1].axhline(1e-3, color="0.35", linewidth=0.8, linestyle="--")
-    _label(top[1], "", "rate error, rad/s")
+    name_axes(top[1], "", "rate error, rad/s")
     for i, colour in enumerate((BLUE, RED, GREEN)):
         bottom[0].plot(t, r["plant.dipole"][:, i], color=colour, linewidth=0.7, label=f"rod {i + 1}")
     bottom[0].legend(fontsize=8, frameon=False, loc="lower right", ncols=3)
-    _label(bottom[0], "time, s", "dipoles given, A m²")
+    name_axes(bottom[0], "time, s", "dipoles given, A m²")
     bottom[1].plot(t, 1e3 * r["plant.h_w"], color=PINK, label="flown")
     bottom[1].plot(t, 1e3 * r["controller.h_w_ref"], color="0.2", linewidth=0.8, linestyle="--", label="planned")
     for line in (-30.0, 30.0):
         bottom[1].axhline(line, color="0.35", linewidth=0.8, linestyle="--")
     bottom[1].legend(fontsize=8, frameon=False, loc="lower right")
-    _label(bottom[1], "time, s", "wheel momentum, mN m s")
+    name_axes(bottom[1], "time, s", "wheel momentum, mN m s")
     for ax in axes.flat:
         ax.set_xlim(0.0, end)
         for number, colour, _ in _PHASES:
@@ -167,14 +146,14 @@ def holding(done: Done) -> Any:
     r = done.hold
     t = r.time / ORBIT
     error, _ = truth(*(r[f"plant.{name}"] for name in ("R_NB", "omega_B", "r_N", "v_N")))
-    figure, axes = _new(1, 2, 5.6, 3.0)
+    figure, axes = panels(1, 2, 5.6, 3.0)
     axes[0, 0].semilogy(t, np.degrees(error), color=BLUE, linewidth=0.7)
     axes[0, 0].set_ylim(bottom=1e-3)
-    _label(axes[0, 0], "time, orbits", "angle to LVLH, °")
+    name_axes(axes[0, 0], "time, orbits", "angle to LVLH, °")
     axes[0, 1].plot(t, 1e3 * r["plant.h_w"], color=AMBER, linewidth=0.8)
     for line in (-30.0, 30.0):
         axes[0, 1].axhline(line, color="0.35", linewidth=0.8, linestyle="--")
-    _label(axes[0, 1], "time, orbits", "wheel momentum, mN m s")
+    name_axes(axes[0, 1], "time, orbits", "wheel momentum, mN m s")
     for ax in axes.flat:
         ax.set_xlim(0.0, float(t[-1]))
     return figure

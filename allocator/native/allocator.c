@@ -1,9 +1,7 @@
 #include "allocator.h"
 
-#include "vector.h"
+#include "rotation.h"
 
-static const double UNIT_TOLERANCE = 1e-6;   /* of the rods' axes */
-static const double INDEPENDENT_MIN = 1e-6;  /* |det U| below which the rods lie in one plane */
 static const double FIELD_MIN = 1e-12;       /* T; a weaker field has no direction to allocate by */
 static const double B_WHEEL_MIN = 1e-9;      /* |b1| below which [20] divides by rounding errors */
 static const double RANK_MIN = 1e-12;        /* det(A^T A) below which the rods span only a line across the field */
@@ -16,27 +14,12 @@ typedef struct {
 
 bool allocator_check(const AllocatorParameters *p, Fault *f)
 {
-    const Matrix U = matrix(p->rod_axes);
-    const double lengths[3] = {norm(U.a), norm(U.b), norm(U.c)};
-    for (int i = 0; i < 3; ++i) {
-        if (!(fabs(lengths[i] - 1.0) <= UNIT_TOLERANCE)) {
-            return fault(f, "rod_axes", lengths[i], "rows of unit length, to 1e-06");
-        }
-    }
-    const double volume = determinant(U);
-    if (!(fabs(volume) > INDEPENDENT_MIN)) {
-        return fault(f, "rod_axes", volume, "linearly independent axes, |det| above 1e-06");
-    }
-    const struct {
-        const char *name;
-        double value;
-    } limits[] = {{"dipole_max", p->dipole_max},
-                  {"wheel_torque_max", p->wheel_torque_max},
-                  {"wheel_momentum_max", p->wheel_momentum_max}};
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-        if (!(limits[i].value > 0.0 && isfinite(limits[i].value))) {
-            return fault(f, limits[i].name, limits[i].value, "a finite number above 0");
-        }
+    const Named limits[] = {{"dipole_max", p->dipole_max},
+                            {"wheel_torque_max", p->wheel_torque_max},
+                            {"wheel_momentum_max", p->wheel_momentum_max}};
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
+        !all_positive(limits, sizeof limits / sizeof limits[0], f)) {
+        return false;
     }
     if (!(p->hold_fraction > 0.0 && p->hold_fraction <= 1.0)) {
         return fault(f, "hold_fraction", p->hold_fraction, "above 0 and at most 1");

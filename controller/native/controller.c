@@ -25,28 +25,15 @@ typedef struct {
     double value, slope;
 } Phi;
 
-static bool all_positive(const ControllerParameters *p, Fault *f)
+bool controller_check(const ControllerParameters *p, Fault *f)
 {
-    const struct {
-        const char *name;
-        double value;
-    } positive[] = {
+    const Named positive[] = {
         {"phi_scale", p->phi_scale}, {"gravitational_parameter", p->gravitational_parameter},
         {"kappa0", p->kappa0},       {"lambda0", p->lambda0},
         {"a1", p->a1},               {"a2", p->a2},
         {"c1", p->c1},               {"c2", p->c2},
     };
-    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
-        if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
-            return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
-        }
-    }
-    return true;
-}
-
-bool controller_check(const ControllerParameters *p, Fault *f)
-{
-    if (!all_positive(p, f)) {
+    if (!all_positive(positive, sizeof positive / sizeof positive[0], f)) {
         return false;
     }
     if (p->phi < CONTROLLER_PHI_LINEAR || p->phi > CONTROLLER_PHI_SQUARE_ROOT) {
@@ -58,18 +45,8 @@ bool controller_check(const ControllerParameters *p, Fault *f)
     if (p->reference < CONTROLLER_REFERENCE_LVLH || p->reference > CONTROLLER_REFERENCE_RATE) {
         return fault(f, "reference", p->reference, "1 (lvlh), 2 (inertial) or 3 (rate)");
     }
-    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f)) {
+    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f) || !is_ascending(p->K0, f)) {
         return false;
-    }
-    static const char *const order = "0 < K0[1] < K0[2] < K0[3], finite";
-    if (!(p->K0[0] > 0.0)) {
-        return fault(f, "K0[1]", p->K0[0], order);
-    }
-    if (!(p->K0[1] > p->K0[0])) {
-        return fault(f, "K0[2]", p->K0[1], order);
-    }
-    if (!(p->K0[2] > p->K0[1] && isfinite(p->K0[2]))) {
-        return fault(f, "K0[3]", p->K0[2], order);
     }
     if (!is_finite(vector(p->Omega_d0))) {
         return fault(f, "Omega_d0", NAN, "finite numbers");

@@ -1,10 +1,8 @@
 #include "allocator_bounded.h"
 
 #include "box.h"
-#include "vector.h"
+#include "rotation.h"
 
-static const double UNIT_TOLERANCE = 1e-6;  /* of the rods' axes */
-static const double INDEPENDENT_MIN = 1e-6; /* |det U| below which the rods lie in one plane */
 static const double FIELD_MIN = 1e-12;      /* T; a weaker field counts as none, and nothing is asked of the rods */
 static const double ABSENT = 1e9;           /* an optional input that holds this or more is not connected */
 static const double ROD_WEIGHT_MIN = 1e-8;  /* T; below, the preference along the field drowns in rounding */
@@ -16,33 +14,16 @@ typedef struct {
     double fraction; /* largest command over its limit, were there no limits */
 } Commands;
 
-typedef struct {
-    const char *name;
-    double value;
-} Named;
-
 bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
 {
-    const Matrix U = matrix(p->rod_axes);
-    const double lengths[3] = {norm(U.a), norm(U.b), norm(U.c)};
-    for (int i = 0; i < 3; ++i) {
-        if (!(fabs(lengths[i] - 1.0) <= UNIT_TOLERANCE)) {
-            return fault(f, "rod_axes", lengths[i], "rows of unit length, to 1e-06");
-        }
-    }
-    const double volume = determinant(U);
-    if (!(fabs(volume) > INDEPENDENT_MIN)) {
-        return fault(f, "rod_axes", volume, "linearly independent axes, |det| above 1e-06");
-    }
     const Named positive[] = {{"dipole_max", p->dipole_max},
                               {"wheel_torque_max", p->wheel_torque_max},
                               {"wheel_momentum_max", p->wheel_momentum_max},
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
-    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
-        if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
-            return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
-        }
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
+        !all_positive(positive, sizeof positive / sizeof positive[0], f)) {
+        return false;
     }
     if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
         return fault(f, "rod_weight", p->rod_weight, "a finite number of at least 1e-08");

@@ -14,7 +14,6 @@ static const double EARLY = 1e-6;               /* of the control period: a samp
 static const int ITERATIONS = 5;
 static const double CHALLENGE_PERIOD = 30.0;    /* s */
 static const double HOLD_COST = 10.0;           /* of a plan that is challenged in the hold too: it has a turn in it */
-static const double NO_PLAN = 1e299;            /* a cost beyond it is of a motion that turns too fast to be planned */
 static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
@@ -44,19 +43,14 @@ static bool no_field(const double b[3])
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
-    const struct {
-        const char *name;
-        double value;
-    } positive[] = {
+    const Named positive[] = {
         {"control_period", p->control_period},       {"dipole_max", p->dipole_max},
         {"wheel_torque_max", p->wheel_torque_max},   {"wheel_momentum_max", p->wheel_momentum_max},
         {"plan_period", p->plan_period},             {"steering_limit", p->steering_limit},
         {"disturbance_time", p->disturbance_time},   {"gravitational_parameter", p->gravitational_parameter},
     };
-    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
-        if (!(positive[i].value > 0.0 && isfinite(positive[i].value))) {
-            return fault(f, positive[i].name, positive[i].value, "a finite number above 0");
-        }
+    if (!all_positive(positive, sizeof positive / sizeof positive[0], f)) {
+        return false;
     }
     if (p->reference != CONTROLLER_PLANNED_REFERENCE_LVLH && p->reference != CONTROLLER_PLANNED_REFERENCE_INERTIAL) {
         return fault(f, "reference", p->reference, "1 (lvlh) or 2 (inertial); the planned controller does not offer 3 (rate)");
@@ -75,18 +69,8 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
             return fault(f, counts[i].name, counts[i].value, counts[i].expected);
         }
     }
-    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f)) {
+    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f) || !is_ascending(p->K0, f)) {
         return false;
-    }
-    static const char *const order = "0 < K0[1] < K0[2] < K0[3], finite";
-    if (!(p->K0[0] > 0.0)) {
-        return fault(f, "K0[1]", p->K0[0], order);
-    }
-    if (!(p->K0[1] > p->K0[0])) {
-        return fault(f, "K0[2]", p->K0[1], order);
-    }
-    if (!(p->K0[2] > p->K0[1] && isfinite(p->K0[2]))) {
-        return fault(f, "K0[3]", p->K0[2], order);
     }
     for (int i = 0; i < 3; ++i) {
         const double length = norm(vector(p->rod_axes[i]));
@@ -192,17 +176,6 @@ static Ahead ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedSt
     return (Ahead){&law->field, orbit, x->field_bias_N, x->t, law->p.reference, law->R_d0};
 }
 
-static Vector dipole_of(const Model *model, const double u[CONTROLS])
-{
-    return add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2])));
-}
-
-static Vector gravity_gradient(Matrix J, const Around *around, Matrix R)
-{
-    const Vector rho = apply_transposed(R, around->r_hat_N);
-    return scale(3.0 * around->rate_squared, cross(rho, apply(J, rho)));
-}
-
 /* What was given over the last sample: as told, else as asked for; the wheel by its momentum, where that is measured. */
 static void applied(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u, double dt,
                     double given[CONTROLS])
@@ -269,7 +242,7 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
     for (int i = 0; i < 3; ++i) {
         nominal.rods[i] = scale(p->dipole_max, law->rod_axes[i]);
     }
-    const Vector tau_rods = cross(dipole_of(&nominal, given), scale(0.5, add(x->B_B, B_B)));
+    const Vector tau_rods = cross(rods_dipole(&nominal, given), scale(0.5, add(x->B_B, B_B)));
     /* The products of inertia are taken as they are given. */
     Matrix products = matrix(p->J_B);
     products.a.x = products.b.y = products.c.z = 0.0;
@@ -413,7 +386,7 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     if (steering) {
         steering_rods(&x->steering, R, B_B, model.rods, controls);
         controls[3] = larger(smaller(-l / (WHEEL_REST * p->wheel_torque_max), 1.0), -1.0);
-        Vector tau = cross(dipole_of(&model, controls), B_B);
+        Vector tau = cross(rods_dipole(&model, controls), B_B);
         tau = subtract(tau, cross(Omega, (Vector){l, 0.0, 0.0}));
         tau.x -= p->wheel_torque_max * controls[3];
         store(tau, y->tau_cmd_B);
@@ -433,7 +406,7 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     store(d->Omega, y->Omega_d);
     store(dOmega_d, y->dOmega_d);
     y->h_w_ref = d->l;
-    y->plan_cost = x->plan.cost < NO_PLAN ? x->plan.cost : -1.0;
+    y->plan_cost = may_be_flown(&x->plan) ? x->plan.cost : -1.0;
     y->phase = x->phase;
     store(model.disturbance_B, y->disturbance_B);
     store(model.residual_B, y->residual_dipole_estimate_B);
@@ -481,11 +454,9 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
         x->rate_gain = x->attitude_gain = 1.0;
     }
     const Motion now = x->estimate = corrected(x, R, measured.Omega, measured.l);
-    if (!first) {
-        if (x->phase != PHASE_STEERING) {
-            const Model model = believed(law, x);
-            x->reference = advanced(&model, &around, &x->reference, x->u, dt);
-        }
+    if (!first && x->phase != PHASE_STEERING) {
+        const Model model = believed(law, x);
+        x->reference = advanced(&model, &around, &x->reference, x->u, dt);
     }
     decide(law, x, &ahead, &now, dt, first);
     x->t_sample = x->t;

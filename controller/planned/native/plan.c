@@ -37,19 +37,35 @@ Target target_at(const Ahead *ahead, double t)
     return target_of(ahead->target_kind, ahead->R_d0, r_N, v_N);
 }
 
+Vector rods_dipole(const Model *model, const double u[CONTROLS])
+{
+    return add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2])));
+}
+
+Vector gravity_gradient(Matrix J, const Around *around, Matrix R)
+{
+    const Vector rho = apply_transposed(R, around->r_hat_N);
+    return scale(3.0 * around->rate_squared, cross(rho, apply(J, rho)));
+}
+
+bool may_be_flown(const Plan *plan)
+{
+    return plan->cost < NEVER;
+}
+
 /* Of the rods and of the satellite itself. */
 static Vector dipole(const Model *model, const double u[CONTROLS])
 {
-    return add(model->residual_B, add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2]))));
+    return add(model->residual_B, rods_dipole(model, u));
 }
 
 Vector acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
 {
-    const Vector B = apply_transposed(x->R, around->B_N), rho = apply_transposed(x->R, around->r_hat_N);
+    const Vector B = apply_transposed(x->R, around->B_N);
     Vector Pi = apply(model->J, x->Omega);
     Pi.x += x->l;
     Vector tau = add(cross(Pi, x->Omega), cross(dipole(model, u), B));
-    tau = add(tau, scale(3.0 * around->rate_squared, cross(rho, apply(model->J, rho))));
+    tau = add(tau, gravity_gradient(model->J, around, x->R));
     tau = add(tau, model->disturbance_B);
     tau.x -= model->wheel_torque_max * u[3];
     return apply(model->J_inverse, tau);
@@ -345,7 +361,7 @@ int improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wor
     w->x[0][0] = w->x[1][0] = *x;
     memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
     plan->cost = roll_out(model, plan, w, 0, 0, 0.0);
-    while (used < iterations && plan->cost < NEVER) {
+    while (used < iterations && may_be_flown(plan)) {
         ++used;
         sweep_back(model, plan, w, now);
         double cost = NEVER;
@@ -366,7 +382,7 @@ int improve(const Model *model, const Motion *x, int iterations, Plan *plan, Wor
             used = iterations;
         }
     }
-    if (plan->cost < NEVER) {
+    if (may_be_flown(plan)) {
         memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
     } else {
         used = iterations;
@@ -393,7 +409,8 @@ static void survey_stage(const Ahead *ahead, int i, double t, double h, Workspac
     w->stage[i].target = target_at(ahead, t);
 }
 
-void survey(const Ahead *ahead, const Plan *plan, Workspace *w)
+/* What surrounds the stages that the plan has. */
+static void survey(const Ahead *ahead, const Plan *plan, Workspace *w)
 {
     double t = plan->start;
     for (int i = 0; i < plan->stages; ++i) {
@@ -509,7 +526,7 @@ void search_on(const Model *model, const Ahead *ahead, int iterations, Search *s
             search->left = ITERATIONS_COLD;
             if (++search->start == STARTS) {
                 search->active = false;
-                search->ready = search->best.cost < NEVER;
+                search->ready = may_be_flown(&search->best);
             }
         }
     }

@@ -75,6 +75,15 @@ typedef struct {
 Around around_at(const Ahead *ahead, double t);
 Target target_at(const Ahead *ahead, double t);
 
+/* Dipole of the rods under the controls, A m2, body axes. */
+Vector rods_dipole(const Model *model, const double u[CONTROLS]);
+
+/* M_g = 3 mu/r^3 r_hat x J r_hat [2], N m, body axes. */
+Vector gravity_gradient(Matrix J, const Around *around, Matrix R);
+
+/* Whether the plan has a motion: none turns faster than its stages can follow. */
+bool may_be_flown(const Plan *plan);
+
 /* The change of the rate, rad/s^2, under the controls. */
 Vector acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS]);
 
@@ -86,11 +95,8 @@ Motion advanced(const Model *model, const Around *around, const Motion *x, const
 void lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was, Plan *plan,
                 Workspace *w);
 
-/* The same for the stages that the plan has. */
-void survey(const Ahead *ahead, const Plan *plan, Workspace *w);
-
 /* Improves the plan from x by at most a number of iterations, which it returns, fewer where nothing more is gained; the
- * plan's cost is then that of its motion. Its stages must be those that were laid or surveyed last. */
+ * plan's cost is then that of its motion. Its stages must be those that were laid last. */
 int improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w);
 
 /* The search for a plan from nothing: three starts, each improved, the best kept; a few iterations in each call. */

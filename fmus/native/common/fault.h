@@ -2,6 +2,7 @@
 #ifndef COMMON_FAULT_H
 #define COMMON_FAULT_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -20,6 +21,22 @@ static inline bool fault(Fault *f, const char *name, double value, const char *e
     f->text = NULL;
     f->value = value;
     return false;
+}
+
+typedef struct {
+    const char *name;
+    double value;
+} Named;
+
+/* Whether each value is a finite number above 0. */
+static inline bool all_positive(const Named *values, size_t n, Fault *f)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!(values[i].value > 0.0 && isfinite(values[i].value))) {
+            return fault(f, values[i].name, values[i].value, "a finite number above 0");
+        }
+    }
+    return true;
 }
 
 #endif

@@ -101,4 +101,42 @@ static inline bool is_inertia(Matrix J, const char *name, Fault *f)
     return true;
 }
 
+/* Whether the rows are unit vectors, to 1e-6. */
+static inline bool has_unit_rows(Matrix U, const char *name, Fault *f)
+{
+    const double lengths[3] = {norm(U.a), norm(U.b), norm(U.c)};
+    for (int i = 0; i < 3; ++i) {
+        if (!(fabs(lengths[i] - 1.0) <= 1e-6)) {
+            return fault(f, name, lengths[i], "rows of unit length, to 1e-06");
+        }
+    }
+    return true;
+}
+
+/* Whether the rows are unit vectors that do not lie in one plane. */
+static inline bool has_independent_unit_rows(Matrix U, const char *name, Fault *f)
+{
+    if (!has_unit_rows(U, name, f)) {
+        return false;
+    }
+    const double volume = determinant(U);
+    return fabs(volume) > 1e-6 || fault(f, name, volume, "linearly independent axes, |det| above 1e-06");
+}
+
+/* Whether K0 is the diagonal of a gain of the law [8]: no two elements alike, so that its critical points are apart [9]. */
+static inline bool is_ascending(const double K0[3], Fault *f)
+{
+    static const char *const order = "0 < K0[1] < K0[2] < K0[3], finite";
+    if (!(K0[0] > 0.0)) {
+        return fault(f, "K0[1]", K0[0], order);
+    }
+    if (!(K0[1] > K0[0])) {
+        return fault(f, "K0[2]", K0[1], order);
+    }
+    if (!(K0[2] > K0[1] && isfinite(K0[2]))) {
+        return fault(f, "K0[3]", K0[2], order);
+    }
+    return true;
+}
+
 #endif
