@@ -10,7 +10,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-SOURCES = (Path(__file__).with_name("shell.c"), Path(__file__).parent / "native" / "fmi2.h")
+SOURCES = (Path(__file__).with_name("shell.c"), Path(__file__).parent / "native" / "shell" / "fmi2.h")
 PLATFORMS = {
     "linux64": ("x86_64-linux-gnu.2.17", ".so", ["-ldl", "-Wl,--build-id=none"]),
     "win64": ("x86_64-windows-gnu", ".dll", ["-ffreestanding", "-nostdlib", "-lkernel32"]),

@@ -218,14 +218,14 @@ def _compiled(folder: Path) -> Path:
     from fmus import places
 
     native = Path(places.__file__).with_name("native")
-    sources = _SOURCE, *(native / name for name in ("fmi2.h", "toolchain.py"))
+    sources = _SOURCE, native / "shell" / "fmi2.h", native / "toolchain.py"
     digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
     if not path.exists():
         from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
 
         host = toolchain.host_platform()
-        data = toolchain.compile_library("loop", [_SOURCE], [native], [host])[host]
+        data = toolchain.compile_library("loop", [_SOURCE], [native / "shell"], [host])[host]
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
             file.write(data)

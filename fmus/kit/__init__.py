@@ -18,6 +18,7 @@ from pathlib import Path
 from .. import places
 from ..description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
+from ..native import COMMON, SHELL
 from ..native.generate import block_header, camel_case, ports_header, table
 from .templates import block_c, block_h, package_py, python_block
 
@@ -26,7 +27,6 @@ SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
 """The run of which the test vector is a part, if no other is asked for."""
 
 _HERE = Path(__file__).parent
-_NATIVE = _HERE.parent / "native"
 _TOOL = "attitude-cosim, kit"
 
 
@@ -42,7 +42,7 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
         files |= {f"tools/{name}": (_HERE / name).read_bytes() for name in ("pack.c", "vector.c")}
         files |= {f"fmi_shell/{name}": data for name, data in shell().items()}
         files["fmi_shell/LICENSE"] = places.shared("LICENSE").read_bytes()
-        kept["Makefile"] = makefile(interface, "fmi_shell", "tools")
+        kept["Makefile"] = makefile(interface, "fmi_shell", "fmi_shell/common", "tools")
         kept |= {f"{interface.name}.h": block_h(interface), f"{interface.name}.c": block_c(interface)}
     else:
         kept["build.py"] = _filled((_HERE / "build.py.template").read_text("utf-8"), interface)
@@ -73,14 +73,15 @@ def generated(interface: Interface) -> dict[str, str]:
 
 def shell() -> dict[str, bytes]:
     """The FMI shell: what every native FMU has in common."""
-    paths = [*_NATIVE.glob("*.c"), *_NATIVE.glob("*.h"), *(_NATIVE / "common").glob("*.h")]
-    return {path.relative_to(_NATIVE).as_posix(): path.read_bytes() for path in sorted(paths)}
+    folders = {SHELL: "", COMMON: "common/"}
+    paths = [path for folder in folders for path in sorted(folder.glob("*.[ch]"))]
+    return {f"{folders[path.parent]}{path.name}": path.read_bytes() for path in paths}
 
 
-def makefile(interface: Interface, shell_folder: str, tools: str) -> str:
-    """The Makefile, with the folders of the shell and the tools."""
+def makefile(interface: Interface, shell_folder: str, common: str, tools: str) -> str:
+    """The Makefile, with the folders of the shell, its common headers and the tools."""
     text = (_HERE / "Makefile.template").read_text("utf-8")
-    return _filled(text, interface, {"shell": shell_folder, "tools": tools})
+    return _filled(text, interface, {"shell": shell_folder, "common": common, "tools": tools})
 
 
 def _filled(text: str, interface: Interface, more: Mapping[str, str] | None = None) -> str:

@@ -29,6 +29,8 @@ HOST = (
 )
 
 _HERE = Path(__file__).parent
+SHELL, COMMON = _HERE / "shell", _HERE / "common"
+"""The C that all blocks' FMUs share, and the headers that the blocks themselves share."""
 
 
 def package(
@@ -69,8 +71,8 @@ def lay_out(
         (generated_into / name).write_text(text, "utf-8", newline="\n")
     written = [generated_into / name for name in sorted(files) if name.endswith(".c")]
     native = folder / "native"
-    compiled = [*sorted(_HERE.glob("*.c")), *sorted(native.glob("*.c")), *written]
-    return compiled, [_HERE, _HERE / "common", generated_into, native]
+    compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.glob("*.c")), *written]
+    return compiled, [SHELL, COMMON, generated_into, native]
 
 
 def sources(folder: Path) -> list[Path]:

@@ -107,7 +107,7 @@ def test_an_fmu_carries_requirements_documentation_and_licences(built_fmus: dict
 def test_the_library_for_windows_exports_every_function_of_fmi(built_fmus: dict[str, Path]) -> None:
     with zipfile.ZipFile(built_fmus["plant"]) as archive:
         exported = _exports(archive.read("binaries/win64/plant.dll"))
-    header = (ROOT / "fmus" / "native" / "fmi2.h").read_text()
+    header = (ROOT / "fmus" / "native" / "shell" / "fmi2.h").read_text()
     declared = set(re.findall(r"\b(fmi2\w+)\(fmi2|\b(fmi2\w+)\(void", header))
     names = {name for pair in declared for name in pair if name}
     assert len(names) == 34

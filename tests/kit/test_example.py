@@ -28,7 +28,13 @@ def fmu(tmp_path_factory) -> Path:
     """actuators.fmu, built beside copies of its sources."""
     folder = tmp_path_factory.mktemp("example")
     shutil.copytree(EXAMPLE, folder / "it", ignore=shutil.ignore_patterns("build", "*.fmu"))
-    built = make(folder / "it", f"FMI_SHELL={ROOT / 'fmus' / 'native'}", f"TOOLS={ROOT / 'fmus' / 'kit'}")
+    native = ROOT / "fmus" / "native"
+    built = make(
+        folder / "it",
+        f"FMI_SHELL={native / 'shell'}",
+        f"COMMON={native / 'common'}",
+        f"TOOLS={ROOT / 'fmus' / 'kit'}",
+    )
     assert built.returncode == 0, built.stderr
     return folder / "it" / "actuators.fmu"
 
@@ -45,7 +51,9 @@ def test_what_is_generated_is_that_of_its_interface():
         assert (EXAMPLE / "generated" / name).read_text("utf-8") == text, (
             "python -m fmus.kit examples/hardware_allocator"
         )
-    assert (EXAMPLE / "Makefile").read_text("utf-8") == kit.makefile(interface, "../../fmus/native", "../../fmus/kit")
+    assert (EXAMPLE / "Makefile").read_text("utf-8") == kit.makefile(
+        interface, "../../fmus/native/shell", "../../fmus/native/common", "../../fmus/kit"
+    )
 
 
 def test_it_fits_with_its_mapping_and_not_without(fmu):

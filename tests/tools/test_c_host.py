@@ -21,7 +21,17 @@ def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("the host is written for Linux")
     out = tmp_path_factory.mktemp("host") / "host"
     source = Path(__file__).with_name("host.c")
-    command = [sys.executable, "-m", "ziglang", "cc", "-std=gnu11", "-I", str(ROOT / "fmus" / "native"), "-o", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "ziglang",
+        "cc",
+        "-std=gnu11",
+        "-I",
+        str(ROOT / "fmus" / "native" / "shell"),
+        "-o",
+        str(out),
+    ]
     subprocess.run([*command, str(source), "-ldl"], check=True, capture_output=True)
     return out
 
