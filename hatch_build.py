@@ -52,7 +52,7 @@ class ReadyMade(BuildHookInterface):
         files |= {f"scenarios/{path.name}": path for path in sorted((ROOT / "scenarios").glob("*.yaml"))}
         for flavour in FLAVOURS:
             files |= {f"{flavour}/{path.name}": path for path in build(flavour=flavour, out=out / flavour).values()}
-        headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "loop.c"]
+        headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "master" / "loop.c"]
         for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
             path = out / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}"
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 from .errors import BlockError, InputError
 
 if TYPE_CHECKING:
-    from .result import Result
-    from .runner import run
-    from .scenario import Scenario, load
+    from .results.result import Result
+    from .runner.run import run
+    from .scenario.scenario import Scenario, load
 
 __all__ = ["BlockError", "InputError", "Result", "Scenario", "load", "run"]
 
@@ -25,6 +25,6 @@ def __getattr__(name: str) -> Any:
     if name in ("run", "Result", "Scenario", "load"):
         from importlib import import_module
 
-        module = {"run": "runner", "Result": "result"}.get(name, "scenario")
+        module = {"run": "runner.run", "Result": "results.result"}.get(name, "scenario.scenario")
         return getattr(import_module(f".{module}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

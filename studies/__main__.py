@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from orchestration import InputError
-from orchestration.console import complain, say
+from orchestration.cli.console import complain, say
 from orchestration.quantities import SECOND, QuantityError, Unit, value_in
 
 IMPOSSIBLE, WRONG_INPUT = 1, 2
@@ -61,8 +61,8 @@ def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
     """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
-    from orchestration.source import parse
-    from orchestration.source import read as source_of
+    from orchestration.scenario.source import parse
+    from orchestration.scenario.source import read as source_of
 
     from .momentum_bound import balance
     from .setup import read

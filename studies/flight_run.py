@@ -135,7 +135,7 @@ def identity(block: str) -> str:
 @cache
 def opened(path: Path) -> tuple[Any, Path]:
     """An FMU and where it is unpacked, once a process."""
-    from orchestration.fmu import open_fmu
+    from orchestration.fmu.archive import open_fmu
 
     fmu = open_fmu(path)
     folder = Path(tempfile.mkdtemp(prefix="flight-"))
@@ -148,9 +148,9 @@ def run(data: Data, duration: float, fmus: Mapping[str, Path]) -> Result:
     """Runs a scenario of the project's blocks with these FMUs."""
     from contextlib import ExitStack
 
-    from orchestration.runner import plan, run_blocks
-    from orchestration.scenario import load
-    from orchestration.slave import Slave
+    from orchestration.instances.slave import Slave
+    from orchestration.runner.run import plan, run_blocks
+    from orchestration.scenario.scenario import load
 
     scenario = load({**data, "duration": duration})
     parts = {name: opened(fmus[entry.fmu]) for name, entry in scenario.blocks.items()}
@@ -193,7 +193,7 @@ def fly(case: Case, fmus: Mapping[str, Path]) -> Row:
 
 def bound(data: Data) -> float | None:
     """The least time for a case that the balance of momentum allows, s, proven; with the tolerances of `settled` at 5 deg."""
-    from orchestration.source import Source
+    from orchestration.scenario.source import Source
 
     from .momentum_bound import MomentumBalance, Tolerance
     from .setup import read

@@ -17,8 +17,8 @@ import plant
 from fmus.interface import load
 from orchestration import InputError, Scenario
 from orchestration import load as load_scenario
-from orchestration.model import Model
-from orchestration.source import Source
+from orchestration.fmu.model import Model
+from orchestration.scenario.source import Source
 
 PAPER = ("plant", "controller", "allocator")
 """The blocks of the paper's loop."""
@@ -63,7 +63,7 @@ class Setup:
 
 def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = None) -> Setup:
     """The loop of a scenario. Raises InputError, with file and line, for whatever is wrong with it."""
-    from orchestration.starts import resolve
+    from orchestration.system.starts import resolve
 
     loaded = load_scenario(scenario, overrides)
     names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in PAPER}
@@ -93,7 +93,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
 @cache
 def _model(block: str, flavour: str) -> Model:
     from fmus.build import BuildError, ensure
-    from orchestration.fmu import open_fmu
+    from orchestration.fmu.archive import open_fmu
 
     try:
         return open_fmu(ensure(block, flavour)).model

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import orchestration
-from orchestration.runner import locate
+from orchestration.runner.run import locate
 
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
@@ -84,7 +84,7 @@ def calls(flavour: str, count: int) -> None:
 def process(runs: int) -> None:
     """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed."""
     with tempfile.TemporaryDirectory() as out:
-        command = [sys.executable, "-m", "orchestration.cli", str(SCENARIO), "--out", out]
+        command = [sys.executable, "-m", "orchestration.cli.main", str(SCENARIO), "--out", out]
         for name, arguments in (("whole process, V.B", []), ("whole process, one step", ["--duration", "0.1"])):
             walls = []
             for _ in range(runs):
@@ -96,8 +96,8 @@ def process(runs: int) -> None:
 
 def isolation() -> None:
     """What a step costs more when a block runs in a process of its own."""
-    from orchestration.fmu import open_fmu
-    from tests.orchestration.bench_isolation import measure
+    from orchestration.fmu.archive import open_fmu
+    from tests.orchestration.instances.bench_isolation import measure
 
     for block in ("controller", "plant"):
         found = measure(open_fmu(locate(block, ROOT, "native")))

@@ -11,10 +11,10 @@ import pytest
 from fmus import kit
 from fmus.interface import parse
 from orchestration import run
-from orchestration.compare import compare
-from orchestration.scenario import load
-from orchestration.source import read
-from orchestration.swap import swapped
+from orchestration.acceptance.compare import compare
+from orchestration.scenario.scenario import load
+from orchestration.scenario.source import read
+from orchestration.swap.prepare import swapped
 
 from .test_kit import ROOT, make, orchestrate
 

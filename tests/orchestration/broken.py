@@ -289,13 +289,15 @@ def outcome(case: Case, folder: Path) -> Outcome:
 def _servant() -> Any:
     """Makes processes that have imported already what the command needs."""
     servant = multiprocessing.get_context("forkserver")
-    servant.set_forkserver_preload(["orchestration.cli", "orchestration.runner", "orchestration.isolation"])
+    servant.set_forkserver_preload(
+        ["orchestration.cli.main", "orchestration.runner.run", "orchestration.instances.isolation"]
+    )
     return servant
 
 
 def _command(home: Path, temporary: Path) -> None:
     """`orchestrate run.yaml` in the folder `home`."""
-    from orchestration.cli import main
+    from orchestration.cli.main import main
 
     os.chdir(home)
     os.environ.update(TMPDIR=str(temporary), NO_COLOR="1")

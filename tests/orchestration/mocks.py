@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.block import Floats
 from orchestration.errors import BlockError
-from orchestration.model import Element, Model, Variable
-from orchestration.result import Result
-from orchestration.runner import plan, run_blocks
-from orchestration.scenario import load
+from orchestration.fmu.model import Element, Model, Variable
+from orchestration.instances.block import Floats
+from orchestration.results.result import Result
+from orchestration.runner.run import plan, run_blocks
+from orchestration.scenario.scenario import load
 
 Values = dict[Element, Any]
 

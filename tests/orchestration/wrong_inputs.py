@@ -18,7 +18,7 @@ from pathlib import Path
 import fmpy
 from click.testing import CliRunner
 
-from orchestration.cli import main
+from orchestration.cli.main import main
 
 from . import fmus, vendor
 

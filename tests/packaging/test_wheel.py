@@ -104,7 +104,7 @@ def test_scenarios_that_are_there_are_not_overwritten(installed: Path, tmp_path:
 
 
 def test_the_step_loop_is_the_compiled_one(installed: Path, tmp_path: Path) -> None:
-    code = "from orchestration.compiled import _library; import fmus; print(_library()._name, fmus.__file__)"
+    code = "from orchestration.master.compiled import _library; import fmus; print(_library()._name, fmus.__file__)"
     python = installed / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     done = subprocess.run(

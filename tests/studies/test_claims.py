@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from orchestration.holds import LATCHED, NEVER, RELEASED
+from orchestration.expectations.holds import LATCHED, NEVER, RELEASED
 from studies.claims import CLAIMS, DURATION, HOLDS, OUTCOMES, all_hold, hold_outcome, outcome
 from studies.reproduction import run
 from studies.setup import read

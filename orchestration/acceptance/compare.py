@@ -1,0 +1,378 @@
+"""`orchestrate compare`: another team's FMU back to back with ours.
+
+Open loop: what our block was given in a run is given to theirs, and output stands against output.
+Closed loop: the whole run with theirs in the place, its claims beside those of ours.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from ..cli.console import complain, found, number, say, table
+from ..errors import BlockError, InputError
+from ..expectations.checks import Outcome
+from ..fmu.model import Variable
+from ..instances.block import TYPES
+from ..results.result import Result
+from ..runner import run as runner
+from ..scenario.scenario import load
+from ..scenario.source import Source
+from ..system.wiring import fed
+from . import playback
+from .tolerances import Tolerance, tolerances
+
+NOT_EQUIVALENT, BLOCK_FAILED = 1, 3
+ROUNDING = 1e-15
+"""A difference this small is rounding, however small the output itself."""
+
+
+@dataclass
+class Difference:
+    """How far one output of theirs is from ours, on the same inputs."""
+
+    output: str
+    unit: str
+    passed: bool
+    tolerance: str
+    largest: float | None = None
+    """The largest of all elements and instants; of a boolean or an enumeration the share of samples that differ."""
+    element: str = ""
+    time: float | None = None
+    share: float | None = None
+    """`largest` over our output's largest value."""
+    rms: float | None = None
+    note: str = ""
+
+
+@dataclass
+class Comparison:
+    """Both runs and all differences."""
+
+    block: str
+    fmu: str
+    ours: Result
+    theirs: Result
+    played: playback.Played
+    differences: list[Difference] = field(default_factory=list)
+    interval: float = 0.0
+    """From one instant to the next at which outputs are compared, s."""
+
+    @property
+    def failure(self) -> BlockError | None:
+        return self.played.failure or self.theirs.failure or self.ours.failure
+
+    @property
+    def equivalent(self) -> bool:
+        return self.played.failure is None and all(d.passed for d in self.differences)
+
+    @property
+    def holds(self) -> bool:
+        """Whether theirs meets every claim that could be judged of it."""
+        return self.theirs.passed
+
+    @property
+    def passed(self) -> bool:
+        return self.equivalent and self.holds
+
+    @property
+    def claims(self) -> list[tuple[Outcome, Outcome | None]]:
+        """Ours and theirs; None where an output that theirs lacks would have been looked at."""
+        theirs = {outcome.name: outcome for outcome in self.theirs.outcomes}
+        return [(outcome, theirs.get(outcome.name)) for outcome in self.ours.outcomes]
+
+
+def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = ()) -> Comparison:
+    """Compares the block of a scenario with that of the same scenario swapped. Raises InputError, and BlockError where ours fails.
+
+    `wanted` are tolerances as `tolerances.tolerances` takes them.
+    """
+    loaded = load(source)
+    if block not in loaded.blocks:
+        raise InputError(f"{loaded.source.file or 'scenario'} has no block {block!r}")
+    ports = _ports(loaded, block)
+    load(theirs)
+    _refuse_early(theirs)
+    ours = runner.execute(load(_recording(source, block, [v.name for v in ports if v.causality == "input"])))
+    if ours.failure is not None:
+        ours.failure.result = ours
+        raise ours.failure
+    bounds = tolerances(wanted, ours.models[block])
+    with_theirs = load(theirs)
+    entry = with_theirs.source.data["blocks"][block]
+    inputs = {v.name: ours[f"{block}.{v.name}"] for v in fed(loaded, block, ports) if f"{block}.{v.name}" in ours}
+    played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
+    names = [v.name for v in ports if v.causality == "input" and v.name in played.model.variables]
+    other = runner.execute(load(_recording(theirs, block, names)))
+    comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
+    comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
+    rows = played.rows
+    comparison.interval = float(ours.time[rows[1]] - ours.time[rows[0]]) if len(rows) > 1 else 0.0
+    return comparison
+
+
+def _refuse_early(theirs: Source) -> None:
+    """Finds what does not fit before ours is run."""
+    from ..fmu.archive import open_fmu
+    from ..swap.prepare import prepare
+
+    scenario = load(theirs)
+    fmus = {
+        name: open_fmu(runner.locate(entry.fmu, theirs.folder, entry.flavour or scenario.flavour))
+        for name, entry in scenario.blocks.items()
+    }
+    prepared = prepare(scenario, fmus)
+    runner.plan(prepared.scenario, prepared.models, prepared.feedthrough)
+
+
+def _ports(loaded: Any, block: str) -> list[Variable]:
+    from ..fmu.archive import open_fmu
+
+    entry = loaded.blocks[block]
+    fmu = open_fmu(runner.locate(entry.fmu, loaded.source.folder, entry.flavour or loaded.flavour))
+    return [v for v in fmu.model.of("input", "output") if v.type in TYPES]
+
+
+def _recording(source: Source, block: str, inputs: Sequence[str]) -> Source:
+    """The scenario, with all that the block is given and gives recorded at every step."""
+    record = source.data.get("record") or {}
+    signals = [*(record.get("signals") or ["*"]), f"{block}.*", *(f"{block}.{name}" for name in inputs)]
+    return source.with_entry(("record",), {"signals": list(dict.fromkeys(signals))})
+
+
+def _differences(
+    comparison: Comparison, ports: Sequence[Variable], bounds: dict[str, Tolerance], every: int
+) -> list[Difference]:
+    ours, played = comparison.ours, comparison.played
+    chosen: Any = np.ones(0, bool)
+    if played.outputs:
+        chosen = np.isfinite(np.column_stack([*played.outputs.values()])).all(axis=1)
+    chosen &= played.rows[: len(chosen)] % every == 0
+    rows = played.rows[: len(chosen)][chosen]
+    differences = []
+    for variable in (v for v in ports if v.causality == "output"):
+        bound = bounds[variable.name]
+        unit = str(variable.unit) if variable.unit is not None and str(variable.unit) != "1" else ""
+        told = " and ".join(f"{b.text}{how}" for b, how in ((bound.largest, ""), (bound.rms, " rms")) if b is not None)
+        if variable.name not in played.outputs:
+            differences.append(Difference(variable.name, unit, True, told, note="theirs lacks it"))
+            continue
+        a = ours[f"{comparison.block}.{variable.name}"].reshape(len(ours.time), -1)[rows].astype(float)
+        b = played.outputs[variable.name][chosen]
+        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit, told))
+    return differences
+
+
+def _difference(
+    variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str, told: str
+) -> Difference:
+    if not len(time):
+        return Difference(variable.name, unit, False, told, note="nothing to compare")
+    error = np.abs(theirs - ours)
+    if variable.type != "real":
+        differing = (error > 0.0).any(axis=1)
+        share = float(differing.mean())
+        passed = all(share <= b.limit(1.0) for b in (bound.largest, bound.rms) if b is not None)
+        first = float(time[differing][0]) if differing.any() else None
+        return Difference(
+            variable.name,
+            "",
+            passed,
+            told,
+            share,
+            "",
+            first,
+            share,
+            note=f"{int(differing.sum())} of {len(time)} samples",
+        )
+    row, column = np.unravel_index(int(error.argmax()), error.shape)
+    largest, peak = float(error[row, column]), float(np.abs(ours).max())
+    rms = float(np.sqrt((error * error).mean(axis=0).max()))
+    pairs = [(largest, bound.largest), (rms, bound.rms)]
+    passed = all(value <= max(b.limit(peak), ROUNDING) for value, b in pairs if b is not None)
+    element = variable.label(int(column)) if variable.shape else ""
+    at = float(time[row]) if largest > 0.0 else None
+    return Difference(variable.name, unit, passed, told, largest, element, at, largest / peak if peak else None, rms)
+
+
+# ---------------------------------------------------------------- the command
+
+
+@click.command("compare")
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option(
+    "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
+)
+@click.option("--map", "maps", multiple=True, metavar="FILE", help="How its ports stand to ours.")
+@click.option(
+    "--tolerance",
+    "wanted",
+    multiple=True,
+    metavar="[OUTPUT=]VALUE|FILE",
+    help="Of an output ('0.2 A.m2', '1 %'), of all ('0.1 %'), or a YAML of them; default: 1e-6 of our largest value.",
+)
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, for both.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the report; default: results/NAME-BLOCK."
+)
+@click.option("--step", metavar="T", help="Base step instead of the scenario's, for both.")
+@click.option("--duration", metavar="T", help="Duration instead of the scenario's, for both.")
+@click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
+@click.pass_context
+def command(
+    ctx: click.Context,
+    scenario: Path,
+    swaps: tuple[str, ...],
+    maps: tuple[str, ...],
+    wanted: tuple[str, ...],
+    sets: tuple[str, ...],
+    out: Path | None,
+    step: str | None,
+    duration: str | None,
+    json_: bool,
+) -> None:
+    """Compare an FMU with the block whose place it takes: on the same inputs, and in the loop.
+
+    Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all claims hold,
+    1 not, 2 wrong input, 3 an FMU failed.
+    """
+    from ..cli.main import assignment
+    from ..results import folder
+    from ..scenario.source import read
+    from ..swap.prepare import swapped
+    from .page import write
+
+    if len(swaps) != 1:
+        raise InputError("--swap: one block is compared at a time")
+    source = read(scenario)
+    for text in sets:
+        source = source.with_start(*assignment(text), option="--set ")
+    for key, value in (("step", step), ("duration", duration)):
+        if value is not None:
+            source = source.with_value(key, value, f"--{key}")
+    block = swaps[0].partition("=")[0].strip()
+    theirs = swapped(source, swaps, maps)
+    target = out or Path("results") / f"{load(source).name}-{block}"
+    folder.check_writable(target)
+    try:
+        comparison = compare(source, theirs, block, wanted)
+    except BlockError as error:
+        if error.result is not None:
+            error.result.save(target / "ours")
+        complain(f"ours: {error}")
+        ctx.exit(BLOCK_FAILED)
+    comparison.ours.save(target / "ours")
+    if len(comparison.theirs.time):
+        comparison.theirs.save(target / "theirs")
+    data = summary(comparison)
+    (target / "comparison.json").write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    page = write(comparison, target)
+    if json_:
+        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
+    else:
+        _print(comparison, page)
+    if comparison.failure is not None:
+        complain(f"theirs: {comparison.failure}")
+        ctx.exit(BLOCK_FAILED)
+    ctx.exit(0 if comparison.passed else NOT_EQUIVALENT)
+
+
+def summary(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as plain data."""
+    return {
+        "block": comparison.block,
+        "fmu": comparison.fmu,
+        "passed": comparison.passed,
+        "equivalent": comparison.equivalent,
+        "claims_hold": comparison.holds,
+        "failure": None if comparison.failure is None else str(comparison.failure),
+        "open_loop": [asdict(difference) for difference in comparison.differences],
+        "claims": [
+            {"name": a.name, "ours": asdict(a), "theirs": None if b is None else asdict(b)}
+            for a, b in comparison.claims
+        ],
+        "notes": comparison.theirs.warnings,
+    }
+
+
+def verdict(comparison: Comparison) -> str:
+    """The verdict in a sentence."""
+    compared = [d for d in comparison.differences if d.largest is not None]
+    within = sum(d.passed for d in compared)
+    judged = comparison.theirs.outcomes
+    met = sum(outcome.passed for outcome in judged)
+    left = len(comparison.ours.outcomes) - len(judged)
+    text = f"{'equivalent' if comparison.equivalent else 'not equivalent'}: {within} of {len(compared)} outputs within tolerance; "
+    text += f"{met} of {len(judged)} claims hold" + (f", {left} could not be judged" if left else "")
+    return f"an FMU failed; {text}" if comparison.failure is not None else text
+
+
+def rows_of_differences(comparison: Comparison) -> list[tuple[bool, tuple[str, ...]]]:
+    """Whether it is within its tolerance, and the cells: output, largest, relative, when, rms, tolerance."""
+    rows: list[tuple[bool, tuple[str, ...]]] = []
+    for d in comparison.differences:
+        if d.largest is None:
+            rows.append((d.passed, (d.output, d.note, "", "", "", "")))
+        elif d.note:
+            at = f"first at {d.time:.5g} s" if d.time is not None else ""
+            rows.append((d.passed, (d.output, d.note, f"{d.share:.2g}", at, "", d.tolerance)))
+        else:
+            at = f"{d.time:.5g} s" if d.time is not None else ""
+            where = f"{d.element} " if d.element and d.largest else ""
+            share = f"{d.share:.2g}" if d.share is not None else ""
+            cells = (
+                d.output,
+                number(d.largest, d.unit),
+                share,
+                f"{where}{at}",
+                number(d.rms or 0.0, d.unit),
+                d.tolerance,
+            )
+            rows.append((d.passed, cells))
+    return rows
+
+
+DIFFERENCES = ("output", "largest difference", "relative", "when", "rms", "tolerance")
+
+
+def _print(comparison: Comparison, page: Path) -> None:
+    scenario = comparison.ours.scenario
+    for note in comparison.theirs.warnings:
+        say(f"note: {note}", error=True, fg="yellow")
+    say(f"{scenario.name}: {comparison.block} against {Path(comparison.fmu).name}", bold=True)
+    say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
+    rows = rows_of_differences(comparison)
+    header, *lines = table(DIFFERENCES, [cells for _, cells in rows])
+    say(f"        {header}")
+    for (passed, cells), line in zip(rows, lines, strict=True):
+        left_out = cells[5] == ""
+        mark = (
+            "        "
+            if left_out
+            else click.style("ok      ", fg="green")
+            if passed
+            else click.style("DIFFERS ", fg="red", bold=True)
+        )
+        say(f"{mark}{line}")
+    say("\nclosed loop: the claims of the scenario")
+    told = [(a.name, found(a), "not judged" if b is None else found(b), a.expected) for a, b in comparison.claims]
+    header, *lines = table(("expectation", "ours", "theirs", "expected"), told)
+    say(f"        {header}")
+    for (_, b), line in zip(comparison.claims, lines, strict=True):
+        mark = (
+            "        "
+            if b is None
+            else click.style("ok      ", fg="green")
+            if b.passed
+            else click.style("FAILED  ", fg="red", bold=True)
+        )
+        say(f"{mark}{line}")
+    say()
+    say(verdict(comparison), bold=True, fg="green" if comparison.passed else "red")
+    say(f"report in {page}")

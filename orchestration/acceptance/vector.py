@@ -1,0 +1,175 @@
+"""Test vectors: inputs over time, and the outputs that our block gives for them, as two tables.
+
+`parameters.csv` has a parameter's element and its value in each row, items of enumerations as numbers;
+`vector.csv` has time, inputs and outputs in columns, in the units of our interface.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..fmu.archive import shown
+from ..fmu.model import Element, Model, Variable
+from ..scenario.scenario import Scenario
+from ..swap.fit import Finding, Fit
+from ..system.starts import values_of
+
+ROUNDING = 1e-15
+"""A difference this small is rounding, however small the output itself."""
+ROWS_MAX = 400
+"""Steps of a scenario that become a test vector, at most."""
+
+
+def record(scenario: Path, block: str, folder: Path) -> int:
+    """Runs a scenario and writes what `block` was given and what it gave. Returns the number of instants."""
+    from ..runner.run import execute
+    from ..scenario.scenario import load
+
+    loaded = load(scenario)
+    name = name_of(loaded, block)
+    if name is None:
+        raise InputError(f"{shown(scenario)} has no block {block!r} that is the project's own; expected 'fmu: {block}'")
+    source = loaded.source
+    step = loaded.step * loaded.blocks[name].every
+    changes = {
+        "duration": min(loaded.duration, ROWS_MAX * step),
+        "record": {"interval": step, "signals": [f"{name}.{port}" for port in _ports(loaded, name, block)]},
+        **dict.fromkeys(("expect", "figures", "holds", "faults")),
+    }
+    for key, value in changes.items():
+        source = source.with_entry((key,), value)
+    result = execute(load(source))
+    if result.failure is not None:
+        raise InputError(f"{shown(scenario)}: {result.failure}")
+    ours = [i for i, node in enumerate(result.columns) if node.block == name]  # flags of the others are recorded, too
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "vector.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time", *(result.labels[i].partition(".")[2] for i in ours)])
+        for time, row in zip(result.time.tolist(), result.samples[:, ours].tolist(), strict=True):
+            writer.writerow([repr(time), *map(repr, row)])
+    model = result.models[name]
+    with (folder / "parameters.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["name", "value"])
+        for key, value in result.manifest["scenario"]["blocks"][name].get("start", {}).items():
+            for element, number in values_of(name, model, key, value).items():
+                if model.variables[element.variable].causality == "parameter":
+                    text = int(number) if isinstance(number, bool) else number
+                    writer.writerow([model.variables[element.variable].label(element.position), text])
+    return len(result.time)
+
+
+def name_of(scenario: Scenario, block: str) -> str | None:
+    """What a block of the project is called in a scenario; None where it has no part in it."""
+    return next((name for name, entry in scenario.blocks.items() if entry.fmu == block), None)
+
+
+def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
+    """Outputs, and the inputs that the scenario feeds."""
+    from ..fmu.interfaces import reference
+    from ..system.wiring import fed
+
+    model = reference(block, Path.cwd()).model
+    return [v.name for v in (*fed(scenario, name, model.of("input")), *model.of("output")) if v.type != "string"]
+
+
+def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]:
+    """What an FMU makes of a test vector, output by output."""
+    from . import playback
+
+    model = found.reference.model
+    header, table = _table(folder / "vector.csv")
+    columns = _columns(model, header, folder)
+    time = table[:, 0]
+    inputs = {
+        name: _shaped(table[:, places], model.variables[name])
+        for name, places in columns.items()
+        if model.variables[name].causality == "input"
+    }
+    expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
+    entry = {"fmu": str(fmu.resolve()), "interface": found.reference.name, "start": _parameters(found, folder)}
+    if found.mapping is not None:
+        entry["map"] = found.mapping.model_dump(exclude_none=True)
+    played = playback.play("block", entry, ".", time, inputs)
+    if played.failure is not None:
+        return [Finding("fault", "vector", str(played.failure), "see what the FMU said")]
+    findings = []
+    for name, wanted in expected.items():
+        if name not in played.outputs:
+            continue
+        difference = np.abs(played.outputs[name] - wanted[played.rows])
+        peak = float(np.abs(wanted).max()) or 1.0
+        row = int(difference.max(axis=1).argmax())
+        largest = float(difference.max())
+        unit = model.variables[name].unit
+        shown_unit = f" {unit}" if unit is not None and unit.name not in ("", "1") else ""
+        text = f"{name}: as expected"
+        if largest:
+            text = f"{name}: differs by at most {largest:.3g}{shown_unit}, {largest / peak:.2g} of its largest value"
+            text += f", at {time[played.rows[row]]:.10g} s"
+        within = largest <= max(tolerance * peak, ROUNDING)
+        remedy = "" if within else "look at the units and signs first, then at --tolerance"
+        findings.append(Finding("ok" if within else "fault", "vector", text, remedy))
+    return findings
+
+
+def _table(path: Path) -> tuple[list[str], Any]:
+    try:
+        with path.open(encoding="utf-8") as file:
+            header = file.readline().strip().split(",")
+            table = np.loadtxt(file, delimiter=",", ndmin=2)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected a test vector, as 'orchestrate new' writes it") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    if header[0] != "time" or table.shape[0] < 2 or table.shape[1] != len(header):
+        raise InputError(f"{path}: expected a column 'time', then inputs and outputs, in two rows or more")
+    return header, table
+
+
+def _columns(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
+    labels = {v.label(p): Element(v.name, p) for v in model.variables.values() for p in range(v.size)}
+    found: dict[str, dict[int, int]] = {}
+    for column, label in enumerate(header[1:], start=1):
+        if label not in labels:
+            raise InputError(f"{folder / 'vector.csv'}: {model.name} has no variable {label!r}")
+        found.setdefault(labels[label].variable, {})[labels[label].position] = column
+    return {name: [places[p] for p in sorted(places)] for name, places in found.items()}
+
+
+def _shaped(values: Any, variable: Variable) -> Any:
+    shaped = values.reshape(len(values), *variable.shape)
+    return shaped.astype(bool) if variable.type == "boolean" else shaped
+
+
+def _parameters(found: Fit, folder: Path) -> dict[str, Any]:
+    """The vector's parameters, for a scenario; those that theirs lacks are left out."""
+    model = found.reference.model
+    values: dict[str, Any] = {}
+    path = folder / "parameters.csv"
+    rows = list(csv.reader(path.read_text("utf-8").splitlines()))[1:] if path.exists() else []
+    for label, text in (row for row in rows if len(row) == 2):
+        name = label.partition("[")[0]
+        variable = model.variables.get(name)
+        if variable is None:
+            raise InputError(f"{path}: {model.name} has no parameter {label!r}")
+        if name in found.missing or name in found.ignored:
+            continue
+        values[label.replace("][", ",")] = _value(variable, text)
+    return values
+
+
+def _value(variable: Variable, text: str) -> Any:
+    if variable.type == "string":
+        return text
+    if variable.type == "boolean":
+        return float(text) != 0.0
+    if variable.type == "enumeration":
+        return {number: item for item, number in variable.items}.get(int(float(text)), text)
+    return int(text) if variable.type == "integer" else float(text)

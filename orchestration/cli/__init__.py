@@ -1,0 +1,1 @@
+"""The commands, the console, the summary, exit statuses."""

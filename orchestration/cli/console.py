@@ -1,0 +1,163 @@
+"""What a user sees of a run: its progress, and a short table at the end."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from ..results.result import Result
+
+_PATIENCE = 0.3
+"""Seconds that a run may last without a progress bar."""
+
+
+_lost: list[OSError] = []
+"""Why what was to be printed could not be."""
+
+
+def say(text: str = "", error: bool = False, **style: Any) -> None:
+    """Prints a line; colours only on a terminal, and not where NO_COLOR is set. It ends nothing where it cannot."""
+    try:
+        click.echo(
+            click.style(text, **style) if style else text,
+            err=error,
+            color=False if os.environ.get("NO_COLOR") else None,
+        )
+    except OSError as problem:
+        silence(error)
+        if not error and not isinstance(problem, BrokenPipeError):  # who closes a pipe has seen enough
+            _lost.append(problem)
+            complain(f"what was to be printed cannot be written: {problem.strerror}")
+
+
+def silence(error: bool = False) -> None:
+    """Lets all that is still printed vanish, also what lies in buffers when the program ends."""
+    stream = sys.stderr if error else sys.stdout
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+def lost() -> bool:
+    """Whether something could not be printed, since the last time this was asked."""
+    found = bool(_lost)
+    _lost.clear()
+    return found
+
+
+def open_streams() -> None:
+    """Opens those of the three standard streams that are closed, so that no file of a run takes their place."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the first number that is free
+
+
+def complain(message: str) -> None:
+    say(message, error=True, fg="red")
+
+
+class Progress:
+    """A bar with the simulated time, for runs that last long enough. Rich is imported only then."""
+
+    def __init__(self, duration: float, wanted: bool) -> None:
+        self.duration, self.wanted = duration, wanted and sys.stdout is not None and sys.stdout.isatty()
+        self._begun = perf_counter()
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __call__(self, time: float) -> None:
+        if not self.wanted or perf_counter() - self._begun < _PATIENCE:
+            return
+        if self._bar is None:
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            text = TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
+            self._bar = Progress(
+                text, BarColumn(), TextColumn("{task.percentage:.0f}%"), TimeRemainingColumn(), transient=True
+            )
+            self._task = self._bar.add_task("run", total=self.duration)
+            self._bar.start()
+        self._bar.update(self._task, completed=time)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+
+def summary(result: Result) -> None:
+    """The figures that matter, and what was expected and found."""
+    from ..system.faults import sentence
+
+    reached = result.time[-1] if len(result.time) else 0.0
+    speed = f"{result.steps / result.wall:,.0f} steps/s" if result.wall > 0.0 else ""
+    how = "interrupted after" if result.interrupted else "failed after" if result.failure else "ran"
+    say(
+        f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
+        bold=True,
+    )
+    for fault in result.scenario.faults:
+        say(f"fault: {sentence(fault)}", fg="yellow")
+    if result.highlights:
+        rows = [
+            (h.signal, number(h.final, h.unit), f"{number(h.peak, h.unit)} at {h.time:.5g} s")
+            for h in result.highlights
+        ]
+        say()
+        for line in table(("signal", "at the end", "largest"), rows):
+            say(line)
+    if result.outcomes:
+        told = [
+            (o.name, found(o), o.expected, "" if o.margin is None else number(o.margin, o.unit))
+            for o in result.outcomes
+        ]
+        header, *lines = table(("expectation", "found", "expected", "margin"), told)
+        say(f"\n        {header}")
+        for outcome, line in zip(result.outcomes, lines, strict=True):
+            verdict = (
+                click.style("ok    ", fg="green") if outcome.passed else click.style("FAILED", fg="red", bold=True)
+            )
+            say(f"{verdict}  {line}")
+    if result.holds:
+        say()
+    for hold in result.holds:
+        if hold.latched:
+            say(f"{hold.name}: {hold.text}", fg="yellow", bold=True)
+        else:
+            say(f"{hold.name}: {hold.text}")
+    true = [f"{name} first at {since:.5g} s" for name, since in result.flags.items() if since is not None]
+    if true:
+        say(f"\ntrue at some time: {', '.join(true)}")
+
+
+def found(outcome: Any) -> str:
+    """What an expectation has found, and when."""
+    if outcome.found is None:
+        return outcome.note
+    if outcome.expected.endswith((" true", " false")):
+        value = "true" if outcome.found else "false"
+    else:
+        value = number(outcome.found, outcome.unit)
+    if outcome.expected.startswith("always") and outcome.passed and outcome.margin is None:
+        return value  # at all times
+    return value if outcome.time is None else f"{value} at {outcome.time:.5g} s"
+
+
+def number(value: float, unit: str) -> str:
+    """A value with its unit, to four figures."""
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table, its columns in line."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in [header, *rows]]

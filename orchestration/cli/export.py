@@ -1,0 +1,55 @@
+"""`orchestrate export`: the system as a file for other tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..errors import InputError
+from ..fmu.archive import shown
+from ..scenario.scenario import load
+from ..scenario.source import read
+from .console import say
+
+
+@click.command("export")
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option(
+    "--ssp", type=click.Path(path_type=Path), metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, wires and values."
+)
+@click.option(
+    "--container",
+    type=click.Path(path_type=Path),
+    metavar="FILE.fmu",
+    help="As one FMU that holds them all (needs fmu-manipulation-toolbox).",
+)
+@click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
+@click.option("--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's.")
+def command(scenario: Path, ssp: Path | None, container: Path | None, step: str | None, flavour: str | None) -> None:
+    """Write a scenario as a file that other FMI tools read."""
+    if ssp is None and container is None:
+        raise InputError("expected --ssp FILE.ssp or --container FILE.fmu, or both")
+    source = read(scenario)
+    for key, value in (("step", step), ("flavour", flavour)):
+        if value is not None:
+            source = source.with_value(key, value, f"--{key}")
+    targets = [(path, suffix) for path, suffix in ((ssp, ".ssp"), (container, ".fmu")) if path is not None]
+    for path, suffix in targets:
+        if path.suffix != suffix:
+            raise InputError(f"{path}: expected a name that ends in {suffix}")
+        if not path.absolute().parent.is_dir():
+            raise InputError(f"{path}: there is no folder {path.parent}")
+    from ..export.system import flat
+
+    system = flat(load(source))
+    for path, suffix in targets:
+        if suffix == ".ssp":
+            from ..export import ssp as writer
+        else:
+            from ..export import container as writer  # type: ignore[no-redef]
+        try:
+            writer.write(system, path)
+        except OSError as error:
+            raise InputError(f"{path}: {error.strerror}") from None
+        say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")

@@ -1,0 +1,45 @@
+"""`orchestrate fmus`: where the project's own FMUs are, and copies of them."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import click
+
+from ..errors import InputError
+from ..fmu.archive import shown
+from .console import say
+
+
+@click.command("fmus")
+@click.option("--copy", type=click.Path(path_type=Path), metavar="DIR", help="Copy them into this folder.")
+@click.option(
+    "--flavour",
+    type=click.Choice(["native", "python"]),
+    default="native",
+    show_default=True,
+    help="Compiled C, which runs in any tool, or the Python reference, which needs a host that holds Python.",
+)
+def command(copy: Path | None, flavour: str) -> None:
+    """List the project's own FMUs, built when need be, or hand them out."""
+    from fmus.build import BLOCKS, BuildError, blocks_of, ensure
+
+    try:
+        paths = [ensure(block, flavour) for block in blocks_of(flavour)]
+    except BuildError as error:
+        raise InputError(str(error)) from None
+    for path in paths:
+        say(f"{shown(path if copy is None else copied(path, copy))}  {path.stat().st_size / 1000:.0f} kB")
+    for block in BLOCKS:
+        if block not in blocks_of(flavour):
+            say(f"{block} has no flavour {flavour!r}")
+
+
+def copied(path: Path, folder: Path) -> Path:
+    """A copy of a file in a folder, which is made if it is missing. Raises InputError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return Path(shutil.copyfile(path, folder.absolute() / path.name))
+    except OSError as error:
+        raise InputError(f"{error.filename or folder}: {error.strerror}") from None

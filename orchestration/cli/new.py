@@ -1,0 +1,62 @@
+"""`orchestrate new`: a small project for another team, with a test vector from our block."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..errors import InputError, nearest
+from ..fmu.archive import shown
+from .console import say
+
+
+@click.command("new")
+@click.argument("block")
+@click.argument("folder", required=False, type=click.Path(path_type=Path), metavar="[DIR]")
+@click.option(
+    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="What they write it in."
+)
+@click.option(
+    "--scenario",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="The run of which the test vector is a part; default: one of the project's own.",
+)
+def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -> None:
+    """Write a project that builds an FMU with a block's exact interface, for another team to fill in.
+
+    It holds what it takes to build (in C: a compiler and make are enough), a README and a test vector.
+    """
+    from fmus import kit
+    from fmus.interface import BLOCKS, load
+
+    from ..acceptance.vector import name_of, record
+    from ..scenario.scenario import load as load_scenario
+
+    if block not in BLOCKS:
+        raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
+    target = folder or Path(f"{block}_{lang}")
+    runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
+    run = scenario or next((run for run in runs if name_of(load_scenario(run), block)), None)
+    if run is None:
+        raise InputError(
+            f"no scenario of the project has the block {block!r}; remedy: --scenario FILE with 'fmu: {block}'"
+        )
+    if not run.exists():
+        raise InputError(
+            f"{shown(run)}: there is no such file; --scenario names the run that the test vector is taken from"
+        )
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target} is a file; expected a folder")
+    rows = record(run, block, target / "vector")
+    try:
+        files = kit.write(load(block), target, lang)
+    except OSError as error:
+        raise InputError(f"{error.filename}: {error.strerror}") from None
+    say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
+    build = "make" if lang == "c" else "python build.py"
+    say(f"\n  cd {target} && {build}")
+    if lang == "c":
+        say("  make vector")
+    say(f"  orchestrate check {block}.fmu --as {block} --vector vector")

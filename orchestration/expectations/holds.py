@@ -1,0 +1,171 @@
+"""Holds of a run: while a boolean signal is true, other signals keep their values; what became of it is told by name.
+
+A scenario names such a signal in its section `holds`. Told apart are four outcomes: never held; held at zero from the
+start; a running value held and released; latched, which is a hold that the end of the run finds in place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..fmu.model import Model
+from ..instances.block import Floats
+from ..scenario.scenario import HoldEntry, Scenario
+from ..scenario.source import Key
+from ..system import signals
+from ..system.wiring import Node
+
+NEVER = "never held"
+AT_ZERO = "held at zero from the start"
+RELEASED = "held and released"
+LATCHED = "latched"
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What became of one hold. Times in s."""
+
+    name: str
+    signal: str
+    outcome: str
+    """One of `NEVER`, `AT_ZERO`, `RELEASED`, `LATCHED`."""
+    spans: list[tuple[float, float | None]]
+    """From when to when it was held; None: to the end of the run."""
+    from_zero: bool
+    """Whether the first hold begins with the run and keeps zeros."""
+    limits: dict[str, float] = field(default_factory=dict)
+    """Of a latched hold: the limits that stand at the end of the run, and since when, s."""
+
+    @property
+    def latched(self) -> bool:
+        """Whether the run ended in it."""
+        return self.outcome == LATCHED
+
+    @property
+    def text(self) -> str:
+        """The outcome as a sentence."""
+        if not self.spans:
+            return NEVER
+        start, end = self.spans[-1]
+        if end is not None:
+            return self._released
+        before = f" after {_releases(len(self.spans) - 1)}" if len(self.spans) > 1 else ""
+        what = "at zero from the start" if self.from_zero and len(self.spans) == 1 else f"since t = {start:.6g} s"
+        at = "".join(f", {limit} since {since:.6g} s" for limit, since in self.limits.items())
+        return f"{LATCHED}: held {what} to the end of the run{before}{at}"
+
+    @property
+    def _released(self) -> str:
+        first, last = self.spans[0][0], self.spans[-1][1]
+        what = AT_ZERO if self.from_zero else f"running values held from {first:.6g} s"
+        if len(self.spans) == 1:
+            return f"{what} to {last:.6g} s, then released"
+        longest = max(end - start for start, end in self.spans if end is not None)
+        return f"{what}; {len(self.spans)} times in all, the longest for {longest:.6g} s, released for good at {last:.6g} s"
+
+
+def _releases(n: int) -> str:
+    return "one release" if n == 1 else f"{n} releases"
+
+
+@dataclass(frozen=True)
+class Look:
+    """A hold of the scenario whose signals have been found."""
+
+    entry: HoldEntry
+    flag: Node
+    kept: list[Node]
+    limits: dict[str, Node]
+
+    @property
+    def needed(self) -> list[Node]:
+        return [self.flag, *self.kept, *self.limits.values()]
+
+
+def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
+    """Finds the signals of the scenario's holds. Raises InputError with every fault."""
+    looks: list[Look] = []
+    faults: list[str] = []
+    for number, entry in enumerate(scenario.holds):
+        key: Key = ("holds", number)
+        try:
+            flag = _flag(scenario, (*key, "signal"), entry.signal, models)
+            kept = [
+                node
+                for i, name in enumerate(entry.keeps)
+                for node in signals.find(scenario, (*key, "keeps", i), name, models)[1]
+            ]
+            limits = {
+                said: _flag(scenario, (*key, "limits", said), name, models) for said, name in entry.limits.items()
+            }
+        except InputError as error:
+            faults += error.messages
+        else:
+            looks.append(Look(entry, flag, kept, limits))
+    if faults:
+        raise InputError(*faults)
+    return looks
+
+
+def _flag(scenario: Scenario, key: Key, name: str, models: Mapping[str, Model]) -> Node:
+    variable, nodes = signals.find(scenario, key, name, models)
+    if variable.type != "boolean" or len(nodes) != 1:
+        raise InputError(scenario.error(key, f"expected one boolean signal, {name} is {variable.kind}"))
+    return nodes[0]
+
+
+class Judge:
+    """Looks at a hold piece by piece, and tells in the end what became of it."""
+
+    def __init__(self, name: str, signal: str) -> None:
+        self.name, self.signal = name, signal
+        self._spans: list[tuple[float, float | None]] = []
+        self._seen = self._held = self._from_zero = False
+        self._since: dict[str, float] = {}
+        """The limits that stand, and since when."""
+
+    def see(
+        self,
+        time: Floats,
+        held: NDArray[np.bool_],
+        kept: Floats,
+        limits: Mapping[str, NDArray[np.bool_]] | None = None,
+    ) -> None:
+        """Takes in what follows: `held` (n,) true while `kept` (n, m) keep their values; `limits` (n,) flags by name."""
+        if not len(time):
+            return
+        if not self._seen:
+            self._seen, self._from_zero = True, bool(held[0]) and not kept[0].any()
+        for i in np.flatnonzero(held != np.concatenate(([self._held], held[:-1]))):
+            if held[i]:
+                self._spans.append((float(time[i]), None))
+            else:
+                self._spans[-1] = self._spans[-1][0], float(time[i])
+        self._held = bool(held[-1])
+        for said, flag in (limits or {}).items():
+            off = np.flatnonzero(~flag)
+            if len(off):
+                self._since.pop(said, None)
+            if flag[-1]:
+                self._since.setdefault(said, float(time[off[-1] + 1 if len(off) else 0]))
+
+    @property
+    def hold(self) -> Hold:
+        """What became of it up to now."""
+        outcome = AT_ZERO if self._from_zero else RELEASED
+        if not self._spans or self._held:
+            outcome = LATCHED if self._held else NEVER
+        standing = dict(self._since) if self._held else {}
+        return Hold(self.name, self.signal, outcome, list(self._spans), self._from_zero, standing)
+
+
+def see(look: Look, judge: Judge, time: Floats, columns: Mapping[Node, Floats]) -> None:
+    """Shows a hold's signals to its judge."""
+    held = columns[look.flag] != 0.0
+    kept = np.column_stack([columns[node] for node in look.kept])
+    judge.see(time, held, kept, {said: columns[node] != 0.0 for said, node in look.limits.items()})

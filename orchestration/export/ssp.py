@@ -1,0 +1,172 @@
+"""Writes a scenario as an SSP 1.0 archive: SystemStructure.ssd, and in resources/ the FMUs and their parameter sets.
+
+What SSP has no words for (step, rates, what is expected ...) goes into an annotation, which ssp_reader.py understands.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from ..quantities import BASES, Unit
+from .system import Component, System, Value
+
+NAMESPACES = {
+    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
+}
+ANNOTATION = "orchestrate.scenario"
+"""Type of the annotation that holds the rest of the scenario, as JSON."""
+STRUCTURE = "SystemStructure.ssd"
+PARAMETER_SET = "start"
+"""Name of every parameter set: ecos applies all those of one name together."""
+
+_TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+for _prefix, _uri in NAMESPACES.items():
+    ET.register_namespace(_prefix, _uri)
+
+
+def write(system: System, path: Path) -> None:
+    """Writes the archive. The same system gives the same bytes, but for FMUs that differ."""
+    files = {STRUCTURE: _structure(system)}
+    for component in system.components:
+        files[_resource(system, component)] = component.fmu.path.read_bytes()
+        if component.values:
+            files[f"resources/{component.name}.ssv"] = _parameter_set(component)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            info = zipfile.ZipInfo(name, _DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o100644 << 16
+            archive.writestr(info, data)
+
+
+def _resource(system: System, component: Component) -> str:
+    """Components of one FMU share its file, which has the first one's name."""
+    first = next(c for c in system.components if c.fmu.path == component.fmu.path)
+    return f"resources/{first.name}.fmu"
+
+
+def _structure(system: System) -> bytes:
+    scenario = system.scenario
+    root = _element(None, "ssd:SystemStructureDescription", version="1.0", name=scenario.name)
+    if scenario.description:
+        root.set("description", scenario.description)
+    root.set("generationTool", "orchestrate")
+    top = _element(root, "ssd:System", name=scenario.name)
+    elements = _element(top, "ssd:Elements")
+    for component in system.components:
+        _component(elements, component, _resource(system, component))
+    if system.wires:
+        connections = _element(top, "ssd:Connections")
+        for wire in system.wires:
+            ends = {"startElement": wire.source[0], "startConnector": wire.source[1]}
+            ends |= {"endElement": wire.target[0], "endConnector": wire.target[1]}
+            connection = _element(connections, "ssd:Connection", ends)
+            if (wire.factor, wire.offset) != (1.0, 0.0):
+                # Said in full, so that a tool that knows no units converts too, and one that does, not twice.
+                connection.set("suppressUnitConversion", "true")
+                _element(connection, "ssc:LinearTransformation", factor=repr(wire.factor), offset=repr(wire.offset))
+    ports = [port for component in system.components for port in component.ports]
+    _enumerations(root, "ssd", ((port.variable.name, port.variable.items) for port in ports))
+    _units(root, "ssd", (port.variable.unit for port in ports))
+    _element(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(scenario.duration)))
+    annotation = _element(_element(root, "ssd:Annotations"), "ssc:Annotation", type=ANNOTATION)
+    ET.SubElement(annotation, "scenario").text = json.dumps(_rest(system), ensure_ascii=False)
+    return _bytes(root)
+
+
+def _rest(system: System) -> dict[str, Any]:
+    """What the scenario says beyond components, connections and values."""
+    data = {k: v for k, v in system.scenario.source.data.items() if k not in ("blocks", "connections", "flavour")}
+    given = system.scenario.source.data["blocks"]
+    kept = ("every", "isolation", "timeout", "memory")
+    blocks = {name: {k: v for k, v in entry.items() if k in kept} for name, entry in given.items()}
+    return data | {"blocks": {name: entry for name, entry in blocks.items() if entry}}
+
+
+def _component(parent: ET.Element, component: Component, source: str) -> None:
+    attributes = {"name": component.name, "type": "application/x-fmu-sharedlibrary", "source": source}
+    entry = _element(parent, "ssd:Component", attributes, implementation="CoSimulation")
+    if component.ports:
+        connectors = _element(entry, "ssd:Connectors")
+        for port in component.ports:
+            connector = _element(connectors, "ssd:Connector", name=port.name, kind=port.kind)
+            kind = _element(connector, f"ssc:{_TAGS[port.variable.type]}")
+            if port.variable.type == "real" and port.variable.unit is not None:
+                kind.set("unit", port.variable.unit.name)
+            if port.variable.type == "enumeration":
+                kind.set("name", port.variable.name)
+    if component.values:
+        bindings = _element(entry, "ssd:ParameterBindings")
+        attributes = {"type": "application/x-ssp-parameter-set", "source": f"resources/{component.name}.ssv"}
+        _element(bindings, "ssd:ParameterBinding", attributes)
+
+
+def _parameter_set(component: Component) -> bytes:
+    root = _element(None, "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
+    parameters = _element(root, "ssv:Parameters")
+    for value in component.values:
+        kind = value.variable.type
+        parameter = _element(parameters, "ssv:Parameter", name=value.name)
+        entry = _element(parameter, f"ssv:{_TAGS[kind]}", value=_text(value))
+        if kind == "real" and value.variable.unit is not None:
+            entry.set("unit", value.variable.unit.name)
+        if kind == "enumeration":
+            entry.set("name", value.variable.name)
+    variables = [value.variable for value in component.values]
+    _enumerations(root, "ssv", ((variable.name, variable.items) for variable in variables))
+    _units(root, "ssv", (variable.unit for variable in variables))
+    return _bytes(root)
+
+
+def _text(value: Value) -> str:
+    if value.variable.type == "enumeration":
+        return next(name for name, number in value.variable.items if number == value.value)
+    if isinstance(value.value, bool):
+        return str(value.value).lower()
+    return str(value.value)
+
+
+def _enumerations(root: ET.Element, prefix: str, found: Iterable[tuple[str, tuple[tuple[str, int], ...]]]) -> None:
+    known = {name: items for name, items in found if items}
+    if known:
+        parent = _element(root, f"{prefix}:Enumerations")
+        for name, items in sorted(known.items()):
+            entry = _element(parent, "ssc:Enumeration", name=name)
+            for item, number in items:
+                _element(entry, "ssc:Item", name=item, value=str(number))
+
+
+def _units(root: ET.Element, prefix: str, found: Iterable[Unit | None]) -> None:
+    known = {unit.name: unit for unit in found if unit is not None}
+    if known:
+        parent = _element(root, f"{prefix}:Units")
+        for name, unit in sorted(known.items()):
+            exponents = {base: str(power) for base, power in zip(BASES, unit.exponents or (), strict=False) if power}
+            base = _element(_element(parent, "ssc:Unit", name=name), "ssc:BaseUnit", exponents)
+            for key, number, usual in (("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)):
+                if number != usual:
+                    base.set(key, repr(number))
+
+
+def _element(
+    parent: ET.Element | None, tag: str, given: dict[str, str] | None = None, /, **attributes: str
+) -> ET.Element:
+    prefix, _, tag = tag.partition(":")
+    full = f"{{{NAMESPACES[prefix]}}}{tag}"
+    found = {**(given or {}), **attributes}
+    return ET.Element(full, found) if parent is None else ET.SubElement(parent, full, found)
+
+
+def _bytes(root: ET.Element) -> bytes:
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

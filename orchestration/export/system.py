@@ -1,0 +1,165 @@
+"""A scenario as other tools see it: components, wires between single variables, values, all by FMI's names.
+
+`flat` opens the FMUs and runs one step, since the inputs that are connected get their values of t = 0 as start values:
+most tools exchange nothing in initialization mode.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..fmu.archive import Fmu, open_fmu
+from ..fmu.interfaces import starts_of
+from ..fmu.model import Variable
+from ..scenario.scenario import Scenario, load
+from ..scenario.source import Key
+from ..system.wiring import Node
+
+Scalar = float | int | bool | str
+
+_LEFT_OUT = ("expect", "holds", "figures", "faults", "cycle", "record")
+"""What the step for the values of t = 0 goes without."""
+
+
+@dataclass(frozen=True)
+class Port:
+    """An input or output of a component: one scalar variable of its FMU."""
+
+    name: str
+    variable: Variable
+    kind: str
+
+
+@dataclass(frozen=True)
+class Value:
+    """A start value; an item of an enumeration by its number."""
+
+    name: str
+    variable: Variable
+    value: Scalar
+
+
+@dataclass(frozen=True)
+class Component:
+    """An instance of an FMU with its ports: the inputs that are connected, and all outputs."""
+
+    name: str
+    fmu: Fmu
+    ports: tuple[Port, ...]
+    values: tuple[Value, ...]
+    """The scenario's start values, and the values at t = 0 of the inputs that are connected."""
+    free: tuple[Port, ...]
+    """Its parameters, and the inputs that are not connected."""
+
+
+@dataclass(frozen=True)
+class Wire:
+    """target = factor * source + offset."""
+
+    source: tuple[str, str]
+    target: tuple[str, str]
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class System:
+    scenario: Scenario
+    components: tuple[Component, ...]
+    wires: tuple[Wire, ...]
+    order: tuple[str, ...]
+    """The components in the order in which the scenario steps them."""
+
+
+def flat(scenario: Scenario) -> System:
+    """The system of a scenario. Raises InputError where it cannot run or needs more than wires, and BlockError."""
+    from ..runner import run as runner
+    from ..swap import prepare as swap
+
+    fmus = {}
+    for name, entry in scenario.blocks.items():
+        path = runner.locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
+        fmus[name] = open_fmu(path)
+    prepared = swap.prepare(scenario, fmus)
+    for name in scenario.blocks:
+        found = prepared.fits.get(name)
+        if prepared.substeps.get(name, 1) != 1 or (found is not None and not found.identical):
+            message = "its ports are mapped to those of another interface, which only this orchestrator can do; cannot be exported"
+            raise InputError(scenario.error(("blocks", name), message))
+    plan = runner.plan(prepared.scenario, prepared.models, prepared.feedthrough)
+    names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}
+    initial = _initial(scenario)
+    fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
+    wires = []
+    for link in plan.wiring.links:
+        for source, target in zip(link.source, link.target, strict=True):
+            ends = [(node.block, names[node.block][node]) for node in (source, target)]
+            wires.append(Wire(ends[0], ends[1], link.factor, link.offset))
+            given = [start.value for start in plan.starts[target.block] if start.element == target.element]
+            if not link.delayed:
+                given = [_converted(initial[source], link.factor, link.offset)]
+            fed[target.block].update(dict.fromkeys([target], *given) if given else {})
+    targets = {wire.target for wire in wires}
+    components = []
+    for name, fmu in fmus.items():
+        model = prepared.models[name]
+        nodes = [(n, v, kind) for kind in ("input", "output") for v in model.of(kind) for n in _nodes(name, v)]
+        ports = [
+            Port(names[name][n], v.at([n.element.position]), kind)
+            for n, v, kind in nodes
+            if kind == "output" or (name, names[name][n]) in targets
+        ]
+        values = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
+        own = starts_of(fmu.description, model)
+        told = [
+            Value(names[name][n], model.variables[n.element.variable].at([n.element.position]), value)
+            for n, value in values.items()
+            if _worth(model.variables[n.element.variable], value, own.get(n.element))
+        ]
+        others = [(n, v, kind) for kind in ("input", "parameter") for v in model.of(kind) for n in _nodes(name, v)]
+        free = [
+            Port(names[name][n], v.at([n.element.position]), kind)
+            for n, v, kind in others
+            if (name, names[name][n]) not in targets
+        ]
+        components.append(Component(name, fmu, tuple(ports), tuple(told), tuple(free)))
+    return System(scenario, tuple(components), tuple(wires), tuple(plan.order.blocks))
+
+
+def _initial(scenario: Scenario) -> dict[Node, Scalar]:
+    """Every output at t = 0."""
+    from ..runner import run as runner
+
+    keys: list[Key] = [(key,) for key in _LEFT_OUT]
+    longest = max(entry.every for entry in scenario.blocks.values())
+    short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))
+    result = runner.execute(short)
+    if result.failure is not None:
+        raise result.failure
+    found: dict[Node, Scalar] = {}
+    for node in result.columns:
+        kind = result.models[node.block].variables[node.element.variable].type
+        value = float(result.column(node)[0])
+        found[node] = bool(value) if kind == "boolean" else value if kind == "real" else round(value)
+    return found
+
+
+def _converted(value: Scalar, factor: float, offset: float) -> Scalar:
+    return value if (factor, offset) == (1.0, 0.0) else factor * float(value) + offset
+
+
+def _worth(variable: Variable, value: Scalar, own: object) -> bool:
+    """Whether a value is told. Several tools cannot set text and items, so those that are the FMU's own are not."""
+    return variable.type not in ("string", "enumeration") or value != own
+
+
+def _nodes(block: str, variable: Variable) -> list[Node]:
+    return [Node(block, element) for element in variable.elements]
+
+
+def _names(block: str, fmu: Fmu, variables: Mapping[str, Variable]) -> dict[Node, str]:
+    """FMI's name of each element: `R_NB[2,3]` where the label is `R_NB[2][3]`."""
+    given = {"][".join(part.strip() for part in v.name.split(",")): v.name for v in fmu.description.modelVariables}
+    return {Node(block, e): given[v.label(e.position)] for v in variables.values() for e in v.elements}

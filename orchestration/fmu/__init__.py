@@ -1,0 +1,1 @@
+"""An FMU as a file and as a model of its variables."""

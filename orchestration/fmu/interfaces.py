@@ -1,0 +1,141 @@
+"""The interface that a block has to keep: one of the project's own, read as data, or that of a reference FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, nearest
+from ..quantities import ONE, QuantityError, Unit, parse_unit
+from .model import Element, Model, Variable, shared
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A block's interface."""
+
+    name: str
+    model: Model
+    starts: Mapping[Element, Any]
+    """Start values; items of enumerations as numbers."""
+    needed: frozenset[str] = frozenset()
+    """Outputs that these take in by their names, and cannot do without."""
+    others: Mapping[str, Model] = field(default_factory=dict)
+    """The other blocks of the loop in which it stands, one in each place."""
+
+
+def is_path(text: str) -> bool:
+    """Whether this names a file, and no block of the project."""
+    return text.endswith(".fmu") or "/" in text or "\\" in text
+
+
+def own() -> tuple[str, ...]:
+    """The names of the project's own interfaces."""
+    from fmus.interface import BLOCKS
+
+    return BLOCKS
+
+
+def reference(name: str, folder: Path) -> Reference:
+    """The interface of this name, or of the FMU at this path. Raises InputError."""
+    if is_path(name):
+        from .archive import open_fmu
+
+        fmu = open_fmu((folder / Path(name).expanduser()).resolve())
+        return Reference(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
+    if name not in own():
+        hint = nearest(name, own())
+        raise InputError(f"this project has no interface {name!r}{hint}; the path of a reference FMU ends in .fmu")
+    from fmus.interface import load
+
+    interface = load(name)
+    loop = {block: load(block) for block in own() if block == place(block) != place(name)}
+    taken = {v.name for other in loop.values() for v in other.of("input") if not v.optional}
+    needed = frozenset(v.name for v in interface.of("output") if v.name in taken)
+    starts = {
+        Element(variable.name, position): element.start
+        for variable in interface.variables.values()
+        for position, element in enumerate(variable.elements)
+        if element.start is not None
+    }
+    return Reference(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
+
+
+def place(block: str) -> str:
+    """Where a block stands in the loop: `allocator_bounded` in the place of `allocator`."""
+    return block.partition("_")[0]
+
+
+def _model(interface: Any) -> Model:
+    variables = {variable.name: _variable(variable) for variable in interface.variables.values()}
+    place = {
+        element.value_reference: Element(variable.name, position)
+        for variable in interface.variables.values()
+        for position, element in enumerate(variable.elements)
+    }
+    direct: dict[Element, frozenset[Element] | None] = {}
+    initial: dict[Element, frozenset[Element] | None] = {}
+    for variable in interface.of("output"):
+        for position in range(len(variable.elements)):
+            element = Element(variable.name, position)
+            feeds = interface.feedthrough(variable, position)
+            first = interface.initial_dependencies(variable, position)
+            direct[element] = frozenset(place[e.value_reference] for e in feeds)
+            inputs = (place[e.value_reference] for e in first)
+            initial[element] = frozenset(e for e in inputs if variables[e.variable].causality == "input")
+    return Model(interface.name, variables, direct, initial)
+
+
+def _variable(variable: Any) -> Variable:
+    unit, apart = shared([_named(name) if variable.type == "real" else None for name in variable.units])
+    limits = range(len(variable.elements))
+    return Variable(
+        name=variable.name,
+        causality=variable.causality,
+        type=variable.type,
+        shape=variable.shape,
+        references=tuple(variable.value_references),
+        variability=variable.variability,
+        unit=unit,
+        units=apart,
+        display_unit=_named(variable.display_unit) if variable.display_unit else None,
+        minima=tuple(-float("inf") if variable.min is None else float(variable.min) for _ in limits),
+        maxima=tuple(float("inf") if variable.max is None else float(variable.max) for _ in limits),
+        items=tuple((item, number) for number, item in enumerate(variable.items, start=1)),
+        description=variable.description,
+        optional=variable.optional,
+    )
+
+
+def _named(unit: str | None) -> Unit:
+    try:
+        return parse_unit(unit) if unit else ONE
+    except QuantityError:  # an interface may name what only its own FMU defines
+        return Unit(unit or "", None)
+
+
+def starts_of(description: Any, model: Model) -> dict[Element, Any]:
+    """The start values of an FMU's inputs and parameters, items of enumerations as numbers."""
+    by_label = {
+        variable.label(position): (variable, Element(variable.name, position))
+        for variable in model.variables.values()
+        for position in range(variable.size)
+    }
+    found: dict[Element, Any] = {}
+    for scalar in description.modelVariables:
+        entry = by_label.get("][".join(part.strip() for part in scalar.name.split(",")))
+        if entry is None or scalar.start is None or scalar.causality not in ("input", "parameter"):
+            continue
+        variable, element = entry
+        text = str(scalar.start)
+        if variable.type == "real":
+            found[element] = float(text)
+        elif variable.type in ("integer", "enumeration"):
+            found[element] = int(float(text))
+        elif variable.type == "boolean":
+            found[element] = text.lower() in ("true", "1")
+        else:
+            found[element] = text
+    return found

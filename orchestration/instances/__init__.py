@@ -1,0 +1,1 @@
+"""A running FMU: in this process, or in a process of its own."""

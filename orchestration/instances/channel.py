@@ -1,0 +1,103 @@
+"""What passes between the master and a block in a process of its own.
+
+Calls and answers go through pipes; the values of a step lie in memory that both processes map. A step is
+one byte there and one byte back: a blocking read of a pipe is the quickest wake-up there is without
+keeping a processor busy, and it is the same on every system.
+
+    master to worker    STEP, or CALL with its length and a pickled (method, arguments)
+    worker to master    DONE, or ANSWER with its length and JSON, since nothing that it sends is to be trusted
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from ..fmu.model import Model
+from .block import Floats
+
+STEP, CALL = b"s", b"c"
+DONE, ANSWER = b"d", b"a"
+MARK = b"\x00end of what was said\x00"
+"""A line by which the worker tells that all that the FMU has said until now stands before it."""
+
+_LENGTH = struct.Struct("<Q")
+_ANSWER_MAX = 64_000_000
+_CALL_MAX = 200
+_HEAD = 512
+"""Bytes: time and step as doubles; at 16 the part of the step that runs; at 32 the call of FMI's that runs."""
+
+SETTING, STEPPING, GETTING = 1, 2, 3
+
+
+class Closed(Exception):
+    """The other end is gone."""
+
+
+class Memory:
+    """Mapped by both processes; it outlives a crash, and tells then where it happened."""
+
+    def __init__(self, path: Path, model: Model) -> None:
+        """Maps the file, which is made where there is none."""
+        elements = sum(variable.size for variable in model.variables.values())
+        size = _HEAD + 2 * 8 * elements  # each may be set and be fetched
+        with path.open("r+b" if path.exists() else "w+b") as file:
+            if os.fstat(file.fileno()).st_size < size:
+                file.truncate(size)
+            self.map = mmap.mmap(file.fileno(), size)
+        self.clock = memoryview(self.map)[:16].cast("d")
+        self.part = memoryview(self.map)[16:17]
+
+    def values(self, inputs: int, outputs: int) -> tuple[Floats, Floats]:
+        """The inputs, and the outputs behind them."""
+        values = np.frombuffer(self.map, np.float64, inputs + outputs, _HEAD)
+        return values[:inputs], values[inputs:]
+
+    @property
+    def call(self) -> str:
+        length = min(self.map[32], _CALL_MAX)
+        return self.map[33 : 33 + length].decode("utf-8", "replace")
+
+    @call.setter
+    def call(self, name: str) -> None:
+        text = name.encode()[:_CALL_MAX]
+        self.map[33 : 33 + len(text)] = text
+        self.map[32] = len(text)
+
+
+def write(to: int, data: bytes) -> None:
+    """Writes all of it. Raises Closed."""
+    try:
+        while data:
+            data = data[os.write(to, data) :]
+    except OSError:
+        raise Closed from None
+
+
+def send(to: int, kind: bytes, body: bytes) -> None:
+    write(to, kind + _LENGTH.pack(len(body)) + body)
+
+
+def receive(source: int) -> bytes:
+    """What follows CALL or ANSWER. Raises Closed."""
+    (length,) = _LENGTH.unpack(_read(source, _LENGTH.size))
+    if length > _ANSWER_MAX:
+        raise Closed
+    return _read(source, length)
+
+
+def _read(source: int, length: int) -> bytes:
+    data = bytearray()
+    while len(data) < length:
+        try:
+            some = os.read(source, min(length - len(data), 1 << 20))
+        except OSError:
+            some = b""
+        if not some:
+            raise Closed
+        data += some
+    return bytes(data)

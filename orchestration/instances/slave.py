@@ -1,0 +1,305 @@
+"""An FMU loaded into this process, as a block of the master.
+
+FMPy loads and instantiates it. The step loop then calls its functions through their pointers, on
+buffers and arguments that are made once.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+
+from ..errors import BlockError
+from ..fmu.archive import Fmu
+from ..fmu.model import Element, Model
+from .block import TYPES, Floats
+from .log import Log
+
+_STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
+_WARNING, _ERROR, _FATAL = 1, 3, 4
+_FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
+_C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
+_STOP_TIME_DEFINED = 1
+_NO_RESTORE = c.c_int.from_param(1)
+"""noSetFMUStatePriorToCurrentPoint: the master never goes back."""
+
+Call = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """One fmi2Get<Type> or fmi2Set<Type>, with all that it needs; compiled.py hands it to the loop in C."""
+
+    name: str
+    function: Any
+    references: NDArray[np.uint32]
+    values: Floats
+    """Its stretch of the bus or of the block's inputs."""
+    buffer: NDArray[Any]
+    """What FMI reads or writes: `values` themselves for Reals, else a copy as C has them."""
+    live: int
+    """How many of the values, the first, others need in every step."""
+
+
+class Slave:
+    """One instance of an FMU. See `block.Block`."""
+
+    def __init__(self, name: str, fmu: Fmu, folder: Path, verbose: bool | Callable[[str], None] = False) -> None:
+        """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it.
+
+        `verbose` prints what it logs, or takes each line of it.
+        """
+        self.name: str = name
+        self.model: Model = fmu.model
+        self._log = Log(name, echo=verbose)
+        self._initialized = self._dead = False
+        self._fmu = self._load(fmu, folder)
+        try:
+            self._fmu.instantiate(callbacks=self._log.callbacks, loggingOn=True)
+        except Exception:
+            self._fmu.freeLibrary()
+            hint = "" if self._log.lines else "; it gives no reason, but often the GUID is not that of the binary"
+            if fmu.description.coSimulation.needsExecutionTool:
+                hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
+            raise self._error("fmi2Instantiate", f"gave no instance{hint}") from None
+        self.component = c.c_void_p(self._fmu.component)
+        self._argument = c.c_void_p.from_param(self._fmu.component)  # converted once, for the calls of every step
+
+    def _load(self, fmu: Fmu, folder: Path) -> FMU2Slave:
+        here = os.getcwd()
+        try:
+            return FMU2Slave(
+                guid=fmu.description.guid,
+                modelIdentifier=fmu.description.coSimulation.modelIdentifier,
+                unzipDirectory=str(folder),
+                instanceName=self.name,
+            )
+        except Exception as error:
+            reason = str(error).replace(f"{folder}{os.sep}", "")
+            raise self._error("loading its library", reason) from None
+        finally:
+            os.chdir(here)  # FMPy leaves the folder changed where loading fails
+
+    @property
+    def log(self) -> Sequence[str]:
+        return tuple(self._log.lines)
+
+    # ------------------------------------------------------------ initialization
+
+    def set(self, values: Iterable[tuple[Element, Any]]) -> None:
+        for kind, pairs in self._by_type(values):
+            numbers = [value.encode() if kind == "String" else value for _, value in pairs]
+            buffer = (_C[kind] * len(pairs))(*(numbers if kind in ("Real", "String") else map(int, numbers)))
+            self._exchange("Set", kind, [element for element, _ in pairs], buffer)
+
+    def get(self, elements: Sequence[Element]) -> list[float]:
+        found: dict[Element, float] = {}
+        for kind, pairs in self._by_type((element, None) for element in elements):
+            buffer = (_C[kind] * len(pairs))()
+            self._exchange("Get", kind, [element for element, _ in pairs], buffer)
+            found.update((element, float(value)) for (element, _), value in zip(pairs, buffer, strict=True))
+        return [found[element] for element in elements]
+
+    def _by_type(self, values: Iterable[tuple[Element, Any]]) -> Iterator[tuple[str, list[tuple[Element, Any]]]]:
+        groups: dict[str, list[tuple[Element, Any]]] = {}
+        for element, value in values:
+            groups.setdefault(_FMI[self.model.variables[element.variable].type], []).append((element, value))
+        yield from groups.items()
+
+    def _exchange(self, verb: str, kind: str, elements: list[Element], buffer: Any) -> None:
+        references = (c.c_uint * len(elements))(*map(self._reference, elements))
+        status = self._function(f"fmi2{verb}{kind}")(self.component, references, c.c_size_t(len(elements)), buffer)
+        if status > _WARNING:
+            names = ", ".join(dict.fromkeys(element.variable for element in elements))
+            raise self.failed(f"fmi2{verb}{kind} of {names}", status)
+
+    def enter(self, stop: float) -> None:
+        setup = self._function("fmi2SetupExperiment")
+        status = setup(self.component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
+        if status > _WARNING:
+            raise self.failed("fmi2SetupExperiment", status)
+        self._plain("fmi2EnterInitializationMode")
+
+    def leave(self) -> None:
+        self._plain("fmi2ExitInitializationMode")
+        self._initialized = True
+
+    def _plain(self, call: str) -> None:
+        status = self._function(call)(self.component)
+        if status > _WARNING:
+            raise self.failed(call, status)
+
+    # ------------------------------------------------------------ steps
+
+    def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
+        values = np.zeros(len(inputs))
+        self.setters = self._exchanges("Set", inputs, [0] * len(TYPES), values)
+        self.getters = self._exchanges("Get", outputs, live, into)
+        self.set_inputs = _one_after_the_other([self._call(e, len(e.values), "Set") for e in self.setters])
+        self.get_all = _one_after_the_other([self._call(e, len(e.values), "Get") for e in self.getters])
+        self.get_live = _one_after_the_other([self._call(e, e.live, "Get") for e in self.getters if e.live])
+        self.do_step = self._stepper()
+        self.stride = self._strider()
+        return values
+
+    setters: list[Exchange]
+    getters: list[Exchange]
+    step_function: Any
+
+    set_inputs: Call
+    get_all: Call
+    get_live: Call
+    do_step: Callable[[float, float], None]
+    stride: Callable[[float, float], None]
+    """`set_inputs`, `do_step` and `get_live` in one."""
+
+    def _exchanges(self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats) -> list[Exchange]:
+        """A call for each type that occurs."""
+        exchanges: list[Exchange] = []
+        first = 0
+        for kind, count in zip(TYPES, live, strict=True):
+            members = [e for e in elements if self.model.variables[e.variable].type == kind]
+            if members:
+                part = values[first : first + len(members)]
+                name = f"fmi2{verb}{_FMI[kind]}"
+                references = np.array(list(map(self._reference, members)), np.uint32)
+                buffer = part if kind == "real" else np.zeros(len(members), np.int32)
+                exchanges.append(Exchange(name, self._function(name), references, part, buffer, count))
+            first += len(members)
+        return exchanges
+
+    def _call(self, exchange: Exchange, count: int, verb: str) -> Call:
+        """The call for the first `count` values; its arguments are made once."""
+        name, function, failed = exchange.name, exchange.function, self.failed
+        component, references, n, data = self._arguments(exchange, count)
+        values, buffer = exchange.values[:count], exchange.buffer[:count]
+
+        def real() -> None:
+            status = function(component, references, n, data)
+            if status > _WARNING:
+                raise failed(name, status)
+
+        def whole_set() -> None:
+            buffer[:] = values
+            real()
+
+        def whole_get() -> None:
+            real()
+            values[:] = buffer
+
+        if exchange.buffer is exchange.values:
+            return real
+        return whole_set if verb == "Set" else whole_get
+
+    def _arguments(self, exchange: Exchange, count: int) -> tuple[Any, Any, Any, Any]:
+        references, data = exchange.references.ctypes.data, exchange.buffer.ctypes.data
+        pointer = c.c_void_p.from_param
+        return self._argument, pointer(references), c.c_size_t.from_param(count), pointer(data)
+
+    def _stepper(self) -> Callable[[float, float], None]:
+        self.step_function = self._function("fmi2DoStep")
+        function, failed, component = self.step_function, self.failed, self._argument
+        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
+
+        def do_step(time: float, step: float) -> None:
+            nonlocal length, last
+            if step != last:
+                length, last = c.c_double.from_param(step), step
+            at.value = time
+            status = function(component, at, length, _NO_RESTORE)
+            if status > _WARNING:
+                raise failed("fmi2DoStep", status)
+
+        return do_step
+
+    def _strider(self) -> Callable[[float, float], None]:
+        """A whole step. Where it sets and gets Reals only, as mostly, the three calls stand in one function."""
+        set_inputs, do_step, get_live = self.set_inputs, self.do_step, self.get_live
+        setters, getters = self.setters, [e for e in self.getters if e.live]
+        if len(setters) != 1 or len(getters) != 1 or any(e.buffer is not e.values for e in (*setters, *getters)):
+
+            def three(time: float, step: float) -> None:
+                set_inputs()
+                do_step(time, step)
+                get_live()
+
+            return three
+
+        setter, getter, failed = setters[0], getters[0], self.failed
+        set_real, advance, get_real = setter.function, self.step_function, getter.function
+        component, inputs, n, given = self._arguments(setter, len(setter.values))
+        _, outputs, m, taken = self._arguments(getter, getter.live)
+        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
+
+        def one(time: float, step: float) -> None:
+            nonlocal length, last
+            if step != last:
+                length, last = c.c_double.from_param(step), step
+            status = set_real(component, inputs, n, given)
+            if status > _WARNING:
+                raise failed(setter.name, status)
+            at.value = time
+            status = advance(component, at, length, _NO_RESTORE)
+            if status > _WARNING:
+                raise failed("fmi2DoStep", status)
+            status = get_real(component, outputs, m, taken)
+            if status > _WARNING:
+                raise failed(getter.name, status)
+
+        return one
+
+    # ------------------------------------------------------------ end
+
+    def close(self) -> None:
+        """Terminates and frees the instance. After a fatal status nothing of it is called any more."""
+        self._log.close()
+        if self._dead:
+            return
+        self._dead = True
+        if self._initialized:
+            with suppress(BlockError):  # a library without fmi2Terminate
+                self._function("fmi2Terminate")(self.component)
+        self._fmu.freeInstance()
+
+    # ------------------------------------------------------------ helpers
+
+    def _function(self, name: str) -> Any:
+        try:
+            function = self._fmu.dll[name]
+        except AttributeError:
+            raise self._error(name, "is missing in its library") from None
+        function.restype = c.c_int
+        return function
+
+    def _reference(self, element: Element) -> int:
+        return self.model.variables[element.variable].references[element.position]
+
+    def failed(self, call: str, status: int) -> BlockError:
+        """The error of a call that gave this status, which also decides what may still be called."""
+        if status >= _ERROR:
+            self._initialized = False  # FMI allows nothing but freeing it
+        self._dead = self._dead or status == _FATAL
+        return self._error(call, f"gave status {_STATUS[status] if status in range(6) else status}")
+
+    def _error(self, call: str, problem: str) -> BlockError:
+        return BlockError(self.name, call, problem, log=self.log)
+
+
+def _one_after_the_other(wanted: Sequence[Call]) -> Call:
+    if len(wanted) == 1:
+        return wanted[0]
+
+    def run() -> None:
+        for call in wanted:
+            call()
+
+    return run

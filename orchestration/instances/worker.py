@@ -1,0 +1,269 @@
+"""The process in which an FMU runs that is kept apart: it does what the master asks, until the master goes.
+
+Its standard input and output are the pipes of channel.py; what the FMU prints goes to standard error,
+together with what it logs. Whatever becomes of the master, this process ends with it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import pickle
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, NoReturn
+
+from ..errors import BlockError
+from ..fmu.model import Element, Model
+from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, receive, send, write
+from .slave import Slave
+
+_PARENT_DEATH_SIGNAL, _SIGKILL = 1, 9
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a worker has to know of its FMU."""
+
+    name: str
+    model: Model
+    guid: str
+    identifier: str
+    needs_tool: bool
+    folder: Path
+    """Where it has been unpacked."""
+    memory: Path
+    """The file that is mapped."""
+    bytes_max: int | None
+    """How much memory it may take beyond what this process has; None for no limit."""
+    master: int
+    """The master's process."""
+
+
+class Watched(Slave):
+    """A slave that leaves in the mapped memory which function of FMI's it is about to call."""
+
+    def __init__(self, memory: Memory, *arguments: Any) -> None:
+        self._memory = memory
+        super().__init__(*arguments)
+
+    def _load(self, *arguments: Any) -> Any:
+        self._memory.call = "loading its library"
+        fmu = super()._load(*arguments)
+        free = fmu.freeInstance
+
+        def free_instance() -> None:
+            self._memory.call = "fmi2FreeInstance"
+            free()
+
+        fmu.freeInstance = free_instance
+        self._memory.call = "fmi2Instantiate"
+        return fmu
+
+    def _function(self, name: str) -> Any:
+        self._memory.call = name
+        return super()._function(name)
+
+
+class Worker:
+    def __init__(self, source: int, to: int) -> None:
+        self._source, self._to = source, to
+        setup: Setup = pickle.loads(self._call())
+        _end_with(setup.master)
+        _limit(setup.bytes_max)
+        self._memory = Memory(setup.memory, setup.model)
+        self._setup = setup
+        self._slave: Slave | None = None
+        self._answer({"value": None})
+
+    def _call(self) -> bytes:
+        os.read(self._source, 1)
+        return receive(self._source)
+
+    def serve(self) -> None:
+        """Answers calls until the pipe is closed."""
+        source, to, read, put = self._source, self._to, os.read, os.write
+        while True:
+            order = read(source, 1)
+            if order == STEP:
+                try:
+                    self._step()
+                except BlockError as error:
+                    self._refuse(error)
+                else:
+                    put(to, DONE)
+            elif order:
+                method, arguments = pickle.loads(receive(source))
+                try:
+                    value = getattr(self, f"_do_{method}")(*arguments)
+                except BlockError as error:
+                    self._refuse(error)
+                else:
+                    self._answer({"value": value})
+            else:
+                return
+
+    def _step(self) -> None:
+        raise NotImplementedError("not wired")
+
+    def _answer(self, answer: dict[str, Any]) -> None:
+        send(self._to, ANSWER, json.dumps(answer).encode())
+
+    def _refuse(self, error: BlockError) -> None:
+        self._do_mark()
+        self._answer({"call": error.call, "problem": error.problem})
+
+    # ------------------------------------------------------------ what may be asked
+
+    def _do_instantiate(self) -> None:
+        setup = self._setup
+        fmi = SimpleNamespace(modelIdentifier=setup.identifier, needsExecutionTool=setup.needs_tool)
+        description = SimpleNamespace(guid=setup.guid, coSimulation=fmi)
+        fmu = SimpleNamespace(model=setup.model, description=description)
+        self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
+
+    def _do_mark(self) -> None:
+        _flush()
+        say(MARK.decode())
+
+    def _do_set(self, values: list[tuple[Element, Any]]) -> None:
+        self._fmu.set(values)
+
+    def _do_get(self, elements: list[Element]) -> list[float]:
+        return self._fmu.get(elements)
+
+    def _do_enter(self, stop: float) -> None:
+        self._fmu.enter(stop)
+
+    def _do_leave(self) -> None:
+        self._fmu.leave()
+
+    def _do_get_all(self) -> None:
+        self._fmu.get_all()
+
+    def _do_wire(self, inputs: Sequence[Element], outputs: Sequence[Element]) -> None:
+        """Each step fetches all outputs, so that one exchange with the master is enough."""
+        slave, clock, part = self._fmu, self._memory.clock, self._memory.part
+        shared_inputs, shared_outputs = self._memory.values(len(inputs), len(outputs))
+        values = slave.wire(inputs, outputs, [0] * 4, shared_outputs)
+        set_inputs, do_step, get_all = slave.set_inputs, slave.do_step, slave.get_all
+
+        def step() -> None:
+            part[0] = SETTING
+            values[:] = shared_inputs
+            set_inputs()
+            part[0] = STEPPING
+            do_step(clock[0], clock[1])
+            part[0] = GETTING
+            get_all()
+            part[0] = 0
+
+        self._step = step  # type: ignore[method-assign]
+
+    def _do_close(self) -> None:
+        if self._slave is not None:
+            self._slave.close()
+
+    @property
+    def _fmu(self) -> Slave:
+        assert self._slave is not None
+        return self._slave
+
+
+def say(line: str) -> None:
+    """A line among all that the FMU prints and logs."""
+    with suppress(Closed):
+        write(2, line.encode("utf-8", "replace") + b"\n")
+
+
+def _flush() -> None:
+    """Out with what C and Python still hold back."""
+    with suppress(Exception):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        ctypes.CDLL(None).fflush(None)
+
+
+def _end_with(master: int) -> None:
+    """Lets this process end when the master does, also where the FMU does not return."""
+    if sys.platform == "linux":
+        with suppress(Exception):
+            ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, _SIGKILL, 0, 0, 0)
+            if os.getppid() != master:
+                os._exit(1)
+            return
+    threading.Thread(target=_outlived, args=(master,), daemon=True).start()
+
+
+def _outlived(master: int) -> NoReturn:
+    if sys.platform == "win32":
+        kernel = ctypes.windll.kernel32
+        kernel.OpenProcess.restype = ctypes.c_void_p
+        synchronize, forever = 0x00100000, -1
+        kernel.WaitForSingleObject(ctypes.c_void_p(kernel.OpenProcess(synchronize, False, master)), forever)
+    else:
+        while os.getppid() == master:
+            time.sleep(0.5)
+    os._exit(1)
+
+
+def _limit(bytes_max: int | None) -> None:
+    """Bounds memory, where the system can, and leaves no core file after a crash."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    with suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if bytes_max is not None and sys.platform == "linux":
+        with suppress(ValueError, OSError):
+            limit = bytes_max + _data_now()
+            resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+
+
+def _data_now() -> int:
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(status.partition("VmData:")[2].split()[0])
+
+
+def _print_lines_at_once() -> None:
+    """What is printed into a pipe would else be kept back until much has come together, and a crash would lose it."""
+    with suppress(Exception):
+        sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
+    by_line = 1  # _IOLBF of glibc, musl and macOS
+    for name in ("stdout", "__stdoutp"):
+        with suppress(Exception):
+            c = ctypes.CDLL(None)
+            c.setvbuf(ctypes.c_void_p.in_dll(c, name), None, by_line, ctypes.c_size_t(1024))
+
+
+def main() -> NoReturn:
+    source, to = os.dup(0), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)
+    os.close(nothing)
+    if sys.platform == "win32":
+        import msvcrt
+
+        for pipe in (source, to):
+            msvcrt.setmode(pipe, os.O_BINARY)
+    _print_lines_at_once()
+    status = 0
+    try:
+        Worker(source, to).serve()
+    except (Closed, OSError):
+        status = 1
+    # Nothing more of the FMU is to run, such as what its library does at exit.
+    os._exit(status)
+
+
+if __name__ == "__main__":
+    main()

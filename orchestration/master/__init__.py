@@ -1,0 +1,1 @@
+"""The co-simulation master: exchange, step loop in Python and C, recording, fault injection."""

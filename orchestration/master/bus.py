@@ -1,0 +1,180 @@
+"""The bus: one array that holds all values that pass between blocks and all that are recorded.
+
+Each block writes its outputs into its own stretch of it, and its inputs are gathered from all over it.
+At its end stand the values of the step before, for connections that pass them with a delay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fmu.model import Element
+from ..instances.block import TYPES, Block, Floats
+from ..system.order import Order
+from ..system.wiring import Node, Wiring
+
+
+@dataclass
+class Inputs:
+    """Where a block's inputs come from: `values = bus[sources] * factors + offsets`."""
+
+    sources: NDArray[np.intp]
+    factors: Floats | None
+    """None, and so for offsets, where no unit changes."""
+    offsets: Floats | None
+    values: Floats
+    """The array that the block hands over at its next Set."""
+    elements: list[Element]
+
+    def gatherer(self, bus: Floats) -> Callable[[], None]:
+        """A function that takes the inputs from the bus."""
+        if not len(self.sources):
+            return lambda: None
+        take, sources, values, factors, offsets = bus.take, self.sources, self.values, self.factors, self.offsets
+        first, n = sources[0], len(sources)
+        if factors is None and np.array_equal(sources, np.arange(first, first + n)):
+            return partial(values.data.__setitem__, slice(None), bus[first : first + n].data)
+
+        def gather() -> None:
+            take(sources, 0, values, "clip")  # the places are in range; other modes copy once more
+
+        if factors is None or offsets is None:
+            return gather
+
+        def gather_and_convert() -> None:
+            take(sources, 0, values, "clip")
+            np.multiply(values, factors, out=values)
+            np.add(values, offsets, out=values)
+
+        return gather_and_convert
+
+
+@dataclass
+class Seat:
+    """A block with its place on the bus."""
+
+    block: Block
+    outputs: list[Element]
+    view: Floats
+    """Its outputs on the bus."""
+    inputs: Inputs
+    gather: Callable[[], None]
+    """Takes its inputs from the bus."""
+
+
+@dataclass
+class Delay:
+    """Values of the step before: `bus[first:first + len(sources)] = bus[sources]` at the start of each step."""
+
+    sources: NDArray[np.intp]
+    first: int
+
+    def keeper(self, bus: Floats) -> Callable[[], None]:
+        """A function that keeps the values."""
+        sources, held = self.sources, bus[self.first :]
+
+        def keep() -> None:
+            bus.take(sources, 0, held, "clip")
+
+        return keep
+
+
+@dataclass
+class Bus:
+    values: Floats
+    seats: list[Seat]
+    """In the order in which they are stepped."""
+    columns: NDArray[np.intp]
+    """Where the recorded elements lie."""
+    watched: NDArray[np.intp]
+    """Where those lie that are looked at after every base step."""
+    delay: Delay | None
+    """None where no connection is delayed."""
+
+
+@dataclass
+class _Layout:
+    blocks: Mapping[str, Block]
+    wiring: Wiring
+    live: set[Node] = field(default_factory=set)
+    """What is fetched after every step: what other blocks need, or is watched."""
+    place: dict[Node, int] = field(default_factory=dict)
+    held: dict[Node, int] = field(default_factory=dict)
+
+    def type(self, name: str, element: Element) -> str:
+        return self.blocks[name].model.variables[element.variable].type
+
+    def outputs(self, name: str, columns: Sequence[Node]) -> list[Element]:
+        """All that is fetched of a block: by type, within a type what others need first, and that by who needs it.
+
+        So what one block takes from another mostly lies side by side.
+        """
+        wanted = {node.element for node in [*self.live, *columns] if node.block == name}
+        users: dict[Element, set[str]] = {}
+        for link in self.wiring.links:
+            for source, target in zip(link.source, link.target, strict=True):
+                if source.block == name:
+                    users.setdefault(source.element, set()).add(target.block)
+
+        def order(element: Element) -> tuple[int, bool, list[str], Element]:
+            live = Node(name, element) in self.live
+            return TYPES.index(self.type(name, element)), not live, sorted(users.get(element, ())), element
+
+        return sorted(wanted, key=order)
+
+    def inputs(self, name: str) -> list[tuple[Element, int, float, float]]:
+        """Each connected input of a block: its source on the bus, factor and offset."""
+        found = [
+            (target.element, (self.held if link.delayed else self.place)[source], link.factor, link.offset)
+            for link in self.wiring.links
+            for source, target in zip(link.source, link.target, strict=True)
+            if target.block == name
+        ]
+        return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
+
+
+def lay_out(
+    blocks: Mapping[str, Block],
+    wiring: Wiring,
+    order: Order,
+    columns: Sequence[Node],
+    watched: Sequence[Node] = (),
+) -> Bus:
+    """Gives every value its place and wires the blocks to it. `watched` are fetched after every step."""
+    layout = _Layout(blocks, wiring, {node for link in wiring.links for node in link.source} | set(watched))
+    outputs = {name: layout.outputs(name, columns) for name in blocks}
+    for name, elements in outputs.items():
+        for element in elements:
+            layout.place[Node(name, element)] = len(layout.place)
+    delayed = list(dict.fromkeys(node for link in wiring.links if link.delayed for node in link.source))
+    first_held = len(layout.place)
+    layout.held.update((node, first_held + i) for i, node in enumerate(delayed))
+    values = np.zeros(first_held + len(delayed))
+    seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
+    delay = Delay(np.array([layout.place[node] for node in delayed], np.intp), first_held) if delayed else None
+    recorded, seen = (np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, watched))
+    return Bus(values, seats, recorded, seen, delay)
+
+
+def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) -> Seat:
+    first = layout.place[Node(name, outputs[0])] if outputs else 0
+    view = values[first : first + len(outputs)]
+    inputs = layout.inputs(name)
+    live = [sum(Node(name, e) in layout.live for e in outputs if layout.type(name, e) == kind) for kind in TYPES]
+    buffer = layout.blocks[name].wire([element for element, *_ in inputs], outputs, live, view)
+    factors = np.array([factor for _, _, factor, _ in inputs])
+    offsets = np.array([offset for _, _, _, offset in inputs])
+    converts = bool((factors != 1.0).any() or offsets.any())
+    gathered = Inputs(
+        np.array([place for _, place, _, _ in inputs], np.intp),
+        factors if converts else None,
+        offsets if converts else None,
+        buffer,
+        [element for element, *_ in inputs],
+    )
+    return Seat(layout.blocks[name], outputs, view, gathered, gathered.gatherer(values))

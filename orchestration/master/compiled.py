@@ -1,0 +1,233 @@
+"""The step loop in C: loop.c, compiled once for this machine, on the arrays of the loop in Python.
+
+It takes over where every block is an FMU in this process; both loops give the same bits.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import hashlib
+import os
+import platform
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import fmpy
+import numpy as np
+
+from ..instances.slave import Exchange, Slave
+from ..interrupt import interruptible
+from ..system.clock import EXACT
+from .bus import Bus
+from .recording import REPORT_EVERY, Progress, Recording, check_finite
+
+if TYPE_CHECKING:
+    from .master import Master
+
+_SOURCE = Path(__file__).with_name("loop.c")
+_SET, _STEP, _GET = range(3)
+
+_Pointer, _Size = c.c_void_p, c.c_size_t
+
+
+class _Exchange(c.Structure):
+    _fields_ = (
+        ("function", _Pointer),
+        ("references", _Pointer),
+        ("values", _Pointer),
+        ("whole", _Pointer),
+        ("all", _Size),
+        ("live", _Size),
+    )
+
+
+class _Seat(c.Structure):
+    _fields_ = (
+        ("component", _Pointer),
+        ("do_step", _Pointer),
+        ("every", c.c_int64),
+        ("step", c.c_double),
+        ("sources", _Pointer),
+        ("factors", _Pointer),
+        ("offsets", _Pointer),
+        ("inputs", _Pointer),
+        ("input_count", _Size),
+        ("setters", c.POINTER(_Exchange)),
+        ("setter_count", _Size),
+        ("getters", c.POINTER(_Exchange)),
+        ("getter_count", _Size),
+        ("outputs", _Pointer),
+        ("output_count", _Size),
+    )
+
+
+class _Loop(c.Structure):
+    _fields_ = (
+        ("seats", c.POINTER(_Seat)),
+        ("seat_count", _Size),
+        ("parallel", c.c_int32),
+        ("bus", _Pointer),
+        ("delayed", _Pointer),
+        ("held", _Pointer),
+        ("delayed_count", _Size),
+        ("columns", _Pointer),
+        ("column_count", _Size),
+        ("rows", _Pointer),
+        ("interval", c.c_int64),
+        ("watched", _Pointer),
+        ("watched_count", _Size),
+        ("watched_rows", _Pointer),
+        ("watched_first", c.c_int64),
+        ("numerator", c.c_double),
+        ("denominator", c.c_double),
+        ("count", c.c_int64),
+        ("begun", c.c_int64),
+        ("seat", c.c_int32),
+        ("call", c.c_int32),
+        ("part", c.c_int32),
+        ("status", c.c_int32),
+    )
+
+
+def compiled_loop(master: Master, bus: Bus, recording: Recording) -> CompiledLoop | None:
+    """The loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
+    slaves = [seat.block for seat in bus.seats if isinstance(seat.block, Slave)]
+    exact = master.clock.steps * master.clock.numerator < EXACT and master.clock.denominator < EXACT
+    if len(slaves) != len(bus.seats) or not exact or (library := _library()) is None:
+        return None
+    return CompiledLoop(master, bus, slaves, recording, library)
+
+
+class CompiledLoop:
+    """A loop in C over blocks that are initialized and wired."""
+
+    def __init__(
+        self, master: Master, bus: Bus, slaves: Sequence[Slave], recording: Recording, library: c.CDLL
+    ) -> None:
+        self._clock, self._bus, self._slaves, self._run = master.clock, bus, slaves, library.run_loop
+        self._kept: list[Any] = []  # what C has pointers to
+        seats = (_Seat * len(slaves))()
+        for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
+            every = master.every.get(slave.name, 1)
+            into.component = slave.component
+            into.do_step = c.cast(slave.step_function, _Pointer)
+            into.every, into.step = every, every * self._clock.numerator / self._clock.denominator
+            into.sources, into.input_count = self._whole(seat.inputs.sources), len(seat.inputs.sources)
+            into.factors, into.offsets = self._floats(seat.inputs.factors), self._floats(seat.inputs.offsets)
+            into.inputs = self._floats(seat.inputs.values)
+            into.setters, into.setter_count = self._exchanges(slave.setters), len(slave.setters)
+            into.getters, into.getter_count = self._exchanges(slave.getters), len(slave.getters)
+            into.outputs, into.output_count = self._floats(seat.view), len(seat.view)
+        loop = self._loop = _Loop(seats, len(seats), master.parallel, self._floats(bus.values))
+        if bus.delay is not None:
+            loop.delayed, loop.delayed_count = self._whole(bus.delay.sources), len(bus.delay.sources)
+            loop.held = self._floats(bus.values[bus.delay.first :])
+        loop.columns, loop.column_count = self._whole(bus.columns), len(bus.columns)
+        loop.rows = self._floats(recording.values)
+        loop.interval = self._clock.interval
+        self._watch = master.watch
+        loop.watched, loop.watched_count = self._whole(bus.watched), len(bus.watched)
+        loop.watched_rows = self._floats(self._watch.rows if self._watch else recording.values)
+        loop.numerator, loop.denominator = self._clock.numerator, self._clock.denominator
+        self._kept.append(seats)
+
+    def _exchanges(self, exchanges: Sequence[Exchange]) -> Any:
+        array = (_Exchange * len(exchanges))()
+        for into, exchange in zip(array, exchanges, strict=True):
+            into.function = c.cast(exchange.function, _Pointer)
+            into.references = exchange.references.ctypes.data
+            into.values = self._floats(exchange.values)
+            into.whole = None if exchange.buffer is exchange.values else exchange.buffer.ctypes.data
+            into.all, into.live = len(exchange.values), exchange.live
+        self._kept += [array, exchanges]
+        return array
+
+    def _floats(self, array: Any) -> int | None:
+        self._kept.append(array)
+        return None if array is None else array.ctypes.data
+
+    def _whole(self, array: Any) -> int:
+        whole = array.astype(np.int64)
+        self._kept.append(whole)
+        return whole.ctypes.data
+
+    def run(self, recording: Recording, progress: Progress | None) -> None:
+        """Runs to the end, to Ctrl-C or to a failure, in stretches short enough to report progress."""
+        loop, steps = self._loop, self._clock.steps
+        stretch = 16
+        begun = reported = perf_counter()
+        with interruptible() as interrupted:
+            try:
+                while loop.count < steps and not interrupted:
+                    if self._run(c.byref(loop), min(loop.count + stretch, steps, self._room())):
+                        self._fail()
+                    now = perf_counter()
+                    if now - reported < REPORT_EVERY / 2:
+                        stretch *= 2
+                        continue
+                    if now - reported > 2 * REPORT_EVERY:
+                        stretch = max(stretch // 2, 1)
+                    reported = now
+                    if progress is not None:
+                        progress(self._clock.time(loop.count))
+            finally:
+                recording.steps, recording.wall = loop.count, perf_counter() - begun
+                recording.interrupted = interrupted[0] if interrupted else 0
+
+    def _room(self) -> int:
+        """How far it may run until what is watched has to be handed on."""
+        if self._watch is None:
+            return self._clock.steps
+        if self._loop.count == self._watch.last:
+            self._watch.flush(self._loop.count)
+        self._loop.watched_first = self._watch.first
+        return self._watch.last
+
+    def _fail(self) -> None:
+        """Raises the BlockError that the loop in Python raises at the same place."""
+        loop = self._loop
+        slave, seat = self._slaves[loop.seat], self._bus.seats[loop.seat]
+        if loop.call in (_SET, _STEP, _GET):
+            exchanges = slave.setters if loop.call == _SET else slave.getters
+            name = "fmi2DoStep" if loop.call == _STEP else exchanges[loop.part].name
+            error = slave.failed(name, loop.status)
+            error.time = self._clock.time(loop.begun)
+            raise error
+        check_finite(seat, self._clock.time(loop.count + 1))
+
+
+@cache
+def _library() -> c.CDLL | None:
+    """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a compiler."""
+    from fmus import places
+
+    path = places.ready(f"loop/{fmpy.platform}{fmpy.sharedLibraryExtension}")
+    try:
+        library = c.CDLL(str(path or _compiled(places.work() / "loop")))
+    except (RuntimeError, OSError):  # no compiler, or no folder to write to: the loop in Python will do
+        return None
+    library.run_loop.argtypes = (c.POINTER(_Loop), c.c_int64)
+    return library
+
+
+def _compiled(folder: Path) -> Path:
+    from fmus import places
+
+    native = Path(places.__file__).with_name("native")
+    sources = _SOURCE, native / "shell" / "fmi2.h", native / "toolchain.py"
+    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
+    if not path.exists():
+        from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
+
+        host = toolchain.host_platform()
+        data = toolchain.compile_library("loop", [_SOURCE], [native / "shell"], [host])[host]
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
+            file.write(data)
+        os.replace(file.name, path)
+    return path

@@ -1,0 +1,173 @@
+"""Figures of a run, as its scenario's `figures` describe them: signals over time, in panels side by side.
+
+Matplotlib is imported only when something is drawn.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..system import signals
+from ..instances.block import Floats
+from ..errors import InputError
+from ..system.faults import sentence
+from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
+from ..scenario.scenario import FigureEntry, Panel, Scenario
+from ..scenario.source import Key
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..fmu.model import Model, Variable
+    from .result import Result
+    from ..system.wiring import Node
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
+"""Okabe and Ito's palette, which colour-blind readers can tell apart."""
+_PANEL_SIZE = (5.2, 3.4)
+"""inches"""
+
+
+def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
+    """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
+    needed: dict[Node, None] = {}
+    faults: list[str] = []
+    for i, entry in enumerate(scenario.figures):
+        wanted: list[tuple[Key, str]] = [
+            (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
+        ]
+        for j, panel in enumerate(entry.panels):
+            place = ("figures", i, "panels", j)
+            wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]
+            try:
+                variable, _ = signals.find(scenario, (*place, "signals", 0), panel.signals[0], models)
+                unit = unit_of(panel, variable)
+                for line in panel.lines:
+                    value_in(line, unit)
+            except QuantityError as error:
+                faults.append(scenario.error(place, str(error)))
+            except InputError:
+                pass  # told below
+        if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
+            faults.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
+        for key, name in wanted:
+            try:
+                needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
+            except InputError as error:
+                faults += error.messages
+    if faults:
+        raise InputError(*faults)
+    return list(needed)
+
+
+def require() -> None:
+    """Refuses to go on without what figures need, before a run is spent on them."""
+    from importlib.util import find_spec
+
+    if find_spec("matplotlib") is None:
+        raise InputError("figures need Matplotlib: pip install matplotlib")
+
+
+def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
+    """Draws every figure of the scenario into the folder and returns the files. Raises InputError without Matplotlib."""
+    require()
+    from matplotlib.figure import Figure
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = []
+    for entry in result.scenario.figures:
+        width, height = _PANEL_SIZE
+        figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
+        for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
+            draw_panel(axes, panel, entry, result)
+        figure.suptitle(entry.title or entry.name, fontsize=11)
+        file = folder / f"{entry.name}.{format}"
+        figure.savefig(file, metadata={"Software": None} if format == "png" else None)
+        files.append(file)
+    return files
+
+
+def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> None:
+    """One panel of a figure, with its lines, shading and marks."""
+    low, high = entry.window or (result.time[0], result.time[-1])
+    shown_rows = (result.time >= low) & (result.time <= high)
+    time = result.time[shown_rows]
+    legend = False
+    colours = iter(COLOURS * 4)
+    for reference in panel.signals:
+        variable = result.variable(reference)
+        unit = unit_of(panel, variable)
+        factor, offset = (variable.unit or ONE).conversion(unit)
+        for name, values in curves(result, reference, variable, panel):
+            position = len(axes.lines)
+            shown = panel.names[position] if position < len(panel.names) else name
+            axes.plot(time, factor * values[shown_rows] + offset, color=next(colours), linewidth=1.2, label=shown)
+            legend = legend or position > 0
+    for line in panel.lines:
+        axes.axhline(value_in(line, unit), color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
+    notes = []
+    if entry.shade and (held := result[entry.shade].astype(bool)[shown_rows]).any():
+        grey = {"color": "0.85", "linewidth": 1.5}  # the edge keeps the shortest hold visible
+        axes.fill_between(time, 0, 1, where=_widened(held), transform=axes.get_xaxis_transform(), **grey)
+        notes.append(f"shaded: {entry.shade}")
+    if entry.mark:
+        for crossing in zero_crossings(time, result[entry.mark][shown_rows]):
+            axes.axvline(crossing, color="0.35", linewidth=0.8, linestyle=":")
+            notes.append(f"dotted: {entry.mark} = 0 at {crossing:.2f} s")
+    for fault in result.scenario.faults:
+        begin, end = max(fault.at, low), min(high if fault.until is None else fault.until, high)
+        if begin < end:
+            axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
+            notes.append(f"red: {sentence(fault)}")
+    axes.set_xlim(low, high)
+    axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
+    axes.set_ylabel(
+        f"{panel.label or panel.signals[0]}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9
+    )
+    axes.tick_params(labelsize=8)
+    axes.grid(True, color="0.92", linewidth=0.6)
+    axes.set_axisbelow(True)
+    if result.scenario.cycle:
+        cycle = result.scenario.cycle
+        above = axes.secondary_xaxis("top", functions=(lambda t: t / cycle.period, lambda n: n * cycle.period))
+        above.set_xlabel(cycle.name, fontsize=8)
+        above.tick_params(labelsize=7)
+    if legend:
+        axes.legend(fontsize=8, frameon=False)
+
+
+def zero_crossings(time: Floats, values: Floats) -> list[float]:
+    """Where a signal changes its sign, s, linear between samples."""
+    found = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
+    share = values[found] / (values[found] - values[found + 1])
+    return (time[found] + share * (time[found + 1] - time[found])).tolist()
+
+
+def curves(result: Result, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
+    """Names and values of the curves that a panel draws of one signal."""
+    values = result[reference].reshape(len(result.time), -1).astype(float)
+    if panel.measure == "norm":
+        return [(f"|{reference}|", np.sqrt((values * values).sum(axis=1)))]
+    if values.shape[1] == 1:
+        return [(reference, values[:, 0])]
+    block = reference.split(".")[0]
+    return [(f"{block}.{variable.label(i)}", values[:, i]) for i in range(values.shape[1])]
+
+
+def unit_of(panel: Panel, variable: Variable) -> Unit:
+    """The unit of a panel's axis. Raises QuantityError where it does not fit."""
+    own = variable.unit or ONE
+    if panel.unit is None:
+        return variable.display_unit or own
+    unit = parse_unit(panel.unit)
+    if not own.fits(unit):
+        raise QuantityError(f"the unit {panel.unit!r} does not fit {str(own)!r} of {panel.signals[0]}")
+    return unit
+
+
+def _widened(held: Any) -> Any:
+    """A sample longer at its end, so that a hold of one sample can be seen."""
+    return held | np.concatenate(([False], held[:-1]))

@@ -1,0 +1,134 @@
+"""What a run was made of, so that it can be repeated: scenario as resolved, FMUs, versions, platform, time."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+from ..fmu.interfaces import starts_of
+from ..fmu.model import Element, Model
+from ..instances.isolation import limits
+from ..system.faults import sentence
+from ..system.signals import label
+from ..system.starts import Start
+
+if TYPE_CHECKING:
+    from ..fmu.archive import Fmu
+    from ..results.result import Result
+    from .run import Plan
+
+_PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
+
+
+def manifest(
+    plan: Plan, fmus: Mapping[str, Fmu], result: Result, handed_on: Mapping[str, Mapping[Element, Any]]
+) -> dict[str, Any]:
+    """The manifest of a run, ready for JSON. `handed_on` are the start values of adapted blocks, by their elements."""
+    ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
+    scenario = plan.scenario
+    return {
+        "outcome": ended,
+        "failure": None if result.failure is None else str(result.failure),
+        "scenario_file": scenario.source.file,
+        "options": sorted(set(scenario.source.options.values())),
+        "scenario": _resolved(plan),
+        "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
+        "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
+        "order": plan.order.blocks,
+        "notes": plan.notes,
+        "faults": [sentence(fault) for fault in scenario.faults],
+        "fmus": {
+            name: {
+                "file": str(fmu.path),
+                "sha256": fmu.sha256,
+                "guid": fmu.model.guid,
+                "model": fmu.model.name,
+                "generation_tool": fmu.model.tool,
+                "isolation": "process" if limits(scenario, name) else "none",
+            }
+            for name, fmu in fmus.items()
+        },
+        "steps": result.steps,
+        "samples": len(result.time),
+        "simulated_time": plan.clock.time(result.steps),
+        "wall_time": result.wall,
+        "steps_per_second": result.steps / result.wall if result.wall > 0.0 else None,
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
+    }
+
+
+def _resolved(plan: Plan) -> dict[str, Any]:
+    """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
+    data = plan.scenario.model_dump(exclude_none=True)
+    whole = {(node.block, node.element.variable): None for node in plan.columns}
+    signals = [plan.models[block].variables[name] for block, name in whole]
+    counts = Counter((node.block, node.element.variable) for node in plan.columns)
+    data["record"] = {
+        "interval": plan.clock.time(plan.clock.interval),
+        "signals": [
+            name
+            for (block, _), variable in zip(whole, signals, strict=True)
+            for name in (
+                [f"{block}.{variable.name}"]
+                if counts[block, variable.name] == variable.size
+                else [
+                    label(node, plan.models)
+                    for node in plan.columns
+                    if node[:1] + node.element[:1] == (block, variable.name)
+                ]
+            )
+        ],
+    }
+    for block, values in plan.starts.items():
+        data["blocks"][block]["start"] = _starts(plan.models[block], values)
+    return data
+
+
+def _parameters(fmu: Fmu, plan: Plan, block: str, handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
+    """All parameters of an FMU with the values in force: its own, but where the scenario gives others."""
+    own = starts_of(fmu.description, fmu.model)
+    declared = {element: value for element, value in own.items() if _is_parameter(fmu.model, element)}
+    starts = handed_on[block] if block in handed_on else {s.element: s.value for s in plan.starts[block]}
+    given = {element: value for element, value in starts.items() if _is_parameter(fmu.model, element)}
+    model = fmu.model
+    values = {**declared, **given}
+    places = list(model.variables)
+    order = sorted(values, key=lambda element: (places.index(element.variable), element.position))
+    return _starts(model, [Start(element, values[element]) for element in order])
+
+
+def _is_parameter(model: Model, element: Element) -> bool:
+    return model.variables[element.variable].causality == "parameter"
+
+
+def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
+    found: dict[str, dict[int, Any]] = {}
+    for start in values:
+        found.setdefault(start.element.variable, {})[start.element.position] = start.value
+    starts: dict[str, Any] = {}
+    for name, by_position in found.items():
+        variable = model.variables[name]
+        names = {number: item for item, number in variable.items}
+        spelt = {position: names.get(value, value) for position, value in by_position.items()}
+        if len(spelt) == variable.size:
+            flat = [spelt[position] for position in range(variable.size)]
+            for length in reversed(variable.shape):
+                flat = [flat[i : i + length] for i in range(0, len(flat), length)]
+            starts[name] = flat[0]
+        else:
+            starts.update((variable.label(position), value) for position, value in spelt.items())
+    return starts
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,49 @@
+"""A block that refuses its start values when it leaves initialization: wrong input, whose place can be named.
+
+FMI has no call by which a block says which value it refuses; but it logs why, and what it logs names it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Mapping
+
+from ..errors import BlockError
+from ..fmu.model import Model
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key
+
+_MARK = re.compile(r"\[(?:error|fatal|discard)\] (.*)")
+
+
+def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError) -> str | None:
+    """The message for a failure in initialization where the block's log names a start value; else None."""
+    if failure.time is not None or not failure.problem.startswith("gave status"):
+        return None
+    block = failure.block
+    given = {name.partition("[")[0].strip(): name for name in scenario.blocks[block].start}
+    lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
+    for line in lines:
+        if found := _named(line, given):
+            key: Key = ("blocks", block, "start", given[found[1]])
+            return scenario.error(key, _told(line, found))
+    parameters = [variable.name for variable in models[block].of("parameter")]
+    for line in lines:
+        if (found := _named(line, parameters)) and _begins(line, found):
+            return scenario.error(("blocks", block), line[found.start() :])
+    return None
+
+
+def _named(line: str, names: Container[str]) -> re.Match[str] | None:
+    """The first of the names in the line."""
+    words = re.finditer(r"(?<![\w.])([A-Za-z_]\w*)(?!\w)", line)
+    return next((word for word in words if word[1] in names), None)
+
+
+def _begins(line: str, found: re.Match[str]) -> bool:
+    """Whether the sentence begins with what was found; before it may stand calls and kinds of errors."""
+    return re.fullmatch(r"(?:[\w ]+: )*", line[: found.start()]) is not None
+
+
+def _told(line: str, found: re.Match[str]) -> str:
+    return line[found.start() :].removeprefix(f"{found[1]}: ") if _begins(line, found) else line

@@ -1,0 +1,120 @@
+"""What Pydantic finds wrong with a scenario, as sentences that name file, line, expectation and remedy."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from ..errors import InputError, nearest, said
+from .scenario import Scenario
+from .source import Key, Source
+
+T = TypeVar("T", bound=BaseModel)
+
+
+def validated(model: type[Scenario], source: Source) -> Scenario:
+    """The scenario that the source holds. Raises InputError with a message for each thing that is wrong."""
+    scenario = checked(model, source)
+    scenario._source = source
+    return scenario
+
+
+def checked(model: type[T], source: Source) -> T:
+    """What the source holds, as this model. Raises InputError with a message for each thing that is wrong."""
+    if not isinstance(source.data, dict):
+        keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
+        raise InputError(source.error((), f"expected keys such as {keys}, found {said(source.data)}"))
+    try:
+        return model.model_validate(source.data)
+    except ValidationError as error:
+        details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
+        messages = [_message(model, source, detail) for detail in details]
+        meant = [m for m in messages if "did you mean" in m]  # a misspelt key is not missing as well
+        messages = [m for m in messages if not any(f"mean {_missing(m)!r}" in other for other in meant)]
+        raise InputError(*dict.fromkeys(messages)) from None
+
+
+_FIRST = {"Mapping": ("ports", "ignore")}
+
+_EXPECTED = {
+    "string_type": "text",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "list_type": "a list",
+    "dict_type": "names with values",
+    "model_type": "names with values",
+    "model_attributes_type": "names with values",
+}
+
+
+def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
+    key: Key = tuple(part for part in detail["loc"] if part != "[key]")
+    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
+    if kind == "extra_forbidden":
+        known = list(_model_at(model, key[:-1]).model_fields)
+        near = nearest(str(key[-1]), known)
+        hint = near if "did you mean" in near else f"; expected one of {', '.join(known)}"
+        return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{hint}")
+    if kind == "missing":
+        about = _model_at(model, key[:-1]).model_fields[str(key[-1])].description or ""
+        return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
+    if kind == "value_error":
+        text = str(context["error"])
+    elif kind in _EXPECTED:
+        text = f"expected {_EXPECTED[kind]}, found {said(value)}"
+    elif kind == "literal_error":
+        text = f"expected {context['expected']}, found {said(value)}{_hint(value, context['expected'])}"
+    elif kind == "greater_than_equal":
+        text = f"expected {context['ge']} or more, found {value}"
+    elif kind in ("too_short", "string_too_short"):
+        text = "must not be empty"
+    elif kind == "string_pattern_mismatch":
+        dashes = " . -" if context["pattern"].endswith(".-]*$") else ""
+        text = f"expected a name of letters, digits and _{dashes}, found {said(value)}"
+    else:
+        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {said(value)}"
+    return source.error(key, text)
+
+
+def _at(source: Source, key: Key, shown: Key, text: str) -> str:
+    """The message at the line of `key`, under the name of `shown`, the part that holds it."""
+    line = source.lines.get(key)
+    here = Source(None, source.file, lines={shown: line} if line else source.lines, options=source.options)
+    return here.error(shown, text)
+
+
+def _model_at(model: type[BaseModel], key: Key) -> type[BaseModel]:
+    for part in key:
+        field = model.model_fields.get(part) if isinstance(part, str) else None
+        if field is None:
+            continue  # a name in a dictionary or a place in a list
+        model = next(filter(_is_model, _leaves(field.annotation)), model)
+    return model
+
+
+def _leaves(annotation: Any) -> list[Any]:
+    arguments = get_args(annotation)
+    return [leaf for argument in arguments for leaf in _leaves(argument)] if arguments else [annotation]
+
+
+def _is_model(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _hint(value: Any, expected: str) -> str:
+    near = nearest(str(value), expected.replace("'", "").replace(" or ", ", ").split(", "))
+    return near if "did you mean" in near else ""
+
+
+def _missing(message: str) -> str | None:
+    match = re.search(r"'(\w+)' is missing:", message)
+    return match[1] if match else None
+
+
+def _begin(text: str) -> str:
+    """The first sentence of a description, to stand within another one."""
+    first = " ".join(text.split()).split(". ")[0].rstrip(".;")
+    return first[:1].lower() + first[1:]

@@ -1,0 +1,172 @@
+"""What a mapping may say: how another team's ports stand to ours.
+
+A mapping is a YAML file, or stands in the scenario under a block's `map`:
+
+    ports:                                  # our name: theirs
+      h_w: {theirs: tach, divide: 1.47e-5 kg.m2}
+      b_B: {theirs: [bx, by, bz], matrix: [[0, 1, 0], [1, 0, 0], [0, 0, -1]]}
+    start: {mode: 2}                        # values of parameters and inputs that only theirs has
+    ignore: [hold_fraction]                 # what of ours theirs does without
+
+For every port, input, output or parameter, it is said once and in one direction: theirs = A ours + c.
+What units can do is not said at all; both sides declare theirs.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from ..errors import InputError, said
+from ..quantities import QuantityError, parse, parse_unit, real
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+def _quantity(value: Any) -> Any:
+    if isinstance(value, str):
+        number, text = _read(value), value
+    elif isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"expected a number or text with a unit, found {said(value)}")
+    else:
+        number, text = real(value), str(value)
+    if not math.isfinite(number):
+        raise ValueError(f"expected a finite number, found {text}")
+    return value
+
+
+def _read(text: str) -> float:
+    try:
+        return parse(text)[0]
+    except QuantityError as error:
+        raise ValueError(str(error)) from None
+
+
+def _offset(value: Any) -> Any:
+    for item in value if isinstance(value, list) else [value]:
+        _quantity(item)
+    return value
+
+
+def _unit_name(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            parse_unit(value)
+        except QuantityError as error:
+            raise ValueError(str(error)) from None
+    return value
+
+
+def _matrix(value: Any) -> Any:
+    """Rows of numbers, all of one length."""
+    if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
+        raise ValueError(f"expected rows of numbers such as [[1, 0], [0, 1]], found {said(value)}")
+    if len({len(row) for row in value}) != 1:
+        raise ValueError("expected rows of one length")
+    for number in (number for row in value for number in row):
+        if isinstance(number, bool) or not isinstance(number, (int, float)):
+            raise ValueError(f"expected rows of numbers, found {said(number)} in one")
+        if not math.isfinite(real(number)):
+            raise ValueError(f"expected rows of finite numbers, found {number} in one")
+    return value
+
+
+def _names(value: Any) -> list[Any]:
+    return [value] if isinstance(value, str) else value
+
+
+_Name = Annotated[str, Field(strict=True, min_length=1)]
+_Names = Annotated[list[_Name], BeforeValidator(_names, json_schema_input_type=str | list[str]), Field(min_length=1)]
+_Number = Annotated[Any, BeforeValidator(_quantity, json_schema_input_type=float | str)]
+_Rows = Annotated[list[list[float]], BeforeValidator(_matrix)]
+_Offset = Annotated[Any, BeforeValidator(_offset, json_schema_input_type=float | str | list[float | str])]
+_UnitName = Annotated[str, BeforeValidator(_unit_name), Field(strict=True)]
+
+
+class PortMap(_Model):
+    """How one port or parameter of theirs stands to ours: theirs = matrix (scale ours) + offset."""
+
+    theirs: _Names
+    """Their name; of a vector of ours also the names of their scalars, in the order of our elements."""
+    unit: _UnitName | None = None
+    """Unit of theirs, where their FMU declares none or a wrong one."""
+    scale: _Number | None = None
+    """Factor from ours to theirs, with a unit where the quantities differ: `68027 rad/kg/m2`."""
+    divide: _Number | None = None
+    """Divisor from ours to theirs, with a unit where the quantities differ: `1.47e-5 kg.m2`."""
+    matrix: _Rows | None = None
+    """A, row by row, for signs and the order of axes, with our elements in a row if ours is a matrix."""
+    offset: _Offset | None = None
+    """c, one value or one for each of their elements, in their unit or as text with a unit."""
+    quaternion: Literal["scalar first", "scalar last"] | None = None
+    """Ours is a rotation matrix and theirs a unit quaternion, q v q* = R v, with its scalar there."""
+    inverse: bool = Field(False, strict=True)
+    """Of a quaternion: theirs stands for the inverse rotation, our matrix transposed."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> PortMap:
+        if self.scale is not None and self.divide is not None:
+            raise ValueError("expected at most one of scale and divide")
+        if self.inverse and self.quaternion is None:
+            raise ValueError("'inverse' is of a quaternion; say 'quaternion: scalar first' or 'scalar last' as well")
+        beside = [k for k in ("unit", "scale", "divide", "matrix", "offset") if getattr(self, k) is not None]
+        if self.quaternion is not None and beside:
+            raise ValueError(f"a quaternion goes without {' and '.join(beside)}")
+        for name in ("scale", "divide"):
+            value = getattr(self, name)
+            if value is not None and (parse(value)[0] if isinstance(value, str) else value) == 0.0:
+                raise ValueError(f"{name}: expected a number other than 0")
+        return self
+
+
+def _port(value: Any) -> Any:
+    return {"theirs": value} if isinstance(value, (str, list)) else value
+
+
+def _file(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
+_Port = Annotated[PortMap, BeforeValidator(_port, json_schema_input_type=str | list[str] | PortMap)]
+
+
+class Mapping(_Model):
+    """How another team's FMU stands in a block's place."""
+
+    file: Annotated[str, Field(strict=True, min_length=1)] | None = None
+    """A file that holds the mapping, relative to the scenario; nothing else is then said here."""
+    ports: dict[str, _Port] = {}
+    """Our inputs, outputs and parameters by name, each with theirs. What has our name need not be listed."""
+    start: dict[str, Any] = {}
+    """Values of inputs and parameters that only theirs has, by their names."""
+    ignore: list[Annotated[str, Field(strict=True)]] = []
+    """Our inputs, outputs and parameters that theirs does without. What is lost thereby is told."""
+
+    @model_validator(mode="after")
+    def _file_alone(self) -> Mapping:
+        if self.file is not None and (self.ports or self.start or self.ignore):
+            raise ValueError("expected either a file or a mapping, found both")
+        return self
+
+
+MapEntry = Annotated[Mapping, BeforeValidator(_file, json_schema_input_type=str | Mapping)]
+"""A mapping in a scenario, or the path of one."""
+
+
+def load(path: Path) -> tuple[Mapping, Any]:
+    """The mapping that a file holds, and the file's `Source` for messages. Raises InputError."""
+    from . import complaints, source
+
+    here = Path.cwd()
+    read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
+    found = complaints.checked(Mapping, read)
+    if found.file is not None:
+        raise InputError(
+            read.error(("file",), "a mapping's file holds the mapping itself; expected ports, start or ignore")
+        )
+    return found, read

@@ -1,0 +1,228 @@
+"""A YAML file as plain data that remembers the line of everything in it, so that errors can name it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, nearest
+
+Key = tuple[str | int, ...]
+
+_NODES_MAX = 100_000
+
+
+@dataclass
+class Source:
+    """Data, and where each part of it stands: a line of `file`, or an option of the command line."""
+
+    data: Any
+    file: str | None = None
+    folder: Path = field(default_factory=Path.cwd)
+    """Relative paths start here."""
+    lines: dict[Key, int] = field(default_factory=dict)
+    options: dict[Key, str] = field(default_factory=dict)
+
+    def where(self, key: Key) -> str:
+        """`file.yaml:14: blocks.plant.start`, or `--set plant.x=1`, of the innermost part that is known."""
+        for end in range(len(key), -1, -1):
+            if key[:end] in self.options:
+                return self.options[key[:end]]
+        name = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in key).lstrip(".")
+        line = next((self.lines[key[:end]] for end in range(len(key), -1, -1) if key[:end] in self.lines), None)
+        place = self.file if line is None or self.file is None else f"{self.file}:{line}"
+        return ": ".join(filter(None, (place, name))) or "scenario"
+
+    def error(self, key: Key, message: str) -> str:
+        return f"{self.where(key)}: {message}"
+
+    def with_start(self, name: str, value: Any, option: str = "") -> Source:
+        """A copy in which `value` takes the place of the start value of `block.parameter`."""
+        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        blocks = copy.data.get("blocks") if isinstance(copy.data, dict) else None
+        said = f"{option}{name}={value}"
+        block, dot, variable = name.partition(".")
+        if not dot or not variable:
+            raise InputError(f"{said}: expected block.parameter=value")
+        if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
+            raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+        starts = blocks[block].get("start")
+        if not isinstance(starts, dict):
+            blocks[block]["start"] = starts = {}
+        starts.pop(variable, None)  # the last one counts, also over elements
+        starts[variable] = value
+        copy.options["blocks", block, "start", variable] = said
+        return copy
+
+    def with_value(self, key: str, value: Any, option: str) -> Source:
+        """A copy in which `value` takes the place of a top-level entry."""
+        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        if isinstance(copy.data, dict):
+            copy.data[key] = value
+        copy.options[key,] = f"{option} {value}"
+        return copy
+
+    def with_entry(self, key: Key, value: Any, option: str = "") -> Source:
+        """A copy in which `value` stands at a place within dictionaries; None takes the entry out."""
+        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        holder = copy.data
+        for part in key[:-1]:
+            holder = holder[part]
+        holder.pop(key[-1], None)
+        if value is not None:
+            holder[key[-1]] = value
+        if option:
+            copy.options[key] = option
+        return copy
+
+    def without(self, keys: Iterable[Key]) -> Source:
+        """A copy without these entries; those that follow in a list keep the lines on which they stand."""
+        copy = Source(_copied(self.data), self.file, self.folder, dict(self.lines), dict(self.options))
+        for key in sorted(set(keys), key=lambda key: [(isinstance(part, int), part) for part in key], reverse=True):
+            holder = copy.data
+            try:
+                for part in key[:-1]:
+                    holder = holder[part]
+                del holder[key[-1]]
+            except (KeyError, IndexError):
+                continue  # went with what held it
+            for places in (copy.lines, copy.options):
+                _moved(places, key)
+        return copy
+
+
+def _moved(places: dict[Key, Any], key: Key) -> None:
+    """Drops what stands under a key, and moves up what follows it in a list."""
+    n, last = len(key), key[-1]
+    for place in sorted(places, key=str):
+        if place[:n] == key:
+            del places[place]
+    if isinstance(last, int):
+        later = [p for p in places if len(p) >= n and p[: n - 1] == key[:-1] and isinstance(p[n - 1], int)]
+        after = [p for p in later if int(p[n - 1]) > last]
+        moved = {(*p[: n - 1], int(p[n - 1]) - 1, *p[n:]): places.pop(p) for p in after}
+        places.update(moved)
+
+
+def _copied(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _copied(value) for key, value in data.items()}
+    return [_copied(value) for value in data] if isinstance(data, list) else data
+
+
+def read(path: Path) -> Source:
+    """The data of a YAML file with their lines, or of an SSP archive. Raises InputError."""
+    if path.suffix == ".ssp" and path.exists():
+        from ..ssp import reader as ssp_reader
+
+        return ssp_reader.read(path)
+    try:
+        text = path.read_text("utf-8")
+    except FileNotFoundError:
+        near = nearest(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
+        raise InputError(f"{path}: there is no such file{near}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: expected text in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    source = parse(text, str(path))
+    source.folder = path.resolve().parent
+    return source
+
+
+def parse(text: str, file: str | None = None) -> Source:
+    """The data of YAML text with their lines. Raises InputError."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    source = Source(None, file)
+    try:
+        node = YAML(typ="safe", pure=True).compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f":{mark.line + 1}" if mark and "\n" in text.rstrip("\n") else ""
+        what = " ".join(filter(None, (error.context, error.problem)))
+        if error.context_mark and mark and error.context_mark.line != mark.line:
+            what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
+        raise InputError(f"{file or 'text'}{line}: no valid YAML: {what}") from None
+    except (YAMLError, RecursionError) as error:
+        raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None
+    if node is None:
+        raise InputError(f"{file or 'text'}: is empty")
+    _Reader(source).read(node, ())
+    source.data = source.data[0]
+    return source
+
+
+class _Reader:
+    """Makes data of YAML nodes: dictionaries, lists, text, numbers, booleans. Dates stay text."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.count = 0
+        self.source.data = []
+
+    def read(self, node: Any, key: Key) -> None:
+        self.source.data.append(self._value(node, key))
+
+    def _value(self, node: Any, key: Key) -> Any:
+        self.count += 1
+        if self.count > _NODES_MAX or len(key) > 50:
+            raise InputError(f"{self.source.file or 'text'}: has too many entries, or contains itself")
+        self.source.lines.setdefault(key, node.start_mark.line + 1)
+        if node.id == "sequence":
+            return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
+        if node.id == "mapping":
+            return self._mapping(node, key)
+        try:
+            return _scalar(node)
+        except ValueError:
+            place = self.source.error(key, "")
+            raise InputError(f"{place}expected a number, found {_shortened(node.value)}") from None
+
+    def _mapping(self, node: Any, key: Key) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for name_node, value_node in node.value:
+            line = name_node.start_mark.line + 1
+            place = f"{self.source.file or 'text'}:{line}"
+            if name_node.id != "scalar":
+                raise InputError(f"{place}: expected a name before the colon")
+            name = str(name_node.value)
+            if name == "<<" and name_node.style is None:
+                raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
+            if name in data:
+                first = self.source.lines[(*key, name)]
+                raise InputError(f"{place}: {name!r} stands here a second time; first in line {first}")
+            self.source.lines[(*key, name)] = line
+            data[name] = self._value(value_node, (*key, name))
+        return data
+
+
+_DIGITS_MAX = 300
+"""More than a double can hold."""
+_INTEGER = re.compile(r"[-+]?\d+$")
+_FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+
+def _shortened(text: str) -> str:
+    return repr(text) if len(text) < 40 else f"{text[:20]!r} ... of {len(text)} digits"
+
+
+def _scalar(node: Any) -> Any:
+    text, tag = node.value, str(node.tag).rpartition(":")[2]
+    if tag == "null":
+        return None
+    if tag == "bool":
+        return text.lower() in ("true", "yes", "on")
+    if node.style is None and _INTEGER.match(text):
+        if len(text) > _DIGITS_MAX:
+            raise ValueError
+        return int(text)
+    if node.style is None and _FLOAT.match(text):
+        return float(text)
+    if tag == "float":  # .inf and .nan
+        return float(text.replace(".", ""))
+    return text

@@ -1,0 +1,384 @@
+"""Reads an SSP 1.0 archive as a scenario: ours, or another tool's.
+
+Systems within systems are laid flat. What SSP has no words for comes from our annotation; where there is none, the step
+and the duration come from the archive's or the FMUs' default experiments, or from --step and --duration.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import unquote
+from xml.etree import ElementTree as ET
+
+from ..errors import InputError, nearest
+from ..export.ssp import ANNOTATION, NAMESPACES, STRUCTURE
+from ..fmu.archive import Fmu, open_fmu, shown
+from ..fmu.interfaces import starts_of
+from ..fmu.model import Element, Variable
+from ..quantities import BASES, Unit, convert
+from ..scenario.source import Source
+from ..system.wiring import Node
+
+_FMU = "application/x-fmu-sharedlibrary"
+_KEPT: list[tempfile.TemporaryDirectory[str]] = []
+"""The unpacked archives; they go when the process ends."""
+
+Path_ = tuple[str, ...]
+"""Where an element stands: the names of the systems around it, and its own."""
+
+
+class _End(NamedTuple):
+    """A connector of an element."""
+
+    element: Path_
+    connector: str
+
+
+@dataclass
+class _Given:
+    """A value from a parameter set."""
+
+    kind: str
+    value: str
+    unit: Unit | None = None
+
+
+@dataclass
+class _Structure:
+    """What the tree of systems holds, laid flat."""
+
+    components: dict[Path_, str] = field(default_factory=dict)
+    """Where the FMU of each component stands in the archive."""
+    flows: dict[_End, tuple[_End, float, float, bool]] = field(default_factory=dict)
+    """What feeds a connector: from where, with which factor and offset, and whether units are left alone."""
+    values: dict[Path_, dict[str, _Given]] = field(default_factory=dict)
+    kinds: dict[_End, str] = field(default_factory=dict)
+
+
+def read(path: Path) -> Source:
+    """The scenario that an archive describes. Raises InputError."""
+    folder = _unpacked(path)
+    root = _parsed(path, folder / STRUCTURE, "ssd:SystemStructureDescription")
+    system = root.find("ssd:System", NAMESPACES)
+    if system is None:
+        raise InputError(f"{shown(path)}: {STRUCTURE} describes no system")
+    structure = _Structure()
+    _System(path, folder, structure).read(system, ())
+    if not structure.components:
+        raise InputError(f"{shown(path)}: the system has no components")
+    data = _annotation(path, root)
+    names = _names(structure.components)
+    fmus = {place: open_fmu(_inside(path, folder, source)) for place, source in structure.components.items()}
+    entries: dict[str, Any] = {}
+    for place, fmu in fmus.items():
+        start = _starts(path, place, fmu, structure, bool(data.get("delays")))
+        known = {k: v for k, v in data.get("blocks", {}).get(names[place], {}).items() if k != "fmu"}
+        entries[names[place]] = {"fmu": str(fmu.path), **known, **({"start": start} if start else {})}
+    connections = list(_connections(path, structure, names, fmus))
+    experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
+    scenario = _times(experiment, list(fmus.values())) | {"name": _word(root.get("name") or path.stem)} | data
+    scenario |= {"blocks": entries, "connections": connections}
+    return Source(scenario, str(shown(path)), folder)
+
+
+def _unpacked(path: Path) -> Path:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+            if any(name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/") for name in names):
+                raise InputError(f"{shown(path)} would unpack to a place outside its folder")
+            if STRUCTURE not in names:
+                raise InputError(f"{shown(path)} is no SSP archive: it holds no {STRUCTURE}")
+            kept = tempfile.TemporaryDirectory(prefix="orchestrate-ssp-", ignore_cleanup_errors=True)
+            _KEPT.append(kept)
+            archive.extractall(kept.name)
+    except zipfile.BadZipFile:
+        raise InputError(f"{shown(path)} is no SSP archive, or a damaged one: it is no zip archive") from None
+    except OSError as error:
+        raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
+    return Path(kept.name)
+
+
+def _inside(path: Path, folder: Path, source: str) -> Path:
+    """A file of the archive by its relative URI."""
+    file = (folder / unquote(source)).resolve()
+    if not file.is_relative_to(folder.resolve()) or not file.is_file():
+        raise InputError(f"{shown(path)} refers to {source!r}, which it does not hold")
+    return file
+
+
+def _parsed(path: Path, file: Path, tag: str) -> ET.Element:
+    prefix, _, name = tag.partition(":")
+    try:
+        root = ET.parse(file).getroot()
+    except (ET.ParseError, OSError) as error:
+        raise InputError(f"{shown(path)}: {file.name} cannot be read: {error}") from None
+    if root.tag != f"{{{NAMESPACES[prefix]}}}{name}":
+        raise InputError(f"{shown(path)}: {file.name} is no {name} of SSP 1.0: it begins with {root.tag}")
+    return root
+
+
+class _System:
+    """Reads a tree of systems into a structure."""
+
+    def __init__(self, path: Path, folder: Path, into: _Structure) -> None:
+        self._path, self._folder, self._into = path, folder, into
+
+    def read(self, system: ET.Element, place: Path_) -> None:
+        for element in system.findall("ssd:Elements/*", NAMESPACES):
+            inner = (*place, element.get("name", ""))
+            self._connectors(element, inner)
+            kind = element.tag.rpartition("}")[2]
+            if kind == "System":
+                self.read(element, inner)
+            elif kind == "Component" and element.get("type", _FMU) == _FMU:
+                self._into.components[inner] = element.get("source", "")
+                self._bindings(element, inner)
+            else:
+                raise self._refused(inner, "a component that is no FMU" if kind == "Component" else f"a {kind}")
+        self._connectors(system, place)
+        for connection in system.findall("ssd:Connections/ssd:Connection", NAMESPACES):
+            self._connection(connection, place)
+        self._bindings(system, place)  # a system's values count more than those of its elements
+
+    def _refused(self, place: Path_, what: str) -> InputError:
+        return InputError(f"{shown(self._path)}: {'.'.join(place)} is {what}, which orchestrate does not run")
+
+    def _connectors(self, element: ET.Element, place: Path_) -> None:
+        for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
+            self._into.kinds[_End(place, connector.get("name", ""))] = connector.get("kind", "")
+
+    def _connection(self, entry: ET.Element, place: Path_) -> None:
+        ends = []
+        for side in ("start", "end"):
+            element = entry.get(f"{side}Element")
+            ends.append(_End(place if element is None else (*place, element), entry.get(f"{side}Connector", "")))
+        begin, end = ends
+        # The names say nothing of the direction: an element's output gives, and so does a system's input to its inside.
+        gives = [
+            self._into.kinds.get(e)
+            in (("input", "parameter") if e.element == place else ("output", "calculatedParameter"))
+            for e in ends
+        ]
+        if gives == [False, True]:
+            begin, end = end, begin
+        factor, offset = 1.0, 0.0
+        for child in entry:
+            kind = child.tag.rpartition("}")[2]
+            if kind == "LinearTransformation":
+                factor, offset = float(child.get("factor", "1")), float(child.get("offset", "0"))
+            elif kind.endswith("Transformation"):
+                raise self._refused((*end.element, end.connector), f"fed through a {kind}")
+        self._into.flows[end] = (begin, factor, offset, entry.get("suppressUnitConversion") in ("true", "1"))
+
+    def _bindings(self, element: ET.Element, place: Path_) -> None:
+        for binding in element.findall("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
+            source = binding.get("source")
+            if source:
+                values = _parsed(self._path, _inside(self._path, self._folder, source), "ssv:ParameterSet")
+            elif (inline := binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)) is not None:
+                values = inline
+            else:
+                continue
+            found = {f"{binding.get('prefix', '')}{name}": given for name, given in _parameters(values)}
+            mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
+            if mapping is not None:
+                found = self._mapped(found, mapping)
+            for name, given in found.items():
+                self._assign(place, name, given)
+
+    def _mapped(self, found: dict[str, _Given], mapping: ET.Element) -> dict[str, _Given]:
+        source = mapping.get("source")
+        entries = (
+            _parsed(self._path, _inside(self._path, self._folder, source), "ssm:ParameterMapping")
+            if source
+            else mapping
+        )
+        mapped = {}
+        for entry in entries.iter(f"{{{NAMESPACES['ssm']}}}MappingEntry"):
+            name, target = entry.get("source", ""), entry.get("target", "")
+            if len(entry):
+                raise InputError(
+                    f"{shown(self._path)}: the mapping of {name} to {target} has a transformation, which orchestrate does not do"
+                )
+            if name in found:
+                mapped[target] = found[name]
+        return mapped
+
+    def _assign(self, place: Path_, name: str, given: _Given) -> None:
+        """The innermost component whose name begins the parameter's takes it; SSP ignores what fits nowhere."""
+        if place in self._into.components:
+            self._into.values.setdefault(place, {})[name] = given
+            return
+        for component in self._into.components:
+            inner = ".".join(component[len(place) :]) + "."
+            if component[: len(place)] == place and name.startswith(inner):
+                self._into.values.setdefault(component, {})[name.removeprefix(inner)] = given
+
+
+def _parameters(values: ET.Element) -> Iterator[tuple[str, _Given]]:
+    units = {entry.get("name"): _unit(entry) for entry in values.findall("ssv:Units/ssc:Unit", NAMESPACES)}
+    for parameter in values.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
+        for entry in parameter:
+            kind = entry.tag.rpartition("}")[2]
+            if kind in ("Real", "Integer", "Boolean", "String", "Enumeration"):
+                yield parameter.get("name", ""), _Given(kind, entry.get("value", ""), units.get(entry.get("unit")))
+
+
+def _unit(entry: ET.Element) -> Unit:
+    base = entry.find("ssc:BaseUnit", NAMESPACES)
+    given = {} if base is None else dict(base.attrib)
+    exponents = tuple(int(given.get(name, "0")) for name in BASES)
+    return Unit(entry.get("name", ""), exponents, float(given.get("factor", "1")), float(given.get("offset", "0")))
+
+
+def _names(places: dict[Path_, str]) -> dict[Path_, str]:
+    """A name of its own for each component that a scenario's block may have."""
+    names: dict[Path_, str] = {}
+    for place in places:
+        name = base = _word("_".join(place))
+        number = 1
+        while name in names.values():
+            number += 1
+            name = f"{base}_{number}"
+        names[place] = name
+    return names
+
+
+def _word(text: str) -> str:
+    word = re.sub(r"\W", "_", text) or "_"
+    return f"_{word}" if word[0].isdigit() else word
+
+
+def _variables(fmu: Fmu) -> dict[str, tuple[Variable, int]]:
+    """Variables and positions by FMI's names."""
+    labels = {
+        v.label(e.position): (v.at([e.position]), e.position) for v in fmu.model.variables.values() for e in v.elements
+    }
+    found = {}
+    for scalar in fmu.description.modelVariables:
+        entry = labels.get("][".join(part.strip() for part in scalar.name.split(",")))
+        if entry is not None:
+            found[scalar.name] = entry
+    return found
+
+
+def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: bool) -> dict[str, Any]:
+    """Values of the parameter sets, and the FMU's own start for an input that nothing feeds.
+
+    An input that is fed takes the value that comes to it already at t = 0, unless there are delays.
+    """
+    variables = _variables(fmu)
+    own = starts_of(fmu.description, fmu.model)
+    starts: dict[str, Any] = {}
+    for name, (variable, position) in variables.items():
+        if variable.causality == "input" and _source(structure, _End(place, name)) is None:
+            value = own.get(Element(variable.name, position))
+            items: dict[Any, Any] = {number: item for item, number in variable.items}
+            starts[variable.label(position)] = items.get(value, value)
+    for name, given in structure.values.get(place, {}).items():
+        if name not in variables:
+            hint = nearest(name, variables)
+            raise InputError(f"{shown(path)}: {'.'.join(place)} has no variable {name!r}{hint}")
+        variable, position = variables[name]
+        fed = variable.causality == "input" and _source(structure, _End(place, name)) is not None
+        if variable.causality == "parameter" or (variable.causality == "input" and (delayed or not fed)):
+            starts[variable.label(position)] = _value(given, variable)
+    return starts
+
+
+def _value(given: _Given, variable: Variable) -> Any:
+    if given.kind == "Boolean":
+        return given.value in ("true", "1")
+    if given.kind in ("Integer", "Real") and variable.type == "enumeration":
+        return {number: item for item, number in variable.items}.get(int(float(given.value)), given.value)
+    if given.kind == "Integer":
+        return int(given.value)
+    if given.kind == "Real":
+        number = float(given.value)
+        if given.unit is None or variable.unit is None or given.unit.name == variable.unit.name:
+            return number
+        return convert(number, given.unit, variable.unit)
+    return given.value
+
+
+def _source(structure: _Structure, end: _End) -> tuple[_End, float, float, bool] | None:
+    """The component's connector that feeds this one, through all systems, with the product of what lies between."""
+    factor, offset, suppressed = 1.0, 0.0, False
+    for _ in range(len(structure.flows) + 1):
+        if end not in structure.flows:
+            return None
+        end, f, o, s = structure.flows[end]
+        factor, offset, suppressed = factor * f, factor * o + offset, suppressed or s
+        if end.element in structure.components:
+            return end, factor, offset, suppressed
+    return None
+
+
+def _connections(path: Path, structure: _Structure, names: dict[Path_, str], fmus: dict[Path_, Fmu]) -> Iterator[str]:
+    """One for each element, in the order of the inputs."""
+    variables = {place: _variables(fmu) for place, fmu in fmus.items()}
+    for place in fmus:
+        for name in dict.fromkeys(end.connector for end in structure.flows if end.element == place):
+            found = _source(structure, _End(place, name))
+            if found is None or (structure.kinds.get(_End(place, name)) == "output"):
+                continue
+            source, factor, offset, suppressed = found
+            ends = []
+            for owner, connector in (source, _End(place, name)):
+                if connector not in variables[owner]:
+                    hint = nearest(connector, variables[owner])
+                    raise InputError(f"{shown(path)}: {'.'.join(owner)} has no variable {connector!r}{hint}")
+                variable, position = variables[owner][connector]
+                ends.append((Node(names[owner], Element(variable.name, position)), variable))
+            text = " -> ".join(f"{node.block}.{v.label(node.element.position)}" for node, v in ends)
+            _check_transformation(path, text, ends[0][1], ends[1][1], (factor, offset), suppressed)
+            yield text
+
+
+def _check_transformation(
+    path: Path, text: str, source: Variable, target: Variable, asked: tuple[float, float], suppressed: bool
+) -> None:
+    """A scenario converts units and no more: a transformation must be that, or none."""
+    converted = (1.0, 0.0)
+    if source.unit is not None and target.unit is not None and source.unit.fits(target.unit):
+        converted = source.unit.conversion(target.unit)
+    wanted = converted if suppressed or asked != (1.0, 0.0) else (1.0, 0.0)
+    if any(abs(a - b) > 1e-12 * abs(b) for a, b in zip(asked, wanted, strict=True)):
+        raise InputError(
+            f"{shown(path)}: {text} has the factor {asked[0]:g} and the offset {asked[1]:g}, which is no conversion of its units; orchestrate converts units only"
+        )
+
+
+def _annotation(path: Path, root: ET.Element) -> dict[str, Any]:
+    for annotation in root.findall("ssd:Annotations/ssc:Annotation", NAMESPACES):
+        if annotation.get("type") == ANNOTATION:
+            try:
+                data = json.loads("".join(annotation.itertext()))
+            except ValueError as error:
+                raise InputError(f"{shown(path)}: the annotation {ANNOTATION} cannot be read: {error}") from None
+            if isinstance(data, dict):
+                return data
+    return {}
+
+
+def _times(experiment: ET.Element | None, fmus: list[Fmu]) -> dict[str, float]:
+    """Step and duration, as far as archive or FMUs say them."""
+    found = {}
+    own = [fmu.description.defaultExperiment for fmu in fmus if fmu.description.defaultExperiment is not None]
+    steps = [float(e.stepSize) for e in own if e.stepSize]
+    if steps:
+        found["step"] = min(steps)
+    stops = [float(e.stopTime) for e in own if e.stopTime]
+    if experiment is not None and experiment.get("stopTime"):
+        stops = [float(experiment.get("stopTime", "0")) - float(experiment.get("startTime", "0"))]
+    if stops:
+        found["duration"] = max(stops)
+    return found

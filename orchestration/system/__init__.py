@@ -1,0 +1,1 @@
+"""A scenario held against its blocks: wiring, order, clock, starts, signals, faults."""

@@ -1,0 +1,111 @@
+"""Time as a count of steps: every instant is n times the step, rounded once, never a sum."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ..errors import InputError
+from ..instances.block import Floats
+from ..scenario.scenario import Scenario
+
+EXACT = 2**53
+"""Whole numbers below it are exact as doubles."""
+_MEMORY = 64 * 10**9
+"""Bytes that a recording may take where the system does not tell how much memory there is."""
+_SLOW_SAMPLES = 10**7
+"""So many times can be computed where their step has too many digits for doubles."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """`step` = `numerator / denominator` s exactly as written in decimals, so 3 steps of 0.1 s end at 0.3 s."""
+
+    numerator: int
+    denominator: int
+    steps: int
+    interval: int
+    """Steps from sample to sample."""
+
+    @property
+    def step(self) -> float:
+        return self.numerator / self.denominator
+
+    def time(self, count: int) -> float:
+        return count * self.numerator / self.denominator
+
+    @property
+    def samples(self) -> int:
+        return self.steps // self.interval + 1
+
+    def times(self, first: int, count: int, every: int = 1) -> Floats:
+        """The times of `count` instants from step `first` on, one in so many steps."""
+        if (first + count * every) * self.numerator < EXACT and self.denominator < EXACT:
+            # Quotients of whole numbers that doubles hold exactly are rounded once.
+            return np.arange(first, first + count * every, every, dtype=np.int64) * self.numerator / self.denominator
+        whole = range(first, first + count * every, every)
+        return np.fromiter((self.time(n) for n in whole), np.float64, count)
+
+    def sample_times(self) -> Floats:
+        return self.times(0, self.samples, self.interval)
+
+
+def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
+    """Counts of a scenario's times, and what is to be said of them. Raises InputError where they do not divide."""
+    step = Fraction(repr(scenario.step))
+    ratio = Fraction(repr(scenario.duration)) / step
+    steps = _whole(ratio)
+    notes = []
+    if steps is None:
+        steps = math.ceil(ratio)
+        end = float(steps * step)
+        notes.append(
+            f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at {end:.10g} s"
+        )
+    if steps >= EXACT:
+        message = f"{scenario.duration:.10g} s are more than {EXACT:.1g} steps of {scenario.step:.6g} s"
+        raise InputError(scenario.error(("duration",), message))
+    interval = scenario.record.interval or scenario.step
+    every = _whole(Fraction(repr(interval)) / step)
+    if not every:
+        low = max(1, math.floor(Fraction(repr(interval)) / step))
+        near = " or ".join(f"{float(n * step):.10g} s" for n in (low, low + 1))
+        key = ("record", "interval")
+        message = (
+            f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s; nearest: {near}"
+        )
+        raise InputError(scenario.error(key, message))
+    if every > steps:
+        message = f"expected at most the duration, {scenario.duration:.10g} s, found {interval:.10g} s"
+        raise InputError(scenario.error(("record", "interval"), message))
+    for name, entry in scenario.blocks.items():
+        if entry.every > steps:
+            message = f"{name} would never be stepped: the run has only {steps} base step{'s' if steps > 1 else ''}"
+            raise InputError(scenario.error(("blocks", name, "every"), message))
+    return Clock(step.numerator, step.denominator, steps, every), notes
+
+
+def check_size(scenario: Scenario, clock: Clock, columns: int) -> None:
+    """Refuses a recording that this machine cannot hold. Raises InputError."""
+    size = 8 * clock.samples * (columns + 1)
+    try:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        memory = _MEMORY
+    if size > memory:
+        message = f"the recording of {clock.samples:.4g} samples would take {size / 1e9:.3g} GB"
+    elif clock.samples > _SLOW_SAMPLES and max(clock.steps * clock.numerator, clock.denominator) >= EXACT:
+        message = f"a step of so many digits, {scenario.step!r} s, allows no more than {_SLOW_SAMPLES} samples"
+    else:
+        return
+    raise InputError(scenario.error(("duration",), f"{message}; remedy: a longer record.interval, or fewer signals"))
+
+
+def _whole(ratio: Fraction) -> int | None:
+    """The whole number that the ratio is, but for rounding."""
+    nearest = round(ratio)
+    return nearest if abs(ratio - nearest) <= Fraction(1, 10**9) * max(1, nearest) else None

@@ -1,0 +1,323 @@
+"""What a scenario lets go wrong: parameters set during the run; signals frozen, biased or cut.
+
+A signal's fault acts on the connection, on what a receiver is given; the block that gives the signal is
+sound, and so is what is recorded of it. A value is at fault where the instant to which it belongs lies
+within the fault's span: at `at` it is the first time, at `until` no more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+from ..errors import BlockError, InputError, nearest, said
+from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
+from ..instances.block import Block
+from ..master.bus import Bus, Seat
+from ..quantities import QuantityError, parse
+from ..scenario.scenario import Fault, Scenario, split
+from ..scenario.source import Key
+from .clock import Clock
+from .starts import Scalar, leaves, scalar, values_of
+from .wiring import Link, Node, Wiring
+
+Span = tuple[int, float]
+"""The counts of base steps at which a fault acts first, and no more."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Values that a block is given at an instant."""
+
+    block: str
+    values: tuple[tuple[Element, Scalar], ...]
+    span: Span
+    name: str
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """A fault of one element of a connection. `value` is what is added or given instead, in the receiver's unit."""
+
+    target: Node
+    source: Node
+    delayed: bool
+    kind: str
+    value: float
+    span: Span
+
+
+@dataclass
+class Faults:
+    """All faults of a run, in the order of the scenario."""
+
+    settings: list[Setting] = field(default_factory=list)
+    disturbances: list[Disturbance] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def __bool__(self) -> bool:
+        return bool(self.settings or self.disturbances)
+
+    def at_start(self, target: Node, value: float) -> float:
+        """What an input is given at 0 instead of `value`."""
+        for fault in self.disturbances:
+            if fault.target == target and fault.span[0] == 0 and not fault.delayed:
+                value = _disturbed(fault, value)
+        return value
+
+    def bring_in(
+        self,
+        bus: Bus,
+        every: Mapping[str, int],
+        parallel: bool,
+        clock: Clock,
+        advance: Callable[[], Callable[[int], None]],
+    ) -> Callable[[int], None]:
+        """The function that makes one base step, with the faults. `advance` makes the one without them, from `bus.seats`."""
+        now = _Now()
+        places = {seat.block.name: place for place, seat in enumerate(bus.seats)}
+        for place, seat in enumerate(bus.seats):
+            acting = []
+            for fault in self.disturbances:
+                if fault.target.block == seat.block.name:
+                    # What is stepped later in the same base step, or gives its values delayed, is a step behind.
+                    behind = parallel or fault.delayed or places[fault.source.block] >= place
+                    acting.append((fault, seat.inputs.elements.index(fault.target.element), int(behind)))
+            if acting:
+                seat.gather = _gatherer(seat, acting, now)
+        blocks = {seat.block.name: seat.block for seat in bus.seats}
+        changes = [change for s in self.settings for change in _changes(s, blocks[s.block], every.get(s.block, 1))]
+        changes.sort(key=lambda change: change.due)
+        step = advance()
+
+        def advance_with_faults(count: int) -> None:
+            now.count = count
+            while changes and changes[0].due < count:
+                change = changes.pop(0)
+                try:
+                    change.make()
+                except BlockError as error:
+                    error.time = clock.time(change.due)
+                    raise
+            step(count)
+
+        return advance_with_faults
+
+
+@dataclass
+class _Now:
+    count: int = 0
+
+
+@dataclass(frozen=True)
+class _Change:
+    due: int
+    """It is made once so many base steps are done."""
+    make: Callable[[], None]
+
+
+def _changes(setting: Setting, block: Block, every: int) -> Iterable[_Change]:
+    """A setting, and its end; between two steps of the block."""
+    before: list[tuple[Element, Any]] = []
+    begin, end = (math.ceil(count / every) * every if count < math.inf else count for count in setting.span)
+
+    def set_() -> None:
+        if end < math.inf:
+            elements = [element for element, _ in setting.values]
+            before.extend(zip(elements, block.get(elements), strict=True))
+        block.set(setting.values)
+
+    yield _Change(int(begin), set_)
+    if end < math.inf:
+        yield _Change(int(end), lambda: block.set(before))
+
+
+def _gatherer(seat: Seat, acting: Sequence[tuple[Disturbance, int, int]], now: _Now) -> Callable[[], None]:
+    gather, values = seat.gather, seat.inputs.values
+    frozen: dict[int, float] = {}
+
+    def gather_with_faults() -> None:
+        gather()
+        for number, (fault, place, behind) in enumerate(acting):
+            first, last = fault.span
+            if first <= now.count - behind < last:
+                if fault.kind == "freeze":
+                    values[place] = frozen.setdefault(number, float(values[place]))
+                else:
+                    values[place] = _disturbed(fault, float(values[place]))
+
+    return gather_with_faults
+
+
+def _disturbed(fault: Disturbance, value: float) -> float:
+    return {"cut": fault.value, "bias": value + fault.value}.get(fault.kind, value)
+
+
+# ---------------------------------------------------------------- from the scenario
+
+
+def sentence(fault: Fault) -> str:
+    """What goes wrong and when, in words."""
+    what = {
+        "set": fault.set,
+        "freeze": f"{fault.freeze} frozen",
+        "bias": f"{fault.bias} biased by {_shown(fault.by)}",
+        "cut": f"{fault.cut} cut" + ("" if fault.to is None else f", {_shown(fault.to)} instead"),
+    }[fault.kind]
+    end = "on" if fault.until is None else f"to {fault.until:.10g} s"
+    return f"{what}, from {fault.at:.10g} s {end}"
+
+
+def _shown(value: Any) -> str:
+    return f"[{', '.join(map(_shown, value))}]" if isinstance(value, (list, tuple)) else str(value)
+
+
+def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> Faults:
+    """The faults of the scenario, checked against its blocks. Raises InputError with everything that is wrong."""
+    found = Faults()
+    wrong: list[str] = []
+    for number, fault in enumerate(scenario.faults):
+        key: Key = ("faults", number)
+        try:
+            span = _span(scenario, key, fault, found.notes)
+            if span is None:
+                continue
+            if fault.kind == "set":
+                found.settings.append(_setting(fault, models, wiring, span))
+            else:
+                found.disturbances += _disturbances(fault, models, wiring, span)
+        except (QuantityError, NameUnknown) as error:
+            wrong.append(scenario.error((*key, fault.kind), str(error)))
+        except InputError as error:
+            wrong += error.messages
+    if wrong:
+        raise InputError(*wrong)
+    return found
+
+
+def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span | None:
+    """None for a fault that begins after the end of a run that was shortened by an option."""
+    if fault.at > scenario.duration:
+        if ("duration",) in scenario.source.options:
+            notes.append(f"does not happen, since the run ends before: {sentence(fault)}")
+            return None
+        message = f"{fault.at:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
+        raise InputError(scenario.error((*key, "at"), message))
+    first = _count(scenario, (*key, "at"), fault.at, notes)
+    return first, math.inf if fault.until is None else _count(scenario, (*key, "until"), fault.until, notes)
+
+
+def _count(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int:
+    """The first instant at this time or after it, but for rounding."""
+    step = Fraction(repr(scenario.step))
+    ratio = Fraction(repr(time)) / step
+    whole = round(ratio)
+    if abs(ratio - whole) <= Fraction(1, 10**9) * max(1, whole):
+        return whole
+    count = math.ceil(ratio)
+    message = f"{time:.10g} s is no multiple of the step, {scenario.step:.10g} s; taken as {float(count * step):.10g} s"
+    notes.append(scenario.error(key, message))
+    return count
+
+
+def _signal(reference: str, models: Mapping[str, Model]) -> tuple[str, Variable, list[int]]:
+    parts = split(reference)
+    if parts is None:
+        raise NameUnknown(f"expected block.variable, found {reference!r}")
+    block, name, index = parts
+    if block not in models:
+        raise NameUnknown(f"there is no block {block!r}{nearest(block, models)}")
+    return block, *models[block].find(block, name, index, ("input", "output", "parameter"))
+
+
+def _setting(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
+    from ..scenario.source import parse as parse_yaml
+
+    name, equals, text = str(fault.set).partition("=")
+    if not equals or not name.strip() or not text.strip():
+        raise QuantityError(f"expected block.parameter = value, found {fault.set!r}")
+    name = name.strip()
+    block, variable, positions = _signal(name, models)
+    if variable.causality == "parameter" and variable.variability != "tunable":
+        raise QuantityError(
+            f"{name} is {variable.variability}: FMI lets only tunable parameters and inputs be set during a run"
+            f"{_tunable(models[block])}"
+        )
+    if variable.causality == "input":
+        fed = {node for link in wiring.links for node in link.target}
+        if any(Node(block, Element(variable.name, position)) in fed for position in positions):
+            raise QuantityError(f"{name} is connected; remedy: 'cut: {name}' with 'to', which takes the signal's place")
+    values = values_of(block, models[block], name.partition(".")[2], parse_yaml(text).data)
+    if variable.type == "string" and span[1] < math.inf:
+        raise QuantityError(f"{name} is text, which can be set but not be restored; remedy: leave out 'until'")
+    return Setting(block, tuple(values.items()), span, name)
+
+
+def _tunable(model: Model) -> str:
+    names = [variable.name for variable in model.of("parameter") if variable.variability == "tunable"]
+    return f"; tunable are {', '.join(names)}" if 0 < len(names) <= 12 else ""
+
+
+def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> list[Disturbance]:
+    reference = str(getattr(fault, fault.kind))
+    block, variable, positions = _signal(reference, models)
+    if variable.causality == "parameter":
+        raise QuantityError(f"{reference} is a parameter and no signal; remedy: set: {reference} = ...")
+    values = _values(fault, reference, variable, positions)
+    found = []
+    for position, value in zip(positions, values, strict=True):
+        node = Node(block, Element(variable.name, position))
+        for link, source, target in _ends(wiring):
+            if node == source:
+                own = link.factor * value + (link.offset if fault.kind == "cut" else 0.0)
+            elif node == target:
+                own = value
+            else:
+                continue
+            found.append(Disturbance(target, source, link.delayed, fault.kind, own, span))
+    if not found and variable.causality == "input":
+        raise QuantityError(f"{reference} is not connected; remedy: set: {reference} = ...")
+    if not found:
+        raise QuantityError(f"{reference} feeds no input, so nothing would change")
+    return found
+
+
+def _ends(wiring: Wiring) -> Iterable[tuple[Link, Node, Node]]:
+    return ((link, s, t) for link in wiring.links for s, t in zip(link.source, link.target, strict=True))
+
+
+def _values(fault: Fault, reference: str, variable: Variable, positions: Sequence[int]) -> list[float]:
+    """What each element is biased by, or given instead; in the unit of the variable."""
+    shape = variable.shape if len(positions) == variable.size else ()
+    if fault.kind == "bias":
+        if variable.type not in ("real", "integer"):
+            raise QuantityError(f"{reference} is {variable.type} and cannot be biased; remedy: 'cut' with 'to'")
+        by = leaves(fault.by, shape, variable)
+        return [_difference(variable.at([p]), leaf) for p, leaf in zip(positions, by, strict=True)]
+    if fault.kind == "freeze":
+        return [0.0] * len(positions)
+    if fault.to is None:
+        if variable.type == "enumeration":
+            raise QuantityError(
+                f"{reference} is an enumeration, which has no zero; expected 'to' with one of its items"
+            )
+        return [0.0] * len(positions)
+    whole = leaves(fault.to, shape, variable) if isinstance(fault.to, (list, tuple)) else [fault.to] * len(positions)
+    unlimited = replace(variable, shape=(), minima=(), maxima=())
+    return [float(scalar(unlimited.at([p]), 0, leaf)) for p, leaf in zip(positions, whole, strict=True)]
+
+
+def _difference(variable: Variable, value: Any) -> float:
+    """A difference of two values of the variable: units with an offset have none here."""
+    number, own = parse(value) if isinstance(value, str) else (value, None)
+    if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
+        raise QuantityError(f"by: expected a number or text with a unit, found {said(value)}")
+    unit = unit_of(variable)
+    if own is None:
+        return float(number)
+    if not own.fits(unit):
+        raise QuantityError(f"by: the unit {str(own)!r} does not fit that of {variable.name}, {unit}")
+    return number * own.factor / unit.factor

@@ -1,0 +1,89 @@
+"""Names of signals in a scenario: which elements they mean."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
+
+from ..errors import InputError, nearest
+from ..fmu.model import Element, Model, NameUnknown, Variable
+from ..instances.block import TYPES
+from ..scenario.scenario import Scenario, split
+from ..scenario.source import Key
+from .wiring import Node
+
+
+def find(scenario: Scenario, key: Key, reference: str, models: Mapping[str, Model]) -> tuple[Variable, list[Node]]:
+    """The elements that one reference means. Raises InputError at the given place of the scenario."""
+    parts = split(reference)
+    if parts is None:
+        raise InputError(scenario.error(key, f"expected block.variable, found {reference!r}"))
+    block, name, index = parts
+    if block not in models:
+        raise InputError(scenario.error(key, f"there is no block {block!r}{nearest(block, models)}"))
+    try:
+        variable, positions = models[block].find(block, name, index)
+    except NameUnknown as error:
+        raise InputError(scenario.error(key, str(error))) from None
+    if variable.type not in TYPES:
+        raise InputError(scenario.error(key, f"{reference} is text, which cannot be recorded"))
+    return variable.at(positions), [Node(block, Element(variable.name, position)) for position in positions]
+
+
+def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
+    """All elements that `record.signals` asks for, in order; by default all outputs of all blocks."""
+    nodes: dict[Node, None] = {}
+    if scenario.record.signals is None:
+        for block, model in models.items():
+            nodes.update((Node(block, e), None) for v in model.of("output") if v.type in TYPES for e in v.elements)
+    elif not scenario.record.signals and scenario.source.file is not None:
+        message = "must not be empty; without it all outputs of all blocks are recorded"
+        raise InputError(scenario.error(("record", "signals"), message))
+    faults: list[str] = []
+    for number, reference in enumerate(scenario.record.signals or ()):
+        key: Key = ("record", "signals", number)
+        try:
+            found = (
+                _matching(scenario, key, reference, models)
+                if "*" in reference
+                else find(scenario, key, reference, models)[1]
+            )
+        except InputError as error:
+            faults += error.messages
+        else:
+            nodes.update(dict.fromkeys(found))
+    if faults:
+        raise InputError(*faults)
+    return list(nodes)
+
+
+def flags(models: Mapping[str, Model]) -> list[Node]:
+    """All boolean outputs: recorded whatever was asked for, so that no flag is overlooked in the manifest."""
+    return [
+        Node(block, element)
+        for block, model in models.items()
+        for variable in model.of("output")
+        if variable.type == "boolean"
+        for element in variable.elements
+    ]
+
+
+def _matching(scenario: Scenario, key: Key, pattern: str, models: Mapping[str, Model]) -> list[Node]:
+    """The outputs whose names match `block.*`, `*.omega_*` and the like."""
+    literal = re.sub(r"([\[\]?])", r"[\1]", pattern)  # only the star is special
+    found = [
+        Node(block, element)
+        for block, model in models.items()
+        for variable in model.of("output")
+        if variable.type in TYPES and fnmatchcase(f"{block}.{variable.name}", literal)
+        for element in variable.elements
+    ]
+    if not found:
+        raise InputError(scenario.error(key, f"no output matches {pattern!r}"))
+    return found
+
+
+def label(node: Node, models: Mapping[str, Model]) -> str:
+    """Its name in results: `plant.R_NB[1][2]`, free of commas."""
+    return f"{node.block}.{models[node.block].variables[node.element.variable].label(node.element.position)}"

@@ -1,0 +1,322 @@
+"""What `orchestrate check` says of an FMU, and its exit status."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+from click.testing import CliRunner
+
+from fmus.description import Capabilities, model_description
+from fmus.interface import load, parse
+from orchestration.acceptance import binaries
+from orchestration.acceptance.check import check
+from orchestration.cli.main import main
+
+from .. import fmus, vendor
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    fmus.write_pair(tmp_path, runnable=True)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def orchestrate(*arguments):
+    result = CliRunner().invoke(main, ["check", *(str(a) for a in arguments)])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def findings(path: Path, map_: Path | None = None, as_: str = "regulator.fmu", topic: str = "", level: str = ""):
+    found, _ = check(path, as_, map_)
+    return [f for f in found if (not topic or f.topic == topic) and (not level or f.level == level)]
+
+
+def texts(found) -> str:
+    return "\n".join(str(f) for f in found)
+
+
+# ---------------------------------------------------------------- fits
+
+
+def test_an_fmu_fits_its_own_interface(here):
+    result = orchestrate("regulator.fmu", "--as", "regulator.fmu")
+    assert result.exit_code == 0
+    assert re.search(r"^ok +port +input speed, a real scalar, rad/s$", result.stdout, re.M)
+    assert result.stdout.endswith("\nfits: 1 warning\n"), "it says nothing of its step"
+
+
+def test_the_project_s_own_blocks_fit_themselves_in_both_flavours(here):
+    for flavour, warnings in (("native", 0), ("python", 2)):
+        from fmus.build import ensure
+
+        found = findings(ensure("allocator", flavour), as_="allocator")
+        assert not [f for f in found if f.level == "fault"]
+        assert sum(f.level == "warning" for f in found) <= warnings
+
+
+def test_a_mapping_makes_it_fit_and_the_factors_are_told(here):
+    vendor.write(here, runnable=True)
+    result = orchestrate("vendor.fmu", "--as", "regulator.fmu", "--map", "mapping.yaml")
+    assert result.exit_code == 0
+    assert "input speed = rate, a real scalar, rad/s to rpm: times 9.549296586" in result.stdout
+    assert "output voltage = command, a real scalar, V to mV: times 1000" in result.stdout
+
+
+def test_json_says_the_same(here):
+    vendor.write(here, runnable=True)
+    result = orchestrate("vendor.fmu", "--as", "regulator.fmu", "--json")
+    told = json.loads(result.stdout)
+    assert (result.exit_code, told["fits"]) == (1, False)
+    assert {f["level"] for f in told["findings"]} <= {"ok", "note", "warning", "fault"}
+    assert all(f["remedy"] for f in told["findings"] if f["level"] in ("fault", "warning"))
+
+
+# ---------------------------------------------------------------- the file
+
+
+def test_another_version_or_kind_does_not_fit(here):
+    fmus.write(here / "three.fmu", fmus.description("regulator", version="3.0"))
+    fmus.write(here / "exchange.fmu", fmus.description("regulator", kind="ModelExchange"))
+    assert "version 3.0; expected 2.0; remedy: export it for FMI 2.0" in texts(findings(here / "three.fmu"))
+    assert "model exchange only; remedy: export it for co-simulation" in texts(findings(here / "exchange.fmu"))
+    assert orchestrate("three.fmu", "--as", "regulator.fmu").exit_code == 1
+
+
+@pytest.mark.skipif(fmpy.platform != "linux64", reason="names the other platform")
+def test_a_binary_for_another_platform_only_is_told_with_those_that_there_are(here):
+    fmus.write(here / "vendor.fmu", fmus.description("regulator"), b"MZ", folder="win64")
+    told = texts(findings(here / "vendor.fmu", topic="binary"))
+    assert "none for this platform: expected binaries/linux64/probe.so, found binaries for win64" in told
+
+
+def test_what_is_no_library_is_told(here):
+    fmus.write(here / "vendor.fmu", fmus.description("regulator"), b"text")
+    assert "it is no shared library" in texts(findings(here / "vendor.fmu", topic="binary", level="fault"))
+    damaged = fmus.library()[:2000]
+    fmus.write(here / "vendor.fmu", fmus.description("regulator"), damaged)
+    assert "its tables are damaged" in texts(findings(here / "vendor.fmu", topic="binary", level="fault"))
+
+
+@pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("cc"), reason="needs an ELF compiler")
+def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(here):
+    source = fmus.Path(__file__).parents[1].joinpath("probe.c").read_text()
+    source = source.replace("fmi2DoStep(", "FMI2_doStep(").replace(
+        "(void)keep;", "(void)keep; extern int vendor_driver(void); vendor_driver();"
+    )
+    source = source.replace("UNUSED(fmi2CancelStep, void *c)", "")
+    (here / "p.c").write_text(source)
+    (here / "q.c").write_text("int q(void) { return 1; }")
+    subprocess.run(
+        ["cc", "-shared", "-fPIC", "-o", "libvendorrt.so.3", "-Wl,-soname,libvendorrt.so.3", "q.c"], check=True
+    )
+    for needed, topic, message in (
+        ([], "symbols", "linux64: needs symbols that no library gives it: vendor_driver"),
+        (
+            ["-Wl,--no-as-needed", "libvendorrt.so.3"],
+            "symbols",
+            "needs libraries that this machine has not: libvendorrt.so.3",
+        ),
+        ([], "functions", "linux64: the library lacks fmi2DoStep"),
+    ):
+        subprocess.run(["cc", "-shared", "-fPIC", "-w", "-o", "p.so", "p.c", *needed], check=True)
+        fmus.write(here / "vendor.fmu", fmus.description("regulator"), (here / "p.so").read_bytes())
+        assert message in texts(findings(here / "vendor.fmu", topic=topic, level="fault"))
+
+
+@pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("nm"), reason="nm is the witness")
+def test_the_symbols_of_a_library_are_those_that_nm_lists(here):
+    (here / "p.so").write_bytes(fmus.library())
+    library = binaries.read(fmus.library())
+    listed = subprocess.run(["nm", "-D", "--defined-only", "p.so"], capture_output=True, text=True, check=True).stdout
+    assert {
+        line.split()[2].split("@")[0] for line in listed.splitlines() if line.split()[1] in "TDBRVW"
+    } <= library.exported
+    listed = subprocess.run(["nm", "-D", "--undefined-only", "p.so"], capture_output=True, text=True, check=True).stdout
+    assert {
+        line.split()[-1].split("@")[0] for line in listed.splitlines() if line.split()[0] == "U"
+    } == library.undefined
+
+
+def test_the_tables_of_windows_libraries_are_read():
+    from fmus.build import ensure
+
+    with zipfile.ZipFile(ensure("allocator", "native")) as archive:
+        name = "binaries/win64/allocator.dll"
+        if name not in archive.namelist():
+            pytest.skip("built for this machine only")
+        library = binaries.read(archive.read(name))
+    assert library.machine == "x86_64"
+    assert set(binaries.FUNCTIONS) <= library.exported
+
+
+def test_what_it_asks_of_its_host_is_told(here):
+    fmus.write(
+        here / "vendor.fmu",
+        fmus.description("regulator").replace(
+            "modelIdentifier=", 'needsExecutionTool="true" canBeInstantiatedOnlyOncePerProcess="true" modelIdentifier='
+        ),
+        fmus.library(),
+    )
+    told = texts(findings(here / "vendor.fmu", topic="host"))
+    assert "needs the tool or the interpreter that made it" in told
+    assert "one instance in a process only" in told
+
+
+def test_what_the_validator_finds_is_told(here):
+    vendor.write(here, ('<Real start="-1"/>', "<Real/>"), own_names=False)
+    assert 'Variable "gain"' in texts(findings(here / "vendor.fmu"))
+
+
+# ---------------------------------------------------------------- ports
+
+
+@pytest.mark.parametrize(
+    ("change", "topic", "level", "message"),
+    [
+        (
+            ('name="speed" valueReference="2"', 'name="spede" valueReference="2"'),
+            "missing",
+            "fault",
+            "input speed, a real scalar in rad/s, is missing; by name or unit it may be spede; remedy: 'speed: spede' under ports in the mapping",
+        ),
+        (('name="voltage"', 'name="v"'), "missing", "note", "output voltage"),
+        (
+            ('<Real unit="rad/s" start="0"/>', '<Real unit="V" start="0"/>'),
+            "unit",
+            "fault",
+            "input speed: the units do not fit: ours is rad/s, theirs V",
+        ),
+        (
+            ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1" rad="1" factor="0.017"/>'),
+            "unit",
+            "fault",
+            "the FMU declares the unit rad/s to be 0.017 s-1.rad, but usually it is 1 s-1.rad",
+        ),
+        (
+            ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1"/>'),
+            "unit",
+            "fault",
+            "they differ by the radian only: state what it is, such as 'unit: rad/s'",
+        ),
+        (
+            ('<Real unit="rad/s" start="0"/>', '<Real start="0"/>'),
+            "unit",
+            "warning",
+            "input speed: theirs has no unit, so it is taken to be in rad/s",
+        ),
+        (
+            ('<Real unit="rad/s" start="0"/>', '<Integer start="0"/>'),
+            "type",
+            "fault",
+            "speed is integer, expected real",
+        ),
+        (('<Boolean start="true"/>', '<Integer start="1"/>'), "type", "fault", "enabled is integer, expected boolean"),
+        (
+            (
+                'name="samples[2]" valueReference="21" causality="output"',
+                'name="samples[3]" valueReference="21" causality="output"',
+            ),
+            "missing",
+            "note",
+            "output samples, a real [2]",
+        ),
+        (
+            (
+                'name="gain" valueReference="3" causality="parameter" variability="tunable"',
+                'name="gain" valueReference="3" causality="input"',
+            ),
+            "causality",
+            "fault",
+            "gain is of causality input, expected parameter",
+        ),
+        (('<Real start="-1"/>', '<Real start="-2"/>'), "start", "note", "gain: -2, ours -1"),
+        (
+            ('<Unknown index="5" dependencies="3"/>', '<Unknown index="5"/>'),
+            "feedthrough",
+            "warning",
+            "does not say on which inputs voltage depend directly",
+        ),
+        (
+            ('<Unknown index="7" dependencies=""/>', '<Unknown index="7" dependencies="3"/>'),
+            "feedthrough",
+            "note",
+            "depends directly where ours does not: samples on speed",
+        ),
+    ],
+)
+def test_what_differs_is_told_by_name(here, change, topic, level, message):
+    path = vendor.write(here, change, own_names=False)
+    assert message in texts(findings(path, topic=topic, level=level))
+
+
+@pytest.mark.parametrize("step", ["0", "-1", "INF", "NaN"])
+def test_a_step_that_is_none_does_not_fit(here, step):
+    change = ("<ModelVariables>", f'<DefaultExperiment stepSize="{step}"/><ModelVariables>')
+    told = texts(findings(vendor.write(here, change, own_names=False), topic="step", level="fault"))
+    assert f"its stepSize is {step}, expected a finite number above 0; remedy: declare" in told
+
+
+def test_an_extra_input_does_not_fit_unless_the_mapping_feeds_it(here):
+    extra = '<ScalarVariable name="samples[1]"'
+    path = vendor.write(
+        here,
+        (
+            extra,
+            '<ScalarVariable name="brake" valueReference="30" causality="input"><Real start="0"/></ScalarVariable>'
+            + extra,
+        ),
+        ('index="7"', 'index="8"'),
+        ('index="8" dependencies=""/><Unknown index="8"', 'index="8" dependencies=""/><Unknown index="9"'),
+        own_names=False,
+    )
+    assert "input brake, a real scalar, is of theirs only, and nothing feeds it" in texts(findings(path, level="fault"))
+    (here / "mapping.yaml").write_text("start: {brake: 0.5}")
+    assert "input brake of theirs is 0.5, as the mapping says" in texts(
+        findings(path, here / "mapping.yaml", topic="extra")
+    )
+
+
+def test_a_dependence_that_closes_a_loop_with_the_other_blocks_does_not_fit(here):
+    text = load("plant").source
+    plant = load("plant")
+    assert not plant.variables["r_N"].depends_on
+    text = text.replace("[variables.r_N]\n", '[variables.r_N]\ndepends_on = ["wheel_torque_cmd"]\n', 1)
+    xml = model_description(parse(text), "{1}", Capabilities(needsExecutionTool=False), "test").decode()
+    with zipfile.ZipFile(here / "vendor.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", xml)
+    (told,) = [f.text for f in findings(here / "vendor.fmu", as_="plant", topic="feedthrough", level="fault")]
+    for name in ("plant.r_N", "controller.tau_cmd_B", "allocator.wheel_torque_cmd"):
+        assert name in told
+
+
+def test_a_hostile_description_is_not_read(here):
+    xml = fmus.description("regulator").replace(
+        "<fmiModelDescription", '<!DOCTYPE x [<!ENTITY a "b">]>\n<fmiModelDescription', 1
+    )
+    fmus.write(here / "vendor.fmu", xml)
+    result = orchestrate("vendor.fmu", "--as", "regulator.fmu")
+    assert (result.exit_code, "has a DOCTYPE" in result.stderr) == (2, True)
+
+
+def test_an_interface_is_one_of_the_project_s_or_an_fmu(here):
+    for arguments, message in (
+        (("regulator.fmu", "--as", "alocator"), "this project has no interface 'alocator'; did you mean 'allocator'?"),
+        (("regulater.fmu", "--as", "allocator"), "there is no FMU regulater.fmu; did you mean 'regulator.fmu'?"),
+        (("regulator.fmu", "--as", "motr.fmu"), "there is no FMU motr.fmu; did you mean 'motor.fmu'?"),
+        (("regulator.fmu", "--as", "motor.fmu", "--map", "no.yaml"), "no.yaml: there is no such file"),
+    ):
+        result = orchestrate(*arguments)
+        assert result.exit_code == 2
+        assert message in result.stderr

@@ -1,0 +1,98 @@
+"""The outcomes of a hold, told apart from recorded signals."""
+
+import numpy as np
+import pytest
+
+from orchestration.errors import InputError
+from orchestration.expectations.holds import AT_ZERO, LATCHED, NEVER, RELEASED, Judge
+from tests.orchestration import mocks
+from tests.orchestration.mocks import law
+
+TIME = 0.5 * np.arange(8)
+RUNNING = np.full((8, 2), 3.0)
+
+
+def outcome(held, kept=RUNNING, **limits):
+    flags = {name.replace("_", " "): np.array(flag, bool) for name, flag in limits.items()}
+    found = []
+    for piece in (len(TIME), 3, 1):  # in one piece or in several, the outcome is the same
+        judge = Judge("commands", "law.holding")
+        for i in range(0, len(TIME), piece):
+            part = slice(i, i + piece)
+            judge.see(TIME[part], np.array(held, bool)[part], kept[part], {k: f[part] for k, f in flags.items()})
+        found.append(judge.hold)
+    assert found == [found[0]] * 3
+    return found[0]
+
+
+def test_a_run_without_a_hold_is_called_never_held():
+    hold = outcome([0] * 8)
+    assert (hold.outcome, hold.text, hold.spans) == (NEVER, "never held", [])
+
+
+def test_a_running_value_that_is_held_and_released_is_told_with_both_times():
+    hold = outcome([0, 1, 1, 0, 0, 0, 0, 0])
+    assert hold.outcome == RELEASED
+    assert hold.text == "running values held from 0.5 s to 1.5 s, then released"
+
+
+def test_several_holds_are_counted_and_the_longest_is_told():
+    hold = outcome([0, 1, 0, 1, 1, 1, 0, 0])
+    assert hold.spans == [(0.5, 1.0), (1.5, 3.0)]
+    assert hold.text.endswith("2 times in all, the longest for 1.5 s, released for good at 3 s")
+
+
+def test_a_hold_of_zero_from_the_first_sample_is_not_called_a_hold_of_running_values():
+    kept = np.where(np.arange(8)[:, None] < 3, 0.0, RUNNING)
+    hold = outcome([1, 1, 1, 0, 0, 0, 0, 0], kept)
+    assert hold.outcome == AT_ZERO
+    assert hold.text == "held at zero from the start to 1.5 s, then released"
+
+
+def test_a_hold_of_running_values_from_the_first_sample_is_not_called_a_hold_of_zero():
+    assert outcome([1, 1, 1, 0, 0, 0, 0, 0]).outcome == RELEASED
+
+
+def test_a_hold_that_the_end_finds_in_place_is_latched_and_names_the_limits_that_stand():
+    hold = outcome(
+        [0, 1, 0, 0, 1, 1, 1, 1],
+        the_wheel_at_its_limit=[0, 0, 1, 0, 0, 1, 1, 1],
+        the_rod_at_its_limit=[0, 0, 0, 0, 1, 1, 1, 0],
+    )
+    assert hold.outcome == LATCHED
+    assert (
+        hold.text
+        == "latched: held since t = 2 s to the end of the run after one release, the wheel at its limit since 2.5 s"
+    )
+
+
+def test_a_hold_of_zero_that_never_ends_says_both():
+    hold = outcome([1] * 8, np.zeros((8, 2)))
+    assert hold.outcome == LATCHED
+    assert hold.text == "latched: held at zero from the start to the end of the run"
+
+
+def test_a_hold_of_the_last_sample_only_counts_as_in_place():
+    assert outcome([0] * 7 + [1]).spans == [(3.5, None)]
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ({"signal": "law.y"}, "holds[1].signal: expected one boolean signal, law.y is a real scalar"),
+        ({"signal": "law.holds"}, "holds[1].signal: law has no variable 'holds'; did you mean 'hold'?"),
+        ({"keeps": ["low.y"]}, "holds[1].keeps[1]: there is no block 'low'; did you mean 'law'?"),
+        ({"limits": {"x": "law.z"}}, "holds[1].limits.x: law has no variable 'z'"),
+    ],
+)
+def test_what_a_hold_names_wrongly_is_refused_with_its_place(entry, message):
+    block = law("law")
+    block.model.variables["hold"] = mocks.Variable("hold", "output", "boolean")
+    scenario = {
+        "step": 0.1,
+        "duration": 1.0,
+        "holds": [{"name": "h", "signal": "law.hold", "keeps": ["law.y"]} | entry],
+    }
+    with pytest.raises(InputError) as error:
+        mocks.run([block], scenario)
+    assert message in str(error.value)
