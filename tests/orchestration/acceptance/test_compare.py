@@ -14,8 +14,8 @@ from orchestration.scenario.source import read
 from orchestration.swap import prepare as swap
 
 from .. import fmus, vendor
-from .test_mapping import STEP, orchestrate, swapped
-from .wrong_inputs import SCENARIO
+from ..swap.test_mapping import STEP, orchestrate, swapped
+from ..wrong_inputs import SCENARIO
 
 ARGUMENTS = ("compare", "loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")
 FIGURE = """

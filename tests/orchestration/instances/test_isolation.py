@@ -21,7 +21,7 @@ from orchestration.instances.isolation import MEMORY, TIMEOUT, IsolatedBlock, Li
 from orchestration.scenario.scenario import load
 
 from .. import broken, fmus
-from .wrong_inputs import SCENARIO
+from ..wrong_inputs import SCENARIO
 
 ROOT = Path(__file__).parents[3]
 

@@ -17,7 +17,7 @@ from orchestration.fmu.model import Element
 from orchestration.instances.slave import Slave
 
 from .. import fmus
-from .wrong_inputs import SCENARIO
+from ..wrong_inputs import SCENARIO
 
 
 def test_the_loop_is_that_of_explicit_euler(loop):

@@ -9,8 +9,8 @@ from orchestration import InputError, run
 from orchestration.master import recording
 from orchestration.system.clock import Clock
 
-from .mocks import Mock, model, ramp, real
-from .mocks import run as run_mocks
+from ..mocks import Mock, model, ramp, real
+from ..mocks import run as run_mocks
 
 EXPECT = [
     {"name": "no spike", "signal": "a.x", "always": {"below": 0.5}},

@@ -14,7 +14,7 @@ from orchestration.errors import InputError
 from orchestration.fmu.model import Element
 from orchestration.quantities import Unit
 
-from .mocks import Mock, law, model, ramp, real, run
+from ..mocks import Mock, law, model, ramp, real, run
 
 CHAIN = ["plant.y -> first.u", "first.y -> second.u", "second.y -> plant.u"]
 

@@ -14,11 +14,12 @@ import pytest
 
 from orchestration import InputError, run
 from orchestration.errors import BlockError, ResultsError
+from orchestration.results import folder
 
 from .. import broken, fmus
-from .mocks import law
-from .mocks import run as run_mocks
-from .test_cli import ROOT, orchestrate
+from ..mocks import law
+from ..mocks import run as run_mocks
+from ..cli.test_cli import ROOT, orchestrate
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and devices differ")
 COMMAND = [sys.executable, "-m", "orchestration"]
@@ -40,7 +41,7 @@ def test_a_full_disk_leaves_no_part_of_a_run_and_none_of_the_one_before(loop, mo
         path.write_bytes(b"time,mot")
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setitem(__import__("orchestration.results.folder").folder.FORMATS, "csv", (full, ""))
+    monkeypatch.setitem(folder.FORMATS, "csv", (full, ""))
     result = orchestrate(loop.name)
     assert result.exit_code == 4
     assert "loop: ran 2 s" in result.stdout, "the summary comes before the folder is written"
@@ -50,8 +51,6 @@ def test_a_full_disk_leaves_no_part_of_a_run_and_none_of_the_one_before(loop, mo
 
 @pytest.mark.parametrize("second", [KeyboardInterrupt, OSError(28, "No space left on device")])
 def test_files_get_their_names_only_when_all_of_them_are_complete(loop, monkeypatch, second):
-    from orchestration.results import folder
-
     original = folder._json
 
     def stopped(path, data):
@@ -115,7 +114,7 @@ def test_the_manifest_holds_every_parameter_in_force_and_what_became_of_flags(lo
 def test_flags_that_were_true_are_told(capsys):
     from orchestration.cli.console import summary
 
-    from .test_every_step import spiky
+    from ..master.test_every_step import spiky
 
     result = run_mocks([spiky()], {"step": 0.1, "duration": 2})
     assert result.flags == {"a.on": 0.7}

@@ -19,9 +19,9 @@ from orchestration.results import report_plots
 from orchestration.quantities import parse_unit
 from orchestration.results.result import Result
 
-from .. import browser
-from .mocks import Mock, model, real
-from .mocks import run as run_mocks
+from . import browser
+from ..mocks import Mock, model, real
+from ..mocks import run as run_mocks
 
 EVIL = "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>\"'&"
 VOID = {"meta", "link"}

@@ -12,8 +12,8 @@ from orchestration import InputError, run
 from orchestration.expectations.checks import Judge, prepare
 from orchestration.scenario.scenario import load
 
-from .mocks import Mock, model, real
-from .mocks import run as run_mocks
+from ..mocks import Mock, model, real
+from ..mocks import run as run_mocks
 
 
 @pytest.fixture

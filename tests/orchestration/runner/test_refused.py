@@ -10,7 +10,7 @@ from orchestration import InputError, run
 from orchestration.quantities import QuantityError, parse, parse_unit
 from orchestration.scenario.scenario import load
 
-from .test_cli import orchestrate
+from ..cli.test_cli import orchestrate
 
 
 def refused(loop, old, new):

@@ -23,8 +23,8 @@ from orchestration.swap.adapter import Adapter
 from orchestration.swap.fit import fit, model, unfed
 
 from .. import fmus, mocks, vendor
-from .mocks import Mock, real
-from .wrong_inputs import SCENARIO
+from ..mocks import Mock, real
+from ..wrong_inputs import SCENARIO
 
 
 def reference(kind: Model, starts=None) -> Reference:

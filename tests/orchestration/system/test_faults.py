@@ -16,7 +16,7 @@ from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
 from orchestration.scenario.scenario import load
 
-from .mocks import Mock, law, model, ramp, real, run
+from ..mocks import Mock, law, model, ramp, real, run
 
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 

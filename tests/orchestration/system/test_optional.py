@@ -28,7 +28,7 @@ from orchestration.results.figures import draw_panel
 from orchestration.scenario.scenario import load
 
 from .. import mocks
-from .mocks import Mock, real
+from ..mocks import Mock, real
 
 DELAYED = """
 name: delayed
