@@ -17,8 +17,8 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
-- `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, by which the block
-  knows that it is not connected;
+- `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
+  0.999e9 or more in any element means that it is not connected;
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
@@ -44,6 +44,8 @@ BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensor
 FLAVOURS = ("native", "python")
 ABSENT = 1e9
 """The start of every optional input, which means that it is not connected."""
+ABSENT_MIN = 0.999e9
+"""The magnitude from which, in any of its elements, an optional input is not connected: a host may have rounded its start."""
 OPTIONAL = "optional: 1e9, its start, means not connected"
 
 Causality = Literal["input", "output", "parameter"]

@@ -12,11 +12,15 @@ EARTH_RATE = 7.2921158553e-5
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
-_EPOCH = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:\d\d)?)?", re.ASCII)
+_EPOCH = re.compile(r"\d{4}-\d\d-\d\d([T ]([01]\d|2[0-3]):\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:\d\d)?)?", re.ASCII)
 
 
 def parse_epoch(text: str) -> datetime:
-    """A UTC date and time from text such as 2009-08-10T00:00:00Z: ISO 8601's extended form. Raises ValueError."""
+    """A UTC date and time from the extended form of ISO 8601. Raises ValueError.
+
+    2009-08-10, or 2009-08-10T12:00[:00[.5]] and Z, +00:00, -00:00 or nothing. A space may stand for the T and a comma
+    for the point; digits beyond microseconds are dropped. Years 1 to 9999; no leap second.
+    """
     try:
         if _EPOCH.fullmatch(text) is None:
             raise ValueError

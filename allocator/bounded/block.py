@@ -17,8 +17,8 @@ INDEPENDENT_MIN = 1e-6
 """|det U| below which the rods count as lying in one plane."""
 FIELD_MIN = 1e-12
 """T. A field below a thousandth of a nanotesla counts as none, and then nothing is asked of the rods."""
-ABSENT = 1e9
-"""An optional input that holds this or more is not connected."""
+ABSENT_MIN = 0.999e9
+"""An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
 ROD_WEIGHT_MIN = 1e-8
 """T. Below it the preference along the field would drown in rounding."""
 FRACTION_CAP = 1e6
@@ -126,8 +126,8 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 def _preference(u: Inputs, p: Parameters, field: bool) -> Preference:
     """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole without a field."""
-    rods = field and not (np.abs(u.dipole_ff) >= ABSENT).any()
-    wheel = abs(u.wheel_torque_ff) < ABSENT
+    rods = field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
+    wheel = abs(u.wheel_torque_ff) < ABSENT_MIN
     return Preference(
         dipole=u.dipole_ff if rods else np.zeros(3),
         wheel_torque=u.wheel_torque_ff if wheel else -u.h_w / p.desaturation_time,

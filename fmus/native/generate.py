@@ -12,7 +12,7 @@ import math
 import textwrap
 from pathlib import Path
 
-from ..interface import OPTIONAL, Element, Interface, InterfaceError, Variable, package_of
+from ..interface import ABSENT_MIN, OPTIONAL, Element, Interface, InterfaceError, Variable, package_of
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 64
@@ -35,15 +35,23 @@ def camel_case(block: str) -> str:
 def ports_header(interface: Interface) -> str:
     """A C header with the block's parameters, inputs and outputs as structures and its enumerations."""
     name = interface.name
+    optional = [v for v in interface.of("input") if v.optional]
+    math_h = "#include <math.h>\n" if optional else ""
     parts = [
         f"/* {interface.description}.\n * Generated from fmus/interfaces/{name}.toml by python -m fmus.native; do not edit. */",
         f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
-        "#include <stdbool.h>\n#include <stdint.h>\n",
+        f"{math_h}#include <stdbool.h>\n#include <stdint.h>\n",
     ]
     parts += [_enumeration(name, v) for v in interface.variables.values() if v.type == "enumeration"]
     for causality, (record, _) in _RECORDS.items():
         members = "\n".join(_member(v) for v in interface.variables.values() if v.causality == causality)
         parts.append(f"typedef struct {{\n{members}\n}} {camel_case(name)}{record};\n")
+    if optional:
+        limit = f"{name.upper()}_ABSENT_MIN"
+        parts.append(
+            f"/* An optional input is not connected where an element is this large. */\n#define {limit} {ABSENT_MIN!r}\n"
+        )
+        parts += [_connected(name, v, limit) for v in optional]
     return "\n".join(parts) + "\n#endif\n"
 
 
@@ -51,6 +59,15 @@ def _enumeration(block: str, variable: Variable) -> str:
     prefix = f"{block}_{variable.name}_".upper()
     items = ",\n".join(f"    {prefix}{item.upper()} = {i}" for i, item in enumerate(variable.items, start=1))
     return f"enum {{\n{items}\n}};\n"
+
+
+def _connected(block: str, variable: Variable, limit: str) -> str:
+    """Whether an optional input is connected; NaN is, so that the block refuses it as it does in any other input."""
+    indices = itertools.product(*(range(n) for n in variable.shape))
+    members = [f"u->{variable.name}" + "".join(f"[{i}]" for i in index) for index in indices]
+    absent = " ||\n             ".join(f"fabs({member}) >= {limit}" for member in members)
+    head = f"static inline bool {block}_has_{variable.name}(const {camel_case(block)}Inputs *u)"
+    return f"{head}\n{{\n    return !({absent});\n}}\n"
 
 
 def _member(variable: Variable) -> str:

@@ -12,17 +12,6 @@ static Matrix inertia(const PlantParameters *p)
     return (Matrix){add(J.a, error.a), add(J.b, error.b), add(J.c, error.c)};
 }
 
-static bool is_date(const PlantParameters *p, Date *date, Fault *f)
-{
-    if (!parse_date(p->epoch, date)) {
-        f->text = p->epoch;
-        f->name = "epoch";
-        f->expected = "UTC in ISO 8601, such as 2009-08-10T12:00:00Z";
-        return false;
-    }
-    return true;
-}
-
 /* v_N0 contains the turning of the orbit's plane, whose rate follows from the orbit in the plane: a fixed point, of
  * which each pass leaves about a thousandth of the error. */
 static bool drifting_orbit_through(const PlantParameters *p, Orbit *orbit)
@@ -40,7 +29,7 @@ static bool drifting_orbit_through(const PlantParameters *p, Orbit *orbit)
     return true;
 }
 
-static bool orbit_of(const PlantParameters *p, const Date *date, Orbit *orbit, Fault *f)
+static bool orbit_of(const PlantParameters *p, const Epoch *date, Orbit *orbit, Fault *f)
 {
     const double mu = p->gravitational_parameter;
     if (p->orbit_start == PLANT_ORBIT_START_POSITION_VELOCITY) {
@@ -104,7 +93,7 @@ static bool covers(const FieldModel *model, double year)
     return year >= model->years[0] && year <= model->valid_until;
 }
 
-static bool check_field(const PlantParameters *p, const Date *date, Fault *f)
+static bool check_field(const PlantParameters *p, const Epoch *date, Fault *f)
 {
     const FieldModel *model = &field_models[p->field_model - 1];
     const double year = decimal_year(date);
@@ -119,7 +108,7 @@ static bool check_field(const PlantParameters *p, const Date *date, Fault *f)
 
 bool plant_check(const PlantParameters *p, Fault *f)
 {
-    Date date;
+    Epoch date;
     Orbit orbit;
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_inertia(inertia(p), "J_B + J_error_B", f) ||
         !has_unit_rows(matrix(p->rod_axes), "rod_axes", f)) {
@@ -143,7 +132,7 @@ bool plant_check(const PlantParameters *p, Fault *f)
     if (p->integrator_order != 2 && p->integrator_order != 4 && p->integrator_order != 6) {
         return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
     }
-    return is_attitude(p, f) && is_date(p, &date, f) && orbit_of(p, &date, &orbit, f) && is_above_ground(p, &orbit, f) &&
+    return is_attitude(p, f) && is_epoch(p->epoch, &date, f) && orbit_of(p, &date, &orbit, f) && is_above_ground(p, &orbit, f) &&
            (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
 }
 
@@ -181,7 +170,7 @@ static Matrix from_quaternion(const double q[4])
 
 void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 {
-    Date date = {0, 0, 0, 1};
+    Epoch date = {0, 0, 0, 1};
     Fault unused;
     Environment *environment = &plant->environment;
     const Matrix U = matrix(p->rod_axes);
@@ -195,7 +184,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
         transposed((Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)});
     lay_plates(p, plant->plates);
 
-    (void)is_date(p, &date, &unused);
+    (void)epoch_read(p->epoch, &date);
     (void)orbit_of(p, &date, &environment->orbit, &unused);
     environment->mu = p->gravitational_parameter;
     environment->gmst0 = gmst(&date);

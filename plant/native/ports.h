@@ -80,7 +80,7 @@ typedef struct {
     double v_N0[3];
     /* Whether the orbit's plane drifts with J2's secular node rate */
     bool j2_node_drift;
-    /* UTC at t = 0, ISO 8601, with the time of day */
+    /* UTC at t = 0, ISO 8601, with the time of day; ends in Z, +00:00, -00:00 or nothing */
     char epoch[64];
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;

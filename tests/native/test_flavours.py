@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fmus.interface import load
+import allocator.bounded
+from allocator.bounded.block import ABSENT_MIN as ABSENT_MIN_IN_PYTHON
+from fmus.interface import ABSENT_MIN, load
 from tests.blocks import inputs, module, parameters
 
 from .driver import Instance, Refused
@@ -212,6 +215,32 @@ def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
                 assert_same(native.outputs(), y, block)
                 compared += 1
     assert compared == 500
+
+
+@pytest.mark.parametrize("input_", ["dipole_ff", "wheel_torque_ff"])
+@pytest.mark.parametrize("share", [0.5, 1.0 - 1e-15, 1.0, 1.0 + 1e-15, 1.001, 1e3])
+def test_both_flavours_take_an_optional_input_for_unconnected_from_the_same_magnitude_on(
+    input_: str, share: float
+) -> None:
+    python = allocator.bounded
+    p = parameters("allocator_bounded")
+    ordinary = inputs("allocator_bounded", tau_cmd_B=[1e-4, 2e-4, -1e-4], b_B=[2e-5, 1e-5, -3e-5], h_w=0.01)
+    x = python.start(p, ordinary)
+    unconnected = python.outputs(x, ordinary, p)
+    for sign in (1.0, -1.0):
+        size = sign * share * ABSENT_MIN
+        u = replace(ordinary, **{input_: np.array([3.0, size, -2.0]) if input_ == "dipole_ff" else size})
+        y = python.outputs(x, u, p)
+        with Instance("allocator_bounded") as native:
+            native.set_all(p)
+            native.set_all(u)
+            native.initialize()
+            assert_same(native.outputs(), y, "allocator_bounded")
+        assert np.array_equal(y.dipole_cmd, unconnected.dipole_cmd) == (share >= 1.0)
+
+
+def test_the_python_block_has_the_interfaces_threshold() -> None:
+    assert ABSENT_MIN_IN_PYTHON == ABSENT_MIN
 
 
 @pytest.mark.parametrize("block", ["controller", "allocator", "allocator_bounded", "plant", "plant_sensors"])

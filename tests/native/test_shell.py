@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fmus.interface import BLOCKS, load
+from tests import dates
 
 from .driver import ERROR, GUID, Callbacks, Instance, Refused, library, references
 
@@ -417,3 +418,21 @@ def test_numbers_in_messages_read_as_printf_g(value: float) -> None:
         it.step(value + 0.5 if abs(value) < 10.0 else value, 0.1)
     shown = value + 0.5 if abs(value) < 10.0 else value
     assert str(refusal.value).endswith(f"found {shown:.9g}")
+
+
+# ------------------------------------------------------------------------------------------- dates
+
+
+@pytest.mark.parametrize("block", ["plant", "controller_planned"])
+def test_both_blocks_with_an_epoch_read_the_same_dates_and_refuse_the_same_texts(block: str) -> None:
+    with Instance(block) as it:
+        it.call("EnterInitializationMode")
+        for text in dates.REFUSED:
+            it.set("epoch", text)
+            with pytest.raises(Refused, match="epoch: expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z, found '"):
+                it.call("ExitInitializationMode")
+    for text in dates.READ:
+        with Instance(block) as it:
+            it.set("epoch", text)
+            it.set("field_model", "igrf14")
+            it.initialize()

@@ -4,7 +4,6 @@
 #include "rotation.h"
 
 static const double FIELD_MIN = 1e-12;      /* T; a weaker field counts as none, and nothing is asked of the rods */
-static const double ABSENT = 1e9;           /* an optional input that holds this or more is not connected */
 static const double ROD_WEIGHT_MIN = 1e-8;  /* T; below, the preference along the field drowns in rounding */
 static const double FRACTION_CAP = 1e6;     /* largest demand_fraction that is reported */
 
@@ -53,18 +52,19 @@ static double clip(double x, double low, double high)
 
 /* The commands that give r, N m, as nearly as the limits and the preference let them: in shares of the limits,
  * minimise |A x - r|^2 + sum w_i^2 (x_i - p_i)^2. The columns of A are the torques of the actuators at their limits. */
-static Commands allocate(const AllocatorBoundedParameters *p, const Vector rods[3], Vector r, double h_w, Vector dipole_ff, bool with_rods_ff,
-                         double wheel_torque_ff)
+static Commands allocate(const AllocatorBoundedParameters *p, const AllocatorBoundedInputs *u, const Vector rods[3], Vector r,
+                         bool with_rods_ff)
 {
-    const bool with_wheel_ff = fabs(wheel_torque_ff) < ABSENT;
+    const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
+    const double h_w = u->h_w;
     const double torque_max = p->wheel_torque_max;
     const Vector A[BOX_N] = {scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]),
                              {-torque_max, 0.0, 0.0}};
     const double rod_weight = p->rod_weight * p->dipole_max;
     const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
     const double weight[BOX_N] = {rod_weight, rod_weight, rod_weight, wheel_weight};
-    const double dh_w_p = with_wheel_ff ? wheel_torque_ff : -h_w / p->desaturation_time;
-    const Vector m_p = with_rods_ff ? dipole_ff : (Vector){0.0, 0.0, 0.0};
+    const double dh_w_p = with_wheel_ff ? u->wheel_torque_ff : -h_w / p->desaturation_time;
+    const Vector m_p = with_rods_ff ? vector(u->dipole_ff) : (Vector){0.0, 0.0, 0.0};
     const double preferred[BOX_N] = {m_p.x / p->dipole_max, m_p.y / p->dipole_max, m_p.z / p->dipole_max, dh_w_p / torque_max};
 
     /* The wheel stays within its momentum over a period. Zero is always allowed, so the box is never empty. */
@@ -118,8 +118,8 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     const Vector field = with_field ? b_B : (Vector){0.0, 0.0, 0.0};
     const Vector rods[3] = {cross(U.a, field), cross(U.b, field), cross(U.c, field)}; /* [16] */
     const Vector spin = {0.0, -Omega.z * u->h_w, Omega.y * u->h_w};                   /* -l_w Omega x e1 [14] */
-    const bool with_rods_ff = with_field && largest(dipole_ff) < ABSENT;
-    const Commands given = allocate(&law->p, rods, subtract(tau, spin), u->h_w, dipole_ff, with_rods_ff, u->wheel_torque_ff);
+    const bool with_rods_ff = with_field && allocator_bounded_has_dipole_ff(u);
+    const Commands given = allocate(&law->p, u, rods, subtract(tau, spin), with_rods_ff);
 
     const Vector by_rods = cross(apply_transposed(U, given.dipole), field);
     const Vector by_wheel = {-given.dh_w, spin.y, spin.z};

@@ -3,6 +3,7 @@
 #ifndef ALLOCATOR_BOUNDED_PORTS_H
 #define ALLOCATOR_BOUNDED_PORTS_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -64,5 +65,20 @@ typedef struct {
      * field is not met */
     double b_wheel;
 } AllocatorBoundedOutputs;
+
+/* An optional input is not connected where an element is this large. */
+#define ALLOCATOR_BOUNDED_ABSENT_MIN 999000000.0
+
+static inline bool allocator_bounded_has_dipole_ff(const AllocatorBoundedInputs *u)
+{
+    return !(fabs(u->dipole_ff[0]) >= ALLOCATOR_BOUNDED_ABSENT_MIN ||
+             fabs(u->dipole_ff[1]) >= ALLOCATOR_BOUNDED_ABSENT_MIN ||
+             fabs(u->dipole_ff[2]) >= ALLOCATOR_BOUNDED_ABSENT_MIN);
+}
+
+static inline bool allocator_bounded_has_wheel_torque_ff(const AllocatorBoundedInputs *u)
+{
+    return !(fabs(u->wheel_torque_ff) >= ALLOCATOR_BOUNDED_ABSENT_MIN);
+}
 
 #endif

@@ -6,7 +6,6 @@ static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision p
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
 static const double R_MIN = 1e6;                /* m */
 static const double COLLINEAR = 1e-6;           /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double ABSENT = 0.999e9;           /* an optional input that is not connected stands at its start, 1e9, rounded or not */
 static const double RATE_MAX = 0.06;            /* rad/s, from which a plan of all its stages still succeeds */
 static const double FIELD_MAX = 1e-3;           /* T; no orbit has more, so a larger field is in another unit */
 static const double EARLY = 1e-6;               /* of the control period: a sample is due that much before its time */
@@ -27,18 +26,10 @@ static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong 
 static const double CHANGE_MAX = 0.1;           /* rad/s^2 that rods and wheel may give to a light satellite */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
-static bool absent(const double *x, int n)
+/* No orbit has a field of exactly zero. */
+static bool has_field(const ControllerPlannedInputs *u)
 {
-    bool away = false;
-    for (int i = 0; i < n; ++i) {
-        away = away || fabs(x[i]) >= ABSENT;
-    }
-    return away;
-}
-
-static bool no_field(const double b[3])
-{
-    return absent(b, 3) || (b[0] == 0.0 && b[1] == 0.0 && b[2] == 0.0);
+    return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
 }
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
@@ -82,14 +73,12 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
     if (!(volume > 1e-6)) {
         return fault(f, "rod_axes", volume, "linearly independent axes, |det| above 1e-06");
     }
-    double days;
-    if (!days_of_epoch(p->epoch, &days)) {
-        fault(f, "epoch", 0.0, "a date and time such as 2009-08-10T00:00:00Z");
-        f->text = p->epoch;
+    Epoch epoch;
+    if (!is_epoch(p->epoch, &epoch, f)) {
         return false;
     }
     const GaussModel *model = &gauss_models[p->field_model - 1];
-    const double year = year_of_days(days);
+    const double year = year_of_days(days_of_epoch(&epoch));
     if (!(year >= model->years[0] && year <= model->valid_until)) {
         return fault(f, "epoch", year, model->covered);
     }
@@ -98,15 +87,15 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 
 void controller_planned_prepare(const ControllerPlannedParameters *p, ControllerPlannedLaw *law)
 {
-    double days = 0.0;
+    Epoch epoch = {0, 0, 0, 0};
     law->p = *p;
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     for (int i = 0; i < 3; ++i) {
         const Vector axis = vector(p->rod_axes[i]);
         law->rod_axes[i] = scale(1.0 / norm(axis), axis);
     }
-    days_of_epoch(p->epoch, &days);
-    onboard_field(&gauss_models[p->field_model - 1], days, p->field_degree, p->field_error, &law->field);
+    (void)epoch_read(p->epoch, &epoch);
+    onboard_field(&gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error, &law->field);
 }
 
 static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
@@ -120,7 +109,7 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
             return fault(f, inputs[i].name, NAN, "finite numbers");
         }
     }
-    if (!absent(u->b_B, 3) && norm(vector(u->b_B)) > FIELD_MAX) {
+    if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > FIELD_MAX) {
         return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
     }
     if (!isfinite(u->h_w)) {
@@ -181,15 +170,14 @@ static void applied(const ControllerPlannedLaw *law, const ControllerPlannedStat
                     double given[CONTROLS])
 {
     const ControllerPlannedParameters *p = &law->p;
-    if (absent(u->u_applied, CONTROLS)) {
-        memcpy(given, x->u, sizeof x->u);
-    } else {
+    memcpy(given, x->u, sizeof x->u);
+    if (controller_planned_has_u_applied(u)) {
         for (int i = 0; i < 3; ++i) {
             given[i] = u->u_applied[i] / p->dipole_max;
         }
         given[3] = u->u_applied[3] / p->wheel_torque_max;
     }
-    if (!absent(&u->h_w, 1)) {
+    if (controller_planned_has_h_w(u)) {
         given[3] = (u->h_w - x->measured.l) / (dt * p->wheel_torque_max);
     }
 }
@@ -363,7 +351,7 @@ static void command(const ControllerPlannedLaw *law, const ControllerPlannedStat
     const Matrix R = now->R, J = model.J;
     const Vector Omega = now->Omega;
     const double l = now->l;
-    const Vector B_B = no_field(u->b_B) ? apply_transposed(R, around.B_N) : vector(u->b_B);
+    const Vector B_B = has_field(u) ? vector(u->b_B) : apply_transposed(R, around.B_N);
     const Vector M_g = gravity_gradient(J, &around, R);
 
     const Matrix Q_target = multiply(transposed(target.R), R);
@@ -420,7 +408,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
 {
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
-    const bool measured_field = !no_field(u->b_B);
+    const bool measured_field = has_field(u);
     const Matrix R = matrix(u->R_NB);
     double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};
     Ahead ahead = ahead_of(law, x, u);
@@ -440,7 +428,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
         const double l = x->l_own + dt * p->wheel_torque_max * given[3];
         x->l_own = larger(smaller(l, p->wheel_momentum_max), -p->wheel_momentum_max);
     }
-    if (!absent(&u->h_w, 1)) {
+    if (controller_planned_has_h_w(u)) {
         x->l_own = u->h_w;
     }
     const Motion measured = {R, vector(u->omega_B), x->l_own};
@@ -493,7 +481,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
-    const double l = absent(&u->h_w, 1) ? x->l_own : u->h_w;
+    const double l = controller_planned_has_h_w(u) ? u->h_w : x->l_own;
     const Motion now = corrected(x, matrix(u->R_NB), vector(u->omega_B), l);
     command(law, x, u, &now, controls, y);
     return true;

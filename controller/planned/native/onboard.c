@@ -6,69 +6,11 @@ static const double PI = 3.14159265358979323846;
 static const double EARTH_RADIUS = 6371200.0;       /* m, of the field models */
 static const double EARTH_RATE = 7.292115855e-5;    /* rad/s, of Greenwich relative to N */
 
-static bool digits(const char **text, int n, int *value)
+double days_of_epoch(const Epoch *epoch)
 {
-    *value = 0;
-    for (int i = 0; i < n; ++i, ++*text) {
-        if (**text < '0' || **text > '9') {
-            return false;
-        }
-        *value = 10 * *value + (**text - '0');
-    }
-    return true;
-}
-
-static bool mark(const char **text, char c)
-{
-    return *(*text)++ == c;
-}
-
-bool days_of_epoch(const char *epoch, double *days)
-{
-    int Y, M, D, hour = 0, minute = 0, second = 0;
-    double fraction = 0.0;
-    const char *s = epoch;
-    if (!digits(&s, 4, &Y) || !mark(&s, '-') || !digits(&s, 2, &M) || !mark(&s, '-') || !digits(&s, 2, &D)) {
-        return false;
-    }
-    if (*s == 'T' || *s == ' ') {
-        ++s;
-        if (!digits(&s, 2, &hour) || !mark(&s, ':') || !digits(&s, 2, &minute)) {
-            return false;
-        }
-        if (*s == ':') {
-            ++s;
-            if (!digits(&s, 2, &second)) {
-                return false;
-            }
-            if (*s == '.') {
-                double unit = 0.1;
-                for (++s; *s >= '0' && *s <= '9'; ++s, unit *= 0.1) {
-                    fraction += unit * (*s - '0');
-                }
-            }
-        }
-    }
-    if (*s == 'Z') {
-        ++s;
-    } else if (*s == '+') {
-        int zone;
-        ++s;
-        if (!digits(&s, 2, &zone) || zone != 0 || !mark(&s, ':') || !digits(&s, 2, &zone) || zone != 0) {
-            return false;
-        }
-    }
-    static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    const bool leap = Y % 4 == 0 && (Y % 100 != 0 || Y % 400 == 0);
-    if (*s != '\0' || M < 1 || M > 12 || D < 1 || D > lengths[M - 1] + (M == 2 && leap ? 1 : 0) || hour > 23 || minute > 59 ||
-        second > 59) {
-        return false;
-    }
-    /* Days since 1 March of the year 0, from which leap days come last. */
-    const int y = M > 2 ? Y : Y - 1, m = M > 2 ? M - 3 : M + 9;
-    const int count = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + D - 1;
-    *days = (double)(count - 730425) - 0.5 + ((hour * 60.0 + minute) * 60.0 + second + fraction) / 86400.0;
-    return true;
+    const int64_t time = epoch->in_year % EPOCH_DAY;
+    const int64_t days = (epoch->since_j2000 + EPOCH_DAY / 2 - time) / EPOCH_DAY;
+    return (double)days - 0.5 + (double)time / (double)EPOCH_SECOND / 86400.0;
 }
 
 double year_of_days(double days)

@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 
+#include "epoch.h"
 #include "rotation.h"
 #include "vector.h"
 
@@ -44,8 +45,8 @@ typedef struct {
     Vector Omega;
 } Target;
 
-/* UTC, ISO 8601 ("2009-08-10T00:00:00Z"), as days from 2000-01-01T12:00; false where it is none. */
-bool days_of_epoch(const char *epoch, double *days);
+/* Days of 86400 s from 2000-01-01T12:00. */
+double days_of_epoch(const Epoch *epoch);
 
 /* The decimal year of days from 2000-01-01T12:00. */
 double year_of_days(double days);

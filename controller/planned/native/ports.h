@@ -3,6 +3,7 @@
 #ifndef CONTROLLER_PLANNED_PORTS_H
 #define CONTROLLER_PLANNED_PORTS_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -62,7 +63,7 @@ typedef struct {
     double identify_spread;
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
-    /* UTC at t = 0, ISO 8601, with the time of day */
+    /* UTC at t = 0, ISO 8601, with the time of day; ends in Z, +00:00, -00:00 or nothing */
     char epoch[64];
     /* Onboard model of the geomagnetic field, at the year of epoch */
     int32_t field_model;
@@ -141,5 +142,28 @@ typedef struct {
      * connected */
     double h_w_estimate;
 } ControllerPlannedOutputs;
+
+/* An optional input is not connected where an element is this large. */
+#define CONTROLLER_PLANNED_ABSENT_MIN 999000000.0
+
+static inline bool controller_planned_has_h_w(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->h_w) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_b_B(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->b_B[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->b_B[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->b_B[2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_u_applied(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->u_applied[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->u_applied[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->u_applied[2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->u_applied[3]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
 
 #endif

@@ -117,7 +117,10 @@ static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
 
 int probe_days(const char *text, double *days)
 {
-    return days_of_epoch(text, days);
+    Epoch epoch;
+    const bool read = epoch_read(text, &epoch);
+    *days = read ? days_of_epoch(&epoch) : 0.0;
+    return read;
 }
 
 double probe_year(double days)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from fmus.interface import ABSENT_MIN
 from tests.native.driver import Instance, Refused
 from tests.native.test_shell import saved, serialized
 
@@ -257,6 +258,14 @@ def test_one_absent_element_makes_the_input_absent():
         assert all(map(same, run(a, 0.0, 15.0, inputs=partly), run(b, 0.0, 15.0, inputs=absent)))
 
 
+@pytest.mark.parametrize(("share", "connected"), [(1.0 - 1e-15, True), (1.0, False), (1.0 + 1e-15, False)])
+def test_the_wheel_momentum_is_connected_below_the_threshold_only(share, connected):
+    with started() as it:
+        it.set("h_w", -share * ABSENT_MIN)
+        it.step(0.0, 0.5)
+        assert (it.get("h_w_estimate") == -share * ABSENT_MIN) == connected
+
+
 def test_a_field_of_exactly_zero_is_no_field():
     def zero(t):
         return {**near_target(t), "b_B": [0.0, 0.0, 0.0]}
@@ -326,8 +335,8 @@ def test_what_is_no_number_is_refused_where_it_comes_in(name, value):
             r"epoch: expected a date that igrf14 covers, 2000.0 to 2030.0, found 1999.4",
         ),
         ({"field_model": "wmm2020"}, r"epoch: expected a date that wmm2020 covers, 2020.0 to 2025.0, found 2009.6"),
-        ({"epoch": "2009-02-30T00:00:00Z"}, r"epoch: expected a date and time such as.*found '2009-02-30T00:00:00Z'"),
-        ({"epoch": "yesterday %s"}, r"epoch: expected a date and time such as.*found 'yesterday %%s'"),
+        ({"epoch": "2009-02-30T00:00:00Z"}, r"epoch: expected UTC in ISO 8601, such as.*found '2009-02-30T00:00:00Z'"),
+        ({"epoch": "yesterday %s"}, r"epoch: expected UTC in ISO 8601, such as.*found 'yesterday %%s'"),
         ({"J_B": np.diag([1.0, 1.0, 2.5])}, r"J_B: expected the inertia of a body"),
         ({"J_B": [[2, 0.1, 0], [0, 2, 0], [0, 0, 2]]}, r"J_B: expected a symmetric matrix"),
         ({"K0": [1e-3, 1e-3, 2e-3]}, r"K0\[2\]: expected 0 < K0\[1\] < K0\[2\] < K0\[3\], finite, found 0.001"),
