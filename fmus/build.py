@@ -1,7 +1,7 @@
 """Builds blocks as FMUs, and rebuilds them when what they are made of has changed.
 
-build()                      # all blocks in C, into build/fmus/native/
-build(flavour="python")      # the Python reference of those that have one, into build/fmus/python/
+build()                      # all blocks in C, into out/fmus/native/
+build(flavour="python")      # the Python reference of those that have one, into out/fmus/python/
 ensure("plant")              # the path of plant.fmu, built when missing or out of date
 """
 
@@ -13,47 +13,18 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from pathlib import Path
 
 from . import places
-from .interface import BLOCKS, FLAVOURS, Interface, load, package_of
+from .block import Block, BuildError, files_of
+from .interface import BLOCKS, FLAVOURS, Interface, load
 
 __all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "ensure", "fmu_path"]
 
-ROOT = places.REPOSITORY
+ROOT = places.PACKAGES
 
 _HERE = Path(__file__).parent
-
-
-class BuildError(RuntimeError):
-    """A block that cannot be built; the message says which and why."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """What an FMU is made of: an interface and the folder of the Python package that keeps to it."""
-
-    interface: Interface
-    folder: Path
-
-    @property
-    def name(self) -> str:
-        return self.interface.name
-
-    @classmethod
-    def named(cls, name: str) -> Block:
-        """A block of this project."""
-        if name not in BLOCKS:
-            raise BuildError(f"there is no block {name!r}; expected one of {', '.join(BLOCKS)}")
-        first, *below = package_of(name).split(".")
-        spec = find_spec(first)
-        folder = Path(spec.submodule_search_locations[0], *below) if spec and spec.submodule_search_locations else None
-        if folder is None or not folder.is_dir():
-            raise BuildError(f"the package of the block {name!r} is not installed: pip install -e . in the repository")
-        return cls(load(name), folder)
 
 
 def blocks_of(flavour: str) -> list[str]:
@@ -92,26 +63,35 @@ def fmu_path(block: str, flavour: str = "native") -> Path:
 
 
 def ensure(block: str | Block, flavour: str = "native", out: Path | None = None) -> Path:
-    """The path of a block's FMU, which is built first when it is missing or its sources have changed."""
+    """The path of a block's FMU, which is built first when it is missing or its sources have changed.
+
+    Of several processes that ask at the same time one builds and the others wait for it. Raises BuildError.
+    """
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
     _check_flavour(chosen.interface, flavour)
     if isinstance(block, str) and out is None and (made := places.ready(f"{flavour}/{block}.fmu")):
         return made
     path = _path(chosen.name, flavour, out)
-    if _stamp(path) != _fingerprint(chosen, flavour).encode():
-        build([chosen], flavour, out)
+    stamp = _fingerprint(chosen, flavour).encode()
+    if _stamp(path) != stamp:
+        from filelock import FileLock  # here, since it takes 30 ms and only a build needs it
+
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with FileLock(path.with_name(f".{path.name}.lock")):
+            if _stamp(path) != stamp:  # else another process has built it in the meantime
+                build([chosen], flavour, out)
     return path
 
 
 def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
-    """Imported here, since it takes long and `ensure` seldom needs it."""
+    """Imported here, since it takes long and `ensure` seldom needs it; PythonFMU may be missing."""
     if flavour == "native":
         from . import native
 
         return native.package
     try:
-        from . import packaging
+        from .python import packaging
     except ModuleNotFoundError as error:
         raise BuildError(
             f"building the Python flavour needs the package {error.name}: pip install {error.name}"
@@ -146,14 +126,14 @@ def _stamp(path: Path) -> bytes | None:
 def _fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made from, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
-    makers = [path for kind in ("*.py", "*.c", "interfaces/*.svg") for path in sorted(_HERE.glob(kind))]
-    paths = [places.shared("LICENSE"), *makers, *places.of_block(block.folder)]
-    paths += _files(_HERE / "native")
+    makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
+    makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
+    paths = [places.shared("LICENSE"), *makers, *files_of(block.folder)]
     if flavour == "native":
         paths += _files(block.folder / "native")
     for path in paths:
         digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
-    for name in ("pythonfmu", "ziglang", "pint", *_data_packages(block.folder)):
+    for name in ("pythonfmu", "ziglang", *_data_packages(block.folder)):
         digest.update(f"\n{name} {_version(name)}".encode())
     return digest.hexdigest()
 

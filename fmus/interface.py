@@ -36,12 +36,14 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, Literal
 
 BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "controller_planned")
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 FLAVOURS = ("native", "python")
+INTERFACES = Path(__file__).parent / "interfaces"
+"""The folder of the interfaces and the icons."""
 ABSENT = 1e9
 """The start of every optional input, which means that it is not connected."""
 ABSENT_MIN = 0.999e9
@@ -147,7 +149,7 @@ class Interface:
 
 def load(block: str) -> Interface:
     """The interface of a block of this project, such as "plant"."""
-    return parse(files("fmus").joinpath("interfaces", f"{block}.toml").read_text("utf-8"), f"{block}.toml")
+    return parse((INTERFACES / f"{block}.toml").read_text("utf-8"), f"{block}.toml")
 
 
 def parse(text: str, file: str = "<interface>") -> Interface:

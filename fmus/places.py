@@ -8,7 +8,8 @@ from __future__ import annotations
 from importlib.metadata import version
 from pathlib import Path
 
-REPOSITORY = Path(__file__).parents[1]
+PACKAGES = Path(__file__).parents[1]
+"""Where this package and those of the blocks stand: the repository, or the folder of an installed copy."""
 READY = Path(__file__).parent / "ready"
 
 
@@ -19,7 +20,7 @@ def installed() -> bool:
 
 def shared(name: str) -> Path:
     """A file or folder that stands in the repository's root: `scenarios`, `LICENSE`."""
-    return (READY if installed() else REPOSITORY) / name
+    return (READY if installed() else PACKAGES) / name
 
 
 def ready(name: str) -> Path | None:
@@ -29,28 +30,9 @@ def ready(name: str) -> Path | None:
 
 
 def work() -> Path:
-    """Where to build what is missing: build/ in the repository, or the user's cache."""
+    """Where to build what is missing: out/ in the repository, or the user's cache."""
     if not installed():
-        return REPOSITORY / "build"
-    from platformdirs import user_cache_path
+        return PACKAGES / "out"
+    from platformdirs import user_cache_path  # here, since it takes 10 ms and only a build from a wheel needs it
 
     return user_cache_path("attitude-cosim", appauthor=False) / version("attitude-cosim")
-
-
-def package_name(folder: Path) -> str:
-    """The name by which the package in this folder is imported: `allocator.bounded` for `allocator/bounded`."""
-    name, above = folder.name, folder.parent
-    while (above / "__init__.py").exists():
-        name, above = f"{above.name}.{name}", above.parent
-    return name
-
-
-def of_block(folder: Path) -> list[Path]:
-    """All files in a block's folder, sorted, but its C and the blocks that have their own folders in it."""
-    apart = {folder / "native", *filter(_is_block, folder.iterdir())}
-    found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
-    return sorted(path for path in found if apart.isdisjoint(path.parents))
-
-
-def _is_block(folder: Path) -> bool:
-    return (folder / "native").is_dir() or (folder / "block.py").is_file()

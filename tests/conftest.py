@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import build
+from fmus.build import blocks_of, ensure
 
 
 @pytest.fixture(scope="session")
-def built_fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """This project's FMUs in the Python flavour, by block."""
-    return build(flavour="python", out=tmp_path_factory.mktemp("fmus"))
+def built_fmus() -> dict[str, Path]:
+    """This project's FMUs in the Python flavour, by block; built once for all processes of the tests."""
+    return {block: ensure(block, "python") for block in blocks_of("python")}

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from .. import places
-from ..description import Capabilities, guid_from, model_description
+from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
 from ..native.generate import block_header, camel_case, ports_header, table

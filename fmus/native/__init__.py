@@ -7,14 +7,13 @@ package(load("controller"), Path("controller"), platforms="host")   # quicker: f
 from __future__ import annotations
 
 import hashlib
-import importlib
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from .. import places
-from ..contents import archive, common
-from ..description import Capabilities, guid_from, model_description
+from ..block import module_of
+from ..contents.archive import archive, common
+from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface
 from .generate import block_header, table
 from .toolchain import FLAGS, PLATFORMS, CompilerError, compile_library, compiler, host_platform
@@ -85,7 +84,8 @@ def _generated(folder: Path) -> dict[str, str]:
     """C that the block makes from its tables: what `generated()` of `<block>/native/tables.py` returns, by file name."""
     if not (folder / "native" / "tables.py").exists():
         return {}
-    return dict(importlib.import_module(f"{places.package_name(folder)}.native.tables").generated())
+    with module_of(folder, "native.tables") as tables:
+        return dict(tables.generated())
 
 
 def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:

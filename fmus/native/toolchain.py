@@ -83,31 +83,46 @@ def compile_library(
     wanted = list(platforms)
     if unknown := [p for p in wanted if p not in PLATFORMS]:
         raise CompilerError(f"platform {unknown[0]!r}: expected {', '.join(PLATFORMS)}")
-    if find_spec("ziglang") is None:
+    if _zig() is None:
         return {host_platform(): _with_system_compiler(name, sources, includes, wanted)}
     jobs = [(p, target) for p in wanted for target in PLATFORMS[p].targets]
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 2) as pool:
-        slices = dict(zip(jobs, pool.map(lambda job: _with_zig(name, sources, includes, *job), jobs), strict=True))
+        slices = dict(zip(jobs, pool.map(lambda job: _freestanding(name, sources, includes, *job), jobs), strict=True))
     return {p: universal([slices[p, target] for target in PLATFORMS[p].targets]) for p in wanted}
 
 
-def _zig() -> list[str]:
-    import ziglang
+def _zig() -> Path | None:
+    """The compiler of the package ziglang; None where that is not installed."""
+    spec = find_spec("ziglang")
+    if spec is None or spec.origin is None:
+        return None
+    return Path(spec.origin).with_name("zig.exe" if os.name == "nt" else "zig")
 
-    (folder,) = ziglang.__path__
-    return [str(Path(folder, "zig.exe" if os.name == "nt" else "zig")), "cc"]
 
-
-def _with_zig(name: str, sources: Sequence[Path], includes: Sequence[Path], platform_name: str, target: str) -> bytes:
-    chosen = PLATFORMS[platform_name]
+def shared_library(name: str, platform_name: str, target: str, arguments: Sequence[str | Path]) -> bytes:
+    """The shared library of this file name that zig makes of sources and further options. Raises CompilerError."""
+    zig = _zig()
+    if zig is None:
+        raise CompilerError(
+            f"{name} for {platform_name} needs the compiler of the package ziglang: pip install ziglang"
+        )
+    link = [argument.format(library=name) for argument in PLATFORMS[platform_name].link]
     with tempfile.TemporaryDirectory() as folder:
-        library = Path(folder, name + chosen.suffix)
-        link = [argument.format(library=library.name) for argument in chosen.link]
-        paths = [f"-I{path}" for path in (FREESTANDING, *includes)]
-        files = [*sources, *sorted(FREESTANDING.glob("*.c"))]
-        command = [*_zig(), "-target", target, *FLAGS, "-ffreestanding", "-nostdlib", "-shared", "-s", *link, *paths]
-        _run([*command, *map(str, files), "-o", str(library)], library)
+        library = Path(folder, name)
+        command = [zig, "cc", "-target", target, *FLAGS, "-shared", "-s", *link, *arguments, "-o", library]
+        _run([str(argument) for argument in command], library)
         return library.read_bytes()
+
+
+def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:
+    files = [*sources, *sorted(FREESTANDING.glob("*.c"))]
+    arguments: list[str | Path] = [
+        "-ffreestanding",
+        "-nostdlib",
+        *(f"-I{path}" for path in (FREESTANDING, *includes)),
+        *files,
+    ]
+    return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
 
 
 def _system_compiler() -> str:

@@ -248,7 +248,7 @@ def assignment(text: str) -> tuple[str, Any]:
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for the FMUs; default: build/fmus/FLAVOUR.",
+    help="Folder for the FMUs; default: out/fmus/FLAVOUR.",
 )
 def build(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""

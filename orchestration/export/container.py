@@ -16,7 +16,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..errors import InputError
-from ..quantities import BASES, Unit
+from ..quantities import Unit
 from .system import System
 
 
@@ -93,13 +93,7 @@ def _described(system: System, xml: bytes) -> bytes:
     if units:
         definitions = ET.Element("UnitDefinitions")
         for name, unit in sorted(units.items()):
-            base = ET.SubElement(ET.SubElement(definitions, "Unit", name=name), "BaseUnit")
-            for key, power in zip(BASES, unit.exponents or (), strict=False):
-                if power:
-                    base.set(key, str(power))
-            for key, number, usual in (("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)):
-                if number != usual:
-                    base.set(key, repr(number))
+            ET.SubElement(ET.SubElement(definitions, "Unit", name=name), "BaseUnit", unit.base_unit)
         place = next(i for i, child in enumerate(root) if child.tag not in ("ModelExchange", "CoSimulation"))
         root.insert(place, definitions)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from ..quantities import BASES, Unit
+from ..quantities import Unit
 from .system import Component, System, Value
 
 NAMESPACES = {
@@ -151,11 +151,7 @@ def _units(root: ET.Element, prefix: str, found: Iterable[Unit | None]) -> None:
     if known:
         parent = _element(root, f"{prefix}:Units")
         for name, unit in sorted(known.items()):
-            exponents = {base: str(power) for base, power in zip(BASES, unit.exponents or (), strict=False) if power}
-            base = _element(_element(parent, "ssc:Unit", name=name), "ssc:BaseUnit", exponents)
-            for key, number, usual in (("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)):
-                if number != usual:
-                    base.set(key, repr(number))
+            _element(_element(parent, "ssc:Unit", name=name), "ssc:BaseUnit", unit.base_unit)
 
 
 def _element(

@@ -22,7 +22,7 @@ from ..export.ssp import ANNOTATION, NAMESPACES, STRUCTURE
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Variable
-from ..quantities import BASES, Unit, convert
+from ..quantities import Unit, convert
 from ..scenario.source import Source
 from ..system.wiring import Node
 
@@ -234,9 +234,7 @@ def _parameters(values: ET.Element) -> Iterator[tuple[str, _Given]]:
 
 def _unit(entry: ET.Element) -> Unit:
     base = entry.find("ssc:BaseUnit", NAMESPACES)
-    given = {} if base is None else dict(base.attrib)
-    exponents = tuple(int(given.get(name, "0")) for name in BASES)
-    return Unit(entry.get("name", ""), exponents, float(given.get("factor", "1")), float(given.get("offset", "0")))
+    return Unit.from_base_unit(entry.get("name", ""), {} if base is None else base.attrib)
 
 
 def _names(places: dict[Path_, str]) -> dict[Path_, str]:

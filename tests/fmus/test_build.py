@@ -11,7 +11,9 @@ import subprocess
 import sys
 import time
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import pytest
@@ -147,7 +149,7 @@ def test_ensure_builds_once_and_again_when_a_source_changes(tmp_path: Path) -> N
 
 
 def test_what_is_built_by_default_is_native() -> None:
-    assert fmu_path("plant") == ensure("plant") == ROOT / "build" / "fmus" / "native" / "plant.fmu"
+    assert fmu_path("plant") == ensure("plant") == ROOT / "out" / "fmus" / "native" / "plant.fmu"
 
 
 def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
@@ -160,11 +162,26 @@ def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
     monkeypatch.setattr(module, "_HERE", copy)
     block = module.Block.named("plant")
     seen = {module._fingerprint(block, "native")}
-    for number, name in enumerate(("units.py", "shell.c", "interfaces/plant.svg", "a_new_file.py"), start=2):
+    names = ("units.py", "native/shell/step.c", "contents/icon.py", "interfaces/plant.svg", "a_new_file.py")
+    for number, name in enumerate(names, start=2):
         with (copy / name).open("a") as file:
             file.write("\n")
         seen.add(module._fingerprint(block, "native"))
         assert len(seen) == number, name
+
+
+def test_callers_that_ask_at_the_same_time_build_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    block, out, built = toy(tmp_path / "toy"), tmp_path / "out", []
+
+    def slow(*arguments: Any) -> dict[str, Path]:
+        built.append(arguments)
+        time.sleep(0.2)  # so that all the others are waiting
+        return build(*arguments)
+
+    monkeypatch.setattr("fmus.build.build", slow)
+    with ThreadPoolExecutor(4) as pool:
+        paths = set(pool.map(lambda _: ensure(block, "python", out), range(4)))
+    assert (paths, len(built)) == ({out / "toy.fmu"}, 1)
 
 
 def test_a_full_disk_leaves_no_temporary_file_and_is_told_with_the_path(

@@ -17,8 +17,8 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from fmus.build import blocks_of, build
-from fmus.contents import common
-from fmus.icon import png
+from fmus.contents.archive import common
+from fmus.contents.icon import png
 from fmus.interface import BLOCKS, Interface, InterfaceError, load, parse
 
 FLAVOURS = ("native", "python")

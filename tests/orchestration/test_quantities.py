@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from fmus import units
 from orchestration import quantities
 from orchestration.quantities import QuantityError, Unit, convert, parse, parse_unit, value_in
 
@@ -16,9 +17,9 @@ NOT_PINTS = {"1", "%", "rev", "mcd"}
 """What Pint does not know, or reads as something else: mcd, to it, is no millicandela."""
 
 
-@pytest.mark.parametrize("name", sorted(set(quantities._UNITS) - NOT_PINTS))
+@pytest.mark.parametrize("name", sorted(set(units._UNITS) - NOT_PINTS))
 def test_the_table_agrees_with_pint(name):
-    ours, theirs = parse_unit(name), quantities._from_pint(name, None)
+    ours, theirs = parse_unit(name), units._from_pint(name, None)
     assert ours.exponents == theirs.exponents
     assert ours.factor == pytest.approx(theirs.factor, rel=1e-14)
     assert ours.offset == pytest.approx(theirs.offset, abs=1e-12)
@@ -55,7 +56,7 @@ def test_units_that_only_pint_knows():
 
 
 def test_common_units_do_not_import_pint(monkeypatch):
-    monkeypatch.setattr(quantities, "_registry", lambda: pytest.fail("Pint was asked"))
+    monkeypatch.setattr(units, "_registry", lambda: pytest.fail("Pint was asked"))
     parse_unit.cache_clear()
     for text in (
         "s",

@@ -13,7 +13,7 @@ import fmpy
 import pytest
 from click.testing import CliRunner
 
-from fmus.description import Capabilities, model_description
+from fmus.contents.description import Capabilities, model_description
 from fmus.interface import load, parse
 from orchestration.acceptance import binaries
 from orchestration.acceptance.check import check

@@ -4,33 +4,30 @@ Inside the FMU all Python code stands in one package whose name ends in the hash
 two versions of one, run their own code in one process:
 
     resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          slave.py, memory.py, interface.py, interface.toml
+    resources/plant_0123456789ab_code/          interface.py, interface.toml, python/slave.py, python/memory.py
     resources/plant_0123456789ab_code/plant/    the block, with the data that it carries in tables/
     resources/plant_0123456789ab_code/pythonfmu/
 """
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import importlib
-import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator
 from importlib.metadata import distribution, version
 from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
-from . import places
-from .contents import archive, common
-from .description import Capabilities, guid_from, model_description
-from .interface import Interface
-from .shell import PLATFORMS, compile_shell
+from ..block import files_of, importing_from, module_of, package_name
+from ..contents.archive import archive, common
+from ..contents.description import Capabilities, guid_from, model_description
+from ..interface import Interface
+from ..native.toolchain import PLATFORMS
+from .shell import PLATFORM_ARGUMENTS, SOURCE, compile_shell
 
-RUNTIME = ("interface.py", "memory.py", "slave.py")
-"""The modules of this package that an FMU carries."""
+RUNTIME = ("interface.py", "python/__init__.py", "python/memory.py", "python/slave.py")
+"""The modules of `fmus` that an FMU carries."""
 CAPABILITIES = Capabilities(needsExecutionTool=True)
 """It needs a process that holds Python; everything else it can do."""
 REQUIREMENTS = "numpy>=1.26\n"
@@ -42,13 +39,13 @@ HOST = (
     "flavour of this block, which has the same ports and needs nothing."
 )
 
-_HERE = Path(__file__).parent
+_FMUS = Path(__file__).parents[1]
 _PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
 """PythonFMU's modules that run; the others build."""
 
 _ENTRY = '''"""Entry of the FMU: PythonFMU's library looks here for the class of the slave."""
 
-from {code}.slave import BlockSlave, keep
+from {code}.python.slave import BlockSlave, keep
 
 keep(globals())  # PythonFMU runs this text once more for each instance, then drops a reference that it never took
 
@@ -88,27 +85,25 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
 
 def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
     """Everything that decides what the FMU does, by its path inside the package of the code."""
-    content = {name: (_HERE / name).read_bytes() for name in RUNTIME}
+    content = {name: (_FMUS / name).read_bytes() for name in RUNTIME}
     content["interface.toml"] = interface.source.encode()
     carried = _carried(folder)
     content |= {f"{carried}/{path}": data for path, data in sources(folder).items()}
-    name = places.package_name(folder)
-    with _importing_from(folder.parents[name.count(".")], name.partition(".")[0]):
-        if (folder / "tables").exists() or (folder / "tables.py").exists():
-            tables = importlib.import_module(f"{name}.tables")
+    if (folder / "tables").exists() or (folder / "tables.py").exists():
+        with module_of(folder, "tables") as tables:
             content |= {f"{carried}/tables/{path}": data for path, data in tables.dump().items()}
-    content["shell.c"] = (_HERE / "shell.c").read_bytes()
+    content["shell.c"] = SOURCE.read_bytes()
     return content
 
 
 def _carried(folder: Path) -> str:
     """The name of the block's package inside the FMU."""
-    return places.package_name(folder).replace(".", "_")
+    return package_name(folder).replace(".", "_")
 
 
 def sources(folder: Path) -> dict[str, bytes]:
     """The Python files of a block's package, by their paths in it."""
-    files = {path.relative_to(folder).as_posix(): path for path in places.of_block(folder) if path.suffix == ".py"}
+    files = {path.relative_to(folder).as_posix(): path for path in files_of(folder) if path.suffix == ".py"}
     return {name: path.read_bytes().replace(b"\r\n", b"\n") for name, path in sorted(files.items())}
 
 
@@ -128,29 +123,8 @@ def _build(
         code=code.name, name=interface.name, description=interface.description, package=block, identity=identity
     )
     script.write_text(text, "utf-8", newline="\n")
-    with _importing_from(script.parent, entry, code.name):
+    with importing_from(script.parent, entry, code.name):
         return Path(FmuBuilder.build_FMU(script, dest=temporary / "built", project_files=[code]))
-
-
-@contextlib.contextmanager
-def _importing_from(folder: Path, *packages: str) -> Iterator[None]:
-    """Imports these packages from this folder, whatever was imported by their names before, and forgets them afterwards."""
-
-    def theirs() -> list[str]:
-        return [name for name in sys.modules if name.partition(".")[0] in packages]
-
-    path, write, aside = sys.path.copy(), sys.dont_write_bytecode, {name: sys.modules.pop(name) for name in theirs()}
-    sys.path.insert(0, str(folder))
-    sys.dont_write_bytecode = True
-    importlib.invalidate_caches()
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        sys.dont_write_bytecode = write
-        for name in theirs():
-            del sys.modules[name]
-        sys.modules.update(aside)
 
 
 def _finish(files: dict[str, bytes], entry: str, name: str, guid: str) -> dict[str, bytes]:
@@ -164,12 +138,12 @@ def _finish(files: dict[str, bytes], entry: str, name: str, guid: str) -> dict[s
         elif folder.startswith("binaries/"):
             platform, suffix = folder.removeprefix("binaries/"), Path(file).suffix
             finished[f"{folder}/{'lib' if suffix == '.so' else ''}pythonfmu-export{suffix}"] = data
-            if platform in PLATFORMS:
+            if platform in PLATFORM_ARGUMENTS:
                 finished[path] = compile_shell(platform, guid)
         elif path != "modelDescription.xml":
             finished[path] = data
     finished[f"resources/{entry}_code/pythonfmu/__init__.py"] = b""
-    missing = {f"binaries/{platform}/{name}{suffix}" for platform, (_, suffix, _) in PLATFORMS.items()} - set(finished)
+    missing = {f"binaries/{p}/{name}{PLATFORMS[p].suffix}" for p in PLATFORM_ARGUMENTS} - set(finished)
     if missing:
         raise RuntimeError(f"PythonFMU packaged no library for {sorted(missing)[0]}")
     return finished

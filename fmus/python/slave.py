@@ -17,14 +17,16 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from .interface import Interface, parse
+from ..interface import Interface, parse
 from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
 
 try:
-    from .pythonfmu.fmi2slave import Fmi2Slave  # the copy that an FMU carries
+    from ..pythonfmu.fmi2slave import Fmi2Slave  # the copy that an FMU carries
 except ModuleNotFoundError:
     from pythonfmu.fmi2slave import Fmi2Slave
 
+_CODE = __package__.rpartition(".")[0]
+"""The package of all the code that an FMU carries."""
 _INSTANTIATED, _INITIALIZING, _STEPPING, _TERMINATED = "instantiated", "initializing", "stepping", "terminated"
 _TIME_TOLERANCE = 1e-6
 """Of a step: how far doStep's time may be from where the block stands."""
@@ -83,7 +85,7 @@ class BlockSlave(Fmi2Slave):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(self.resources)
-        if self.folder is None or (not self.folder.exists() and (resources / __package__).exists()):
+        if self.folder is None or (not self.folder.exists() and (resources / _CODE).exists()):
             type(self)._load(resources)
         self.modelName = self.interface.name
         self._values = self.layout.starts.copy()
@@ -97,14 +99,14 @@ class BlockSlave(Fmi2Slave):
     @classmethod
     def _load(cls, resources: Path) -> None:
         """Imports the block, anew where the folder that it came from is gone and may be read no more."""
-        here = sys.modules[__package__]
+        here = sys.modules[_CODE]
         if cls.folder is not None:
-            here.__path__ = [str(resources / __package__)]
-            for name in [name for name in sys.modules if name.startswith(f"{__package__}.{cls.package}")]:
+            here.__path__ = [str(resources / _CODE)]
+            for name in [name for name in sys.modules if name.startswith(f"{_CODE}.{cls.package}")]:
                 del sys.modules[name]
             importlib.invalidate_caches()
         folder = Path(here.__path__[0])
-        cls.block = importlib.import_module(f".{cls.package}", __package__)
+        cls.block = importlib.import_module(f".{cls.package}", _CODE)
         cls.interface = parse((folder / "interface.toml").read_text("utf-8"), "interface.toml")
         cls.layout = Layout(cls.interface, cls.block)
         cls.folder = folder

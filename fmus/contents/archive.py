@@ -5,12 +5,11 @@ from __future__ import annotations
 import io
 import zipfile
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
+from ..interface import INTERFACES, Interface
 from .documentation import index_html
 from .icon import png
-from .interface import Interface
 from .terminals import terminals_and_icons
 
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -38,7 +37,7 @@ def common(interface: Interface, licence: Path | None, host: str) -> dict[str, b
 
 
 def _svg(name: str) -> bytes | None:
-    path = files("fmus").joinpath("interfaces", f"{name}.svg")
+    path = INTERFACES / f"{name}.svg"
     return path.read_bytes().replace(b"\r\n", b"\n") if path.is_file() else None
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from .interface import Interface
+from ..interface import Interface
 
 EDGE, BODY, HALF = 100, 80, 8
 """Of the icon's coordinates: the square, the block within it, and half a terminal's height."""

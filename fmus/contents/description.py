@@ -5,10 +5,9 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 
-from .interface import OPTIONAL, Element, Interface, Variable
-from .units import display_factor, unit
+from ..interface import OPTIONAL, Element, Interface, Variable
+from ..units import display_factor, parse_unit
 
 LOG_CATEGORIES = {
     "logStatusWarning": "Messages with the status fmi2Warning",
@@ -53,7 +52,7 @@ def model_description(
     remark: str = "",
     licence: str = "BSD-3-Clause",
 ) -> bytes:
-    """The XML file; `remark` follows the description. No date stands in it, so the same arguments give the same bytes. Raises UnitError."""
+    """The XML file; `remark` follows the description. No date stands in it, so the same arguments give the same bytes. Raises QuantityError."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -104,13 +103,11 @@ def _unit_definitions(root: ET.Element, interface: Interface) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(shown):
         entry = ET.SubElement(definitions, "Unit", name=name)
-        meaning = unit(name)
-        base = {key: str(exponent) for key, exponent in meaning.exponents.items()}
-        if meaning.factor != 1:
-            base["factor"] = _text(float(meaning.factor))
-        ET.SubElement(entry, "BaseUnit", base)
+        unit = parse_unit(name)
+        ET.SubElement(entry, "BaseUnit", unit.base_unit)
         for display in sorted(shown[name]):
-            ET.SubElement(entry, "DisplayUnit", name=display, factor=_text(display_factor(name, display)))
+            factor = display_factor(unit, parse_unit(display))
+            ET.SubElement(entry, "DisplayUnit", name=display, factor=_text(factor))
 
 
 def _type_definitions(root: ET.Element, interface: Interface) -> None:
@@ -193,5 +190,5 @@ def _unit_attributes(variable: Variable, position: int) -> dict[str, str]:
     return {"unit": _unit_name(variable.units[position]), **display}
 
 
-def _text(value: float | int | bool | str | Fraction) -> str:
+def _text(value: float | int | bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from .interface import OPTIONAL, Interface, Variable
+from ..interface import OPTIONAL, Interface, Variable
 
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"

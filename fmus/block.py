@@ -1,0 +1,88 @@
+"""A block as sources: an interface and the folder of the package that keeps to it."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from . import places
+from .interface import BLOCKS, Interface, load, package_of
+
+
+class BuildError(RuntimeError):
+    """A block that cannot be built; the message says which and why."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """What an FMU is made of: an interface and the folder of the Python package that keeps to it."""
+
+    interface: Interface
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        return self.interface.name
+
+    @classmethod
+    def named(cls, name: str) -> Block:
+        """A block of this project. Raises BuildError where there is none of this name."""
+        if name not in BLOCKS:
+            raise BuildError(f"there is no block {name!r}; expected one of {', '.join(BLOCKS)}")
+        return cls(load(name), places.PACKAGES.joinpath(*package_of(name).split(".")))
+
+
+def package_name(folder: Path) -> str:
+    """The name of the package in this folder, from its topmost package on: `allocator.bounded`.
+
+    What an installed copy puts round this project's packages does not count.
+    """
+    name, above = folder.name, folder.parent
+    while above != places.PACKAGES and (above / "__init__.py").exists():
+        name, above = f"{above.name}.{name}", above.parent
+    return name
+
+
+def files_of(folder: Path) -> list[Path]:
+    """All files in a block's folder, sorted, but its C and the blocks that have their own folders in it."""
+    apart = {folder / "native", *filter(_is_block, folder.iterdir())}
+    found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
+    return sorted(path for path in found if apart.isdisjoint(path.parents))
+
+
+def _is_block(folder: Path) -> bool:
+    return (folder / "native").is_dir() or (folder / "block.py").is_file()
+
+
+@contextlib.contextmanager
+def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
+    """A module of the package in this folder, such as `native.tables`, whatever was imported by its name before."""
+    package = package_name(folder)
+    with importing_from(folder.parents[package.count(".")], package.partition(".")[0]):
+        yield importlib.import_module(f"{package}.{name}")
+
+
+@contextlib.contextmanager
+def importing_from(folder: Path, *packages: str) -> Iterator[None]:
+    """Imports these packages from this folder, whatever was imported by their names before, and forgets them afterwards."""
+
+    def theirs() -> list[str]:
+        return [name for name in sys.modules if name.partition(".")[0] in packages]
+
+    path, write, aside = sys.path.copy(), sys.dont_write_bytecode, {name: sys.modules.pop(name) for name in theirs()}
+    sys.path.insert(0, str(folder))
+    sys.dont_write_bytecode = True
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.dont_write_bytecode = write
+        for name in theirs():
+            del sys.modules[name]
+        sys.modules.update(aside)

@@ -1,0 +1,29 @@
+"""The shell round PythonFMU's library, compiled for every platform for which PythonFMU brings one."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from ..native.toolchain import PLATFORMS, shared_library
+
+SOURCE = Path(__file__).with_name("shell.c")
+PLATFORM_ARGUMENTS = {"linux64": ["-ldl"], "win64": ["-ffreestanding", "-nostdlib", "-lkernel32"]}
+"""FMI's platforms for which PythonFMU brings a library, with what else the compiler is told there."""
+
+_HEADERS = Path(__file__).parents[1] / "native" / "shell"
+_WARNINGS = ["-Wno-language-extension-token", "-Wno-gnu-alignof-expression"]
+
+
+@cache
+def compile_shell(platform: str, guid: str) -> bytes:
+    """The library for one of `PLATFORM_ARGUMENTS`, with the GUID that it answers to. Raises CompilerError."""
+    (target,) = PLATFORMS[platform].targets
+    arguments: list[str | Path] = [
+        *_WARNINGS,
+        f'-DBLOCK_GUID="{guid}"',
+        f"-I{_HEADERS}",
+        SOURCE,
+        *PLATFORM_ARGUMENTS[platform],
+    ]
+    return shared_library(f"shell{PLATFORMS[platform].suffix}", platform, target, arguments)
