@@ -1,0 +1,1 @@
+"""What a run gives: the Result, its folder, figures and report page."""
