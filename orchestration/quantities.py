@@ -10,7 +10,7 @@ from fmus.units import BASES, ONE, SECOND, Exponents, QuantityError, Unit, parse
 from .errors import said
 
 __all__ = ["BASES", "ONE", "SECOND", "Exponents", "QuantityError", "Unit"]
-__all__ += ["convert", "parse", "parse_unit", "real", "value_in"]
+__all__ += ["convert", "parse", "parse_unit", "real", "value_in", "with_unit"]
 
 
 def convert(value: float, unit: Unit, to: Unit) -> float:
@@ -55,3 +55,8 @@ def value_in(value: object, unit: Unit) -> float:
     if not math.isfinite(number):
         raise QuantityError(f"expected a finite number, found {value}")
     return number
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A value with its unit, to four figures."""
+    return f"{value:.4g} {unit}".rstrip()

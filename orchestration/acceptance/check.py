@@ -1,4 +1,4 @@
-"""`orchestrate check`: whether an FMU can take a block's place, before anything of it runs.
+"""Whether an FMU can take a block's place, before anything of it runs.
 
 Everything comes from its files: modelDescription.xml, and the tables of its libraries. What is said of
 ports is what a swap goes by, see `fit`.
@@ -6,14 +6,12 @@ ports is what a swap goes by, see `fit`.
 
 from __future__ import annotations
 
-import json
 import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import click
 import fmpy
 import numpy as np
 
@@ -27,76 +25,6 @@ from ..swap.fit import Finding, Fit, Link, fit, model
 from ..swap.prepare import sample_time
 from ..system import order
 from . import binaries
-
-DOES_NOT_FIT = 1
-
-
-@click.command("check")
-@click.argument("fmu", type=click.Path(path_type=Path))
-@click.option(
-    "--as", "as_", required=True, metavar="BLOCK", help="The block whose place it takes, or a reference .fmu."
-)
-@click.option("--map", "map_", type=click.Path(path_type=Path), metavar="FILE", help="Mapping of its ports to ours.")
-@click.option(
-    "--vector", type=click.Path(path_type=Path), metavar="DIR", help="Also run it on a test vector of the kit."
-)
-@click.option(
-    "--tolerance", default=1e-6, show_default=True, help="Of the vector, relative to each output's largest value."
-)
-@click.option("--json", "json_", is_flag=True, help="Print the findings as JSON.")
-@click.pass_context
-def command(
-    ctx: click.Context, fmu: Path, as_: str, map_: Path | None, vector: Path | None, tolerance: float, json_: bool
-) -> None:
-    """Say whether an FMU can take a block's place, and what to do where it cannot.
-
-    Nothing of it is run, unless a test vector is asked for. Exit status: 0 it fits, 1 it does not, 2 wrong input.
-    """
-    findings, found = check(fmu, as_, map_)
-    if vector is not None and found is not None and not _faults(findings):
-        from .vector import play
-
-        findings += play(fmu, found, vector, tolerance)
-    fits = not _faults(findings)
-    if json_:
-        listed = [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in findings]
-        about = {"fmu": str(fmu), "as": as_, "map": None if map_ is None else str(map_), "fits": fits}
-        click.echo(json.dumps({**about, "findings": listed}, indent=2, ensure_ascii=False))
-    else:
-        _print(fmu, as_, map_, findings)
-    ctx.exit(0 if fits else DOES_NOT_FIT)
-
-
-def _faults(findings: list[Finding]) -> list[Finding]:
-    return [finding for finding in findings if finding.level == "fault"]
-
-
-def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> None:
-    from ..cli.console import say
-
-    say(f"{shown(fmu)} as {as_}" + (f", with {shown(map_)}" if map_ else ""), bold=True)
-    say()
-    styles: Mapping[str, dict[str, Any]] = {
-        "ok": {"fg": "green"},
-        "note": {},
-        "warning": {"fg": "yellow"},
-        "fault": {"fg": "red", "bold": True},
-    }
-    width = max(len(finding.topic) for finding in findings)
-    for finding in findings:
-        level = "FAULT" if finding.level == "fault" else finding.level
-        head = click.style(f"{level:<8}", **styles[finding.level])
-        first, *more = finding.text.splitlines()
-        say(f"{head}{finding.topic:<{width}}  {first}")
-        for line in [*more, *([f"-> {finding.remedy}"] if finding.remedy else [])]:
-            say(f"{'':8}{'':{width}}  {line}")
-    counts = {level: sum(f.level == level for f in findings) for level in ("fault", "warning")}
-    told = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
-    say()
-    if counts["fault"]:
-        say(f"does not fit: {told}", fg="red", bold=True)
-    else:
-        say("fits" + (f": {told}" if told else ""), fg="green", bold=True)
 
 
 def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding], Fit | None]:

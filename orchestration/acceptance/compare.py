@@ -1,4 +1,4 @@
-"""`orchestrate compare`: another team's FMU back to back with ours.
+"""Another team's FMU back to back with ours.
 
 Open loop: what our block was given in a run is given to theirs, and output stands against output.
 Closed loop: the whole run with theirs in the place, its claims beside those of ours.
@@ -6,20 +6,17 @@ Closed loop: the whole run with theirs in the place, its claims beside those of 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 
-from ..cli.console import complain, found, number, say, table
 from ..errors import BlockError, InputError
 from ..expectations.checks import Outcome
 from ..fmu.model import Variable
 from ..instances.block import TYPES
+from ..quantities import with_unit
 from ..results.result import Result
 from ..runner import run as runner
 from ..scenario.scenario import load
@@ -28,7 +25,6 @@ from ..system.wiring import fed
 from . import playback
 from .tolerances import Tolerance, tolerances
 
-NOT_EQUIVALENT, BLOCK_FAILED = 1, 3
 ROUNDING = 1e-15
 """A difference this small is rounding, however small the output itself."""
 
@@ -201,88 +197,6 @@ def _difference(
     return Difference(variable.name, unit, passed, told, largest, element, at, largest / peak if peak else None, rms)
 
 
-# ---------------------------------------------------------------- the command
-
-
-@click.command("compare")
-@click.argument("scenario", type=click.Path(path_type=Path))
-@click.option(
-    "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
-)
-@click.option("--map", "maps", multiple=True, metavar="FILE", help="How its ports stand to ours.")
-@click.option(
-    "--tolerance",
-    "wanted",
-    multiple=True,
-    metavar="[OUTPUT=]VALUE|FILE",
-    help="Of an output ('0.2 A.m2', '1 %'), of all ('0.1 %'), or a YAML of them; default: 1e-6 of our largest value.",
-)
-@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, for both.")
-@click.option(
-    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the report; default: results/NAME-BLOCK."
-)
-@click.option("--step", metavar="T", help="Base step instead of the scenario's, for both.")
-@click.option("--duration", metavar="T", help="Duration instead of the scenario's, for both.")
-@click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
-@click.pass_context
-def command(
-    ctx: click.Context,
-    scenario: Path,
-    swaps: tuple[str, ...],
-    maps: tuple[str, ...],
-    wanted: tuple[str, ...],
-    sets: tuple[str, ...],
-    out: Path | None,
-    step: str | None,
-    duration: str | None,
-    json_: bool,
-) -> None:
-    """Compare an FMU with the block whose place it takes: on the same inputs, and in the loop.
-
-    Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all claims hold,
-    1 not, 2 wrong input, 3 an FMU failed.
-    """
-    from ..cli.main import assignment
-    from ..results import folder
-    from ..scenario.source import read
-    from ..swap.prepare import swapped
-    from .page import write
-
-    if len(swaps) != 1:
-        raise InputError("--swap: one block is compared at a time")
-    source = read(scenario)
-    for text in sets:
-        source = source.with_start(*assignment(text), option="--set ")
-    for key, value in (("step", step), ("duration", duration)):
-        if value is not None:
-            source = source.with_value(key, value, f"--{key}")
-    block = swaps[0].partition("=")[0].strip()
-    theirs = swapped(source, swaps, maps)
-    target = out or Path("results") / f"{load(source).name}-{block}"
-    folder.check_writable(target)
-    try:
-        comparison = compare(source, theirs, block, wanted)
-    except BlockError as error:
-        if error.result is not None:
-            error.result.save(target / "ours")
-        complain(f"ours: {error}")
-        ctx.exit(BLOCK_FAILED)
-    comparison.ours.save(target / "ours")
-    if len(comparison.theirs.time):
-        comparison.theirs.save(target / "theirs")
-    data = summary(comparison)
-    (target / "comparison.json").write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    page = write(comparison, target)
-    if json_:
-        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
-    else:
-        _print(comparison, page)
-    if comparison.failure is not None:
-        complain(f"theirs: {comparison.failure}")
-        ctx.exit(BLOCK_FAILED)
-    ctx.exit(0 if comparison.passed else NOT_EQUIVALENT)
-
-
 def summary(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain data."""
     return {
@@ -328,10 +242,10 @@ def rows_of_differences(comparison: Comparison) -> list[tuple[bool, tuple[str, .
             share = f"{d.share:.2g}" if d.share is not None else ""
             cells = (
                 d.output,
-                number(d.largest, d.unit),
+                with_unit(d.largest, d.unit),
                 share,
                 f"{where}{at}",
-                number(d.rms or 0.0, d.unit),
+                with_unit(d.rms or 0.0, d.unit),
                 d.tolerance,
             )
             rows.append((d.passed, cells))
@@ -339,40 +253,3 @@ def rows_of_differences(comparison: Comparison) -> list[tuple[bool, tuple[str, .
 
 
 DIFFERENCES = ("output", "largest difference", "relative", "when", "rms", "tolerance")
-
-
-def _print(comparison: Comparison, page: Path) -> None:
-    scenario = comparison.ours.scenario
-    for note in comparison.theirs.warnings:
-        say(f"note: {note}", error=True, fg="yellow")
-    say(f"{scenario.name}: {comparison.block} against {Path(comparison.fmu).name}", bold=True)
-    say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
-    rows = rows_of_differences(comparison)
-    header, *lines = table(DIFFERENCES, [cells for _, cells in rows])
-    say(f"        {header}")
-    for (passed, cells), line in zip(rows, lines, strict=True):
-        left_out = cells[5] == ""
-        mark = (
-            "        "
-            if left_out
-            else click.style("ok      ", fg="green")
-            if passed
-            else click.style("DIFFERS ", fg="red", bold=True)
-        )
-        say(f"{mark}{line}")
-    say("\nclosed loop: the claims of the scenario")
-    told = [(a.name, found(a), "not judged" if b is None else found(b), a.expected) for a, b in comparison.claims]
-    header, *lines = table(("expectation", "ours", "theirs", "expected"), told)
-    say(f"        {header}")
-    for (_, b), line in zip(comparison.claims, lines, strict=True):
-        mark = (
-            "        "
-            if b is None
-            else click.style("ok      ", fg="green")
-            if b.passed
-            else click.style("FAILED  ", fg="red", bold=True)
-        )
-        say(f"{mark}{line}")
-    say()
-    say(verdict(comparison), bold=True, fg="green" if comparison.passed else "red")
-    say(f"report in {page}")

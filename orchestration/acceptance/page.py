@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..cli.console import found, number
 from ..errors import InputError
-from ..quantities import ONE
+from ..quantities import ONE, with_unit
 from ..results import figures
 from ..results.result import Result
 from .compare import DIFFERENCES, Comparison, rows_of_differences, verdict
@@ -89,13 +88,13 @@ def _closed_loop(comparison: Comparison) -> str:
     claims: list[tuple[str, tuple[str, ...]]] = [
         (
             "" if b is None else "ok" if b.passed else "failed",
-            (a.name, found(a), "not judged, since theirs lacks an output" if b is None else found(b), a.expected),
+            (a.name, a.text, "not judged, since theirs lacks an output" if b is None else b.text, a.expected),
         )
         for a, b in comparison.claims
     ]
     theirs = {h.signal: h for h in comparison.theirs.highlights}
     peaks = [
-        (h.signal, number(h.final, h.unit), number(t.final, t.unit), _peak(h), _peak(t))
+        (h.signal, with_unit(h.final, h.unit), with_unit(t.final, t.unit), _peak(h), _peak(t))
         for h in comparison.ours.highlights
         if (t := theirs.get(h.signal)) is not None
     ]
@@ -110,7 +109,7 @@ def _closed_loop(comparison: Comparison) -> str:
 
 
 def _peak(highlight: Any) -> str:
-    return f"{number(highlight.peak, highlight.unit)} at {highlight.time:.5g} s"
+    return f"{with_unit(highlight.peak, highlight.unit)} at {highlight.time:.5g} s"
 
 
 def _notes(comparison: Comparison) -> str:

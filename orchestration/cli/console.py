@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..quantities import with_unit
+
 if TYPE_CHECKING:
     from ..results.result import Result
 
@@ -109,7 +111,7 @@ def summary(result: Result) -> None:
         say(f"fault: {sentence(fault)}", fg="yellow")
     if result.highlights:
         rows = [
-            (h.signal, number(h.final, h.unit), f"{number(h.peak, h.unit)} at {h.time:.5g} s")
+            (h.signal, with_unit(h.final, h.unit), f"{with_unit(h.peak, h.unit)} at {h.time:.5g} s")
             for h in result.highlights
         ]
         say()
@@ -117,7 +119,7 @@ def summary(result: Result) -> None:
             say(line)
     if result.outcomes:
         told = [
-            (o.name, found(o), o.expected, "" if o.margin is None else number(o.margin, o.unit))
+            (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit))
             for o in result.outcomes
         ]
         header, *lines = table(("expectation", "found", "expected", "margin"), told)
@@ -137,24 +139,6 @@ def summary(result: Result) -> None:
     true = [f"{name} first at {since:.5g} s" for name, since in result.flags.items() if since is not None]
     if true:
         say(f"\ntrue at some time: {', '.join(true)}")
-
-
-def found(outcome: Any) -> str:
-    """What an expectation has found, and when."""
-    if outcome.found is None:
-        return outcome.note
-    if outcome.expected.endswith((" true", " false")):
-        value = "true" if outcome.found else "false"
-    else:
-        value = number(outcome.found, outcome.unit)
-    if outcome.expected.startswith("always") and outcome.passed and outcome.margin is None:
-        return value  # at all times
-    return value if outcome.time is None else f"{value} at {outcome.time:.5g} s"
-
-
-def number(value: float, unit: str) -> str:
-    """A value with its unit, to four figures."""
-    return f"{value:.4g} {unit}".rstrip()
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

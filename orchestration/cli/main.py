@@ -26,8 +26,8 @@ EXPECTATION_FAILED, WRONG_INPUT, BLOCK_FAILED, UNWRITTEN, INTERNAL, SIGNALLED = 
 _PIPE = 13
 """The number of SIGPIPE."""
 _LATER = {
-    "check": "orchestration.acceptance.check",
-    "compare": "orchestration.acceptance.compare",
+    "check": "orchestration.cli.check",
+    "compare": "orchestration.cli.compare",
     "new": "orchestration.cli.new",
     "export": "orchestration.cli.export",
     "fmus": "orchestration.cli.fmus",

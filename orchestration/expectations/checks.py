@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import InputError
 from ..fmu.model import Model, Variable
 from ..instances.block import Floats
-from ..quantities import ONE, QuantityError, Unit, parse, real
+from ..quantities import ONE, QuantityError, Unit, parse, real, with_unit
 from ..scenario.scenario import Bound, Expectation, Scenario
 from ..scenario.source import Key
 from ..system import signals
@@ -39,6 +39,17 @@ class Outcome:
     """When it was found, s."""
     samples: int
     note: str = ""
+
+    @property
+    def text(self) -> str:
+        """The value that decides, and when it occurred."""
+        if self.found is None:
+            return self.note
+        boolean = self.expected.endswith((" true", " false"))
+        value = str(bool(self.found)).lower() if boolean else with_unit(self.found, self.unit)
+        if self.expected.startswith("always") and self.passed and self.margin is None:
+            return value  # at all times
+        return value if self.time is None else f"{value} at {self.time:.5g} s"
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import report_plots as plots
-from ..cli.console import found, number
+from ..quantities import with_unit
 from ..system.faults import sentence
 from .figures import COLOURS
 
@@ -156,9 +156,9 @@ def _claims(result: Result) -> Html:
         [
             tag("span", "ok" if o.passed else "failed", class_="good" if o.passed else "bad"),
             o.name,
-            found(o),
+            o.text,
             o.expected,
-            "" if o.margin is None else number(o.margin, o.unit),
+            "" if o.margin is None else with_unit(o.margin, o.unit),
             _looked_at(o),
         ]
         for o in result.outcomes
@@ -182,7 +182,7 @@ def _events(result: Result) -> Html:
     if result.scenario.faults:
         parts.append(_section("Faults", tag("ul", [tag("li", sentence(fault)) for fault in result.scenario.faults])))
     rows = [
-        [h.signal, number(h.final, h.unit), f"{number(h.peak, h.unit)} at {h.time:.5g} s"] for h in result.highlights
+        [h.signal, with_unit(h.final, h.unit), f"{with_unit(h.peak, h.unit)} at {h.time:.5g} s"] for h in result.highlights
     ]
     if rows:
         parts.append(_section("Signals in two numbers", _table(("signal", "at the end", "largest"), rows)))
