@@ -53,7 +53,7 @@ docs: $(VENV)/test
 	$(BIN)/python -m fmus.native
 
 clean:
-	rm -rf $(VENV) out results
+	rm -rf $(VENV) out dist results
 
 $(VENV)/run: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

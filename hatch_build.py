@@ -1,11 +1,16 @@
-"""Builds wheels that bring the FMUs and the step loop's libraries ready-made, so that a user needs no compiler.
+"""Builds wheels: with two import names only, and with the FMUs and the step loop's libraries ready-made.
+
+In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and `fmus`, `plant`,
+`controller` and `allocator` stand inside `attitude_cosim`, since those names may be anyone's: docs/decisions/0006.
 
 The build backend is hatchling; what compiles the FMUs is asked for when a wheel is built, not for an editable install.
 """
 
 from __future__ import annotations
 
+import ast
 import re
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -26,7 +31,12 @@ __all__ = [
 ]
 
 ROOT = Path(__file__).parent
-_BUILDING = {"numpy", "pint", "platformdirs", "ppigrf", "pygeomag", "pythonfmu", "ziglang"}
+NAME = "attitude_cosim"
+INSIDE = ("allocator", "controller", "fmus", "plant")
+"""The packages that stand inside it in a wheel."""
+_BUILDING = {"numpy", "ppigrf", "pygeomag", "pythonfmu", "ziglang"}
+_BY_NAME = {"import_module", "__import__", "find_spec", "files", "run_module"}
+"""Functions that take a module by its name."""
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
@@ -37,25 +47,71 @@ def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) 
     return [*hatchling.get_requires_for_build_wheel(config_settings), *needed]
 
 
-class ReadyMade(BuildHookInterface):
-    """Puts FMUs, step loops, scenarios and licence into the wheel's `fmus/ready`."""
+class Layout(BuildHookInterface):
+    """Lays the wheel out in out/wheel: `orchestration`, the other packages in `attitude_cosim`, and what is ready-made."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        if version == "editable" or self.target_name != "wheel":
+        if version == "editable":
             return
-        sys.path.insert(0, str(ROOT))
-        from fmus.build import FLAVOURS, build
-        from fmus.native import toolchain
+        out = ROOT / "out" / "wheel"
+        shutil.rmtree(out, ignore_errors=True)
+        for package in ("orchestration", *INSIDE):
+            _copy(ROOT / package, out / (f"{NAME}/{package}" if package in INSIDE else package))
+        (out / NAME / "__init__.py").write_text(f'"""{self.metadata.core.description}."""\n', "utf-8")
+        (out / NAME / "py.typed").touch()
+        _ready_made(out / NAME / "fmus" / "ready")
+        build_data["force_include"] |= {str(out / name): name for name in ("orchestration", NAME)}
 
-        out = ROOT / "build" / "wheel"
-        files = {"LICENSE": ROOT / "LICENSE"}
-        files |= {f"scenarios/{path.name}": path for path in sorted((ROOT / "scenarios").glob("*.yaml"))}
-        for flavour in FLAVOURS:
-            files |= {f"{flavour}/{path.name}": path for path in build(flavour=flavour, out=out / flavour).values()}
-        headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "master" / "loop.c"]
-        for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
-            path = out / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(library)
-            files[f"loop/{path.name}"] = path
-        build_data["force_include"] |= {str(path): f"fmus/ready/{name}" for name, path in files.items()}
+
+def _copy(source: Path, target: Path) -> None:
+    shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
+    for path in target.rglob("*.py"):
+        text = path.read_text("utf-8")
+        path.write_text(renamed(text, str(path)), "utf-8", newline="\n")
+
+
+def renamed(text: str, where: str) -> str:
+    """A module's source with `from fmus...` as `from attitude_cosim.fmus...`. Raises ValueError on any other way to import."""
+    lines = text.splitlines(keepends=True)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and _is_inside(node.module):
+            line = lines[node.lineno - 1]
+            lines[node.lineno - 1] = line.replace(f"from {node.module} ", f"from {NAME}.{node.module} ", 1)
+            known = lines[node.lineno - 1] != line
+        elif isinstance(node, ast.Import):
+            known = not any(_is_inside(alias.name) for alias in node.names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):  # for import_module, `python -m`, a patch
+            known = re.fullmatch(r"fmus(\.\w+)+", node.value) is None
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in _BY_NAME:
+            names = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
+            known = not any(isinstance(name, str) and _is_inside(name) for name in names)
+        else:
+            continue
+        if not known:
+            raise ValueError(
+                f"{where}:{node.lineno}: {ast.unparse(node)}: the wheel has this module inside {NAME}, and only "
+                "'from PACKAGE import ...' is renamed; write that, or a relative import"
+            )
+    return "".join(lines)
+
+
+def _is_inside(module: str | None) -> bool:
+    return module is not None and module.partition(".")[0] in INSIDE
+
+
+def _ready_made(folder: Path) -> None:
+    """FMUs of both flavours, the step loop's libraries, scenarios and licence."""
+    sys.path.insert(0, str(ROOT))  # the build backend runs outside the repository's packages
+    from fmus.build import FLAVOURS, build
+    from fmus.native import toolchain
+
+    for flavour in FLAVOURS:
+        build(flavour=flavour, out=folder / flavour)
+    headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "master" / "loop.c"]
+    (folder / "loop").mkdir()
+    for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
+        (folder / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
+    shutil.copy(ROOT / "LICENSE", folder)
+    (folder / "scenarios").mkdir()
+    for path in (ROOT / "scenarios").glob("*.yaml"):
+        shutil.copy(path, folder / "scenarios")

@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib.metadata import version
 from pathlib import Path
 
+NAME = __name__.rpartition(".")[0]
+"""The name by which this package is imported here: `fmus`, or `attitude_cosim.fmus` where a wheel is installed."""
 PACKAGES = Path(__file__).parents[1]
 """Where this package and those of the blocks stand: the repository, or the folder of an installed copy."""
 READY = Path(__file__).parent / "ready"

@@ -85,7 +85,8 @@ def makefile(interface: Interface, shell_folder: str, common: str, tools: str) -
 
 
 def _filled(text: str, interface: Interface, more: Mapping[str, str] | None = None) -> str:
-    for key, value in {"name": interface.name, "title": camel_case(interface.name), **(more or {})}.items():
+    own = {"name": interface.name, "title": camel_case(interface.name), "fmus": places.NAME}
+    for key, value in (own | dict(more or {})).items():
         text = text.replace(f"@{key}@", value)
     return text
 

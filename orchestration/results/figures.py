@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..system import signals
-from ..instances.block import Floats
 from ..errors import InputError
-from ..system.faults import sentence
+from ..instances.block import Floats
 from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from ..scenario.scenario import FigureEntry, Panel, Scenario
 from ..scenario.source import Key
+from ..system import signals
+from ..system.faults import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..fmu.model import Model, Variable
-    from .result import Result
     from ..system.wiring import Node
+    from .result import Result
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""

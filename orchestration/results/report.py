@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import report_plots as plots
 from ..quantities import with_unit
 from ..system.faults import sentence
+from . import report_plots as plots
 from .figures import COLOURS
 
 if TYPE_CHECKING:
@@ -182,7 +182,8 @@ def _events(result: Result) -> Html:
     if result.scenario.faults:
         parts.append(_section("Faults", tag("ul", [tag("li", sentence(fault)) for fault in result.scenario.faults])))
     rows = [
-        [h.signal, with_unit(h.final, h.unit), f"{with_unit(h.peak, h.unit)} at {h.time:.5g} s"] for h in result.highlights
+        [h.signal, with_unit(h.final, h.unit), f"{with_unit(h.peak, h.unit)} at {h.time:.5g} s"]
+        for h in result.highlights
     ]
     if rows:
         parts.append(_section("Signals in two numbers", _table(("signal", "at the end", "largest"), rows)))

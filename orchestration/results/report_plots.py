@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..instances.block import Floats
-from .figures import curves, unit_of, zero_crossings
 from ..quantities import ONE, QuantityError, Unit, value_in
 from ..scenario.scenario import FigureEntry, Panel, split
+from .figures import curves, unit_of, zero_crossings
 
 if TYPE_CHECKING:
     from ..fmu.model import Variable

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..system import signals
-from ..instances.block import Floats
 from ..errors import BlockError, ResultsError, nearest
 from ..expectations.checks import Highlight, Outcome
 from ..expectations.holds import Hold
 from ..fmu.model import Element, Model, Variable
+from ..instances.block import Floats
 from ..scenario.scenario import Scenario, split
+from ..system import signals
 from ..system.wiring import Node
 
 

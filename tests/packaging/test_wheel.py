@@ -16,44 +16,65 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from fmus.build import FLAVOURS, blocks_of
+from fmus.kit import has_compiler
+from hatch_build import renamed
+from tests.shared import once
 
 ROOT = Path(__file__).parents[2]
-_LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "build", "dist", "results", "__pycache__", ".*_cache", "*.egg-info")
+NAMES = {"attitude_cosim", "orchestration"}
+_LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "out", "dist", "results", "__pycache__", ".*_cache", "*.egg-info")
 
 
 @pytest.fixture(scope="session")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Made by `python -m build`, from a copy, so that the repository stays as it is."""
-    folder = tmp_path_factory.mktemp("wheel")
-    shutil.copytree(ROOT, folder / "source", ignore=_LEFT_OUT)
-    command = [
-        sys.executable,
-        "-m",
-        "build",
-        "--no-isolation",
-        "--outdir",
-        str(folder / "dist"),
-        str(folder / "source"),
-    ]
-    built = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert built.returncode == 0, built.stdout + built.stderr
-    assert len(list((folder / "dist").glob("*.tar.gz"))) == 1
-    (found,) = (folder / "dist").glob("*.whl")
+    """Made by `python -m build` in a copy of the repository, in which the FMUs have been built before."""
+
+    def make(folder: Path) -> None:
+        shutil.copytree(ROOT, folder / "source", ignore=_left_out)
+        (folder / "source" / "out" / "fmus").mkdir(parents=True)
+        command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder / "dist")]
+        built = subprocess.run(command, cwd=folder / "source", capture_output=True, text=True, check=False)
+        assert built.returncode == 0, built.stdout + built.stderr
+
+    dist = once(tmp_path_factory, "wheel", make) / "dist"
+    assert len(list(dist.glob("*.tar.gz"))) == 1
+    (found,) = dist.glob("*.whl")
     return found
+
+
+def _left_out(folder: str, names: list[str]) -> set[str]:
+    """What git leaves out, at the root only where the name is that of a package elsewhere."""
+    found = _LEFT_OUT(folder, names)
+    return found if Path(folder) == ROOT else found - {"results"}
 
 
 @pytest.fixture(scope="session")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An environment with the wheel; what the wheel requires comes from the environment of the tests."""
-    folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, with_pip=False, symlinks=os.name != "nt")
-    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    pip = [sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", "--no-deps", "--no-index"]
-    subprocess.run([*pip, str(wheel)], check=True)
-    variables = {"base": str(folder), "platbase": str(folder)}
-    # The path of a folder, unlike a site folder, does not bring the repository's editable install along.
-    Path(sysconfig.get_path("purelib", vars=variables), "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    return folder
+
+    def make(folder: Path) -> None:
+        venv.create(folder, with_pip=False, symlinks=os.name != "nt")
+        pip = [sys.executable, "-m", "pip", "--python", str(python(folder)), "install", "--quiet", "--no-deps"]
+        subprocess.run([*pip, "--no-index", str(wheel)], check=True)
+        # The path of a folder, unlike a site folder, does not bring the repository's editable install along.
+        (_site(folder) / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
+
+    return once(tmp_path_factory, "environment", make)
+
+
+def python(installed: Path) -> Path:
+    return installed / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def _site(installed: Path) -> Path:
+    return Path(sysconfig.get_path("purelib", vars={"base": str(installed), "platbase": str(installed)}))
+
+
+def execute(installed: Path, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The environment's Python in a folder, without the repository."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    command = [str(python(installed)), *arguments]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
 def call(installed: Path, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -69,11 +90,14 @@ def call(installed: Path, folder: Path, *arguments: str) -> subprocess.Completed
 def test_a_wheel_brings_fmus_loops_scenarios_and_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
-    assert {f"fmus/ready/{flavour}/{block}.fmu" for flavour in FLAVOURS for block in blocks_of(flavour)} <= names
-    assert {f"fmus/ready/loop/{n}" for n in ("linux64.so", "win64.dll", "darwin64.dylib")} <= names
-    assert {f"fmus/ready/scenarios/{p.name}" for p in (ROOT / "scenarios").glob("*.yaml")} <= names
-    assert "fmus/ready/LICENSE" in names
-    assert not any(name.startswith(("tests/", "docs/", "studies/", "examples/")) for name in names)
+    assert {
+        f"attitude_cosim/fmus/ready/{flavour}/{block}.fmu" for flavour in FLAVOURS for block in blocks_of(flavour)
+    } <= names
+    assert {f"attitude_cosim/fmus/ready/loop/{n}" for n in ("linux64.so", "win64.dll", "darwin64.dylib")} <= names
+    assert {f"attitude_cosim/fmus/ready/scenarios/{p.name}" for p in (ROOT / "scenarios").glob("*.yaml")} <= names
+    assert "attitude_cosim/fmus/ready/LICENSE" in names
+    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == NAMES
+    assert {f"{name}/py.typed" for name in NAMES} <= names
     assert wheel.name.endswith("-py3-none-any.whl")
     assert wheel.stat().st_size < 5_000_000
 
@@ -104,14 +128,80 @@ def test_scenarios_that_are_there_are_not_overwritten(installed: Path, tmp_path:
 
 
 def test_the_step_loop_is_the_compiled_one(installed: Path, tmp_path: Path) -> None:
-    code = "from orchestration.master.compiled import _library; import fmus; print(_library()._name, fmus.__file__)"
-    python = installed / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    done = subprocess.run(
-        [str(python), "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    done = execute(
+        installed, tmp_path, "-c", "from orchestration.master.compiled import _library as l; print(l()._name)"
     )
-    assert Path("ready", "loop").as_posix() in done.stdout.replace("\\", "/")
+    assert Path("ready", "loop").as_posix() in done.stdout.replace("\\", "/"), done.stderr
     assert str(installed) in done.stdout
+
+
+def test_an_installed_copy_has_two_import_names_and_each_of_its_modules_can_be_imported(
+    installed: Path, tmp_path: Path
+) -> None:
+    site = _site(installed)
+    assert {path.name for path in site.iterdir() if path.is_dir() and "." not in path.name} == NAMES
+    modules = [
+        ".".join(path.relative_to(site).with_suffix("").parts).removesuffix(".__init__")
+        for name in sorted(NAMES)
+        for path in sorted((site / name).rglob("*.py"))
+        if path.name != "__main__.py"
+    ]
+    assert len(modules) > 100
+    done = execute(installed, tmp_path, "-c", f"from importlib import import_module as i; [i(n) for n in {modules!r}]")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_an_installed_copy_builds_the_fmus_that_it_brings(installed: Path, tmp_path: Path, flavour: str) -> None:
+    done = call(installed, tmp_path, "build", "allocator", "--flavour", flavour, "--out", "built")
+    assert done.returncode == 0, done.stderr
+    brought = _site(installed) / "attitude_cosim" / "fmus" / "ready" / flavour / "allocator.fmu"
+    with zipfile.ZipFile(tmp_path / "built" / "allocator.fmu") as ours, zipfile.ZipFile(brought) as theirs:
+        assert {name: ours.read(name) for name in ours.namelist()} == {n: theirs.read(n) for n in theirs.namelist()}
+
+
+def test_a_python_kit_of_an_installed_copy_builds_a_valid_fmu_that_fits(installed: Path, tmp_path: Path) -> None:
+    made = call(installed, tmp_path, "new", "allocator", "mine", "--lang", "python")
+    assert made.returncode == 0, made.stderr
+    built = execute(installed, tmp_path / "mine", "build.py")
+    assert built.returncode == 0, built.stderr
+    assert validate_fmu(str(tmp_path / "mine" / "allocator.fmu")) == []
+    assert call(installed, tmp_path, "check", "mine/allocator.fmu", "--as", "allocator").returncode == 0
+
+
+@pytest.mark.skipif(not has_compiler(), reason="a C kit needs make and a C compiler")
+def test_a_c_kit_of_an_installed_copy_builds_and_is_generated_anew(installed: Path, tmp_path: Path) -> None:
+    made = call(installed, tmp_path, "new", "allocator", "mine", "--lang", "c")
+    assert made.returncode == 0, made.stderr
+    assert "python -m attitude_cosim.fmus.kit ." in (tmp_path / "mine" / "README.md").read_text()
+    (tmp_path / "mine" / "generated" / "table.c").unlink()
+    assert execute(installed, tmp_path / "mine", "-m", "attitude_cosim.fmus.kit", ".").returncode == 0
+    subprocess.run(["make"], cwd=tmp_path / "mine", capture_output=True, check=True)
+    assert validate_fmu(str(tmp_path / "mine" / "allocator.fmu")) == []
+
+
+def test_an_import_is_renamed_wherever_it_stands() -> None:
+    text = (
+        "from fmus.build import ensure\nfrom fmuspkg import x\ndef f():\n    from fmus import (\n        kit,\n    )\n"
+    )
+    assert renamed(text, "m.py") == text.replace("from fmus.", "from attitude_cosim.fmus.").replace(
+        "from fmus ", "from attitude_cosim.fmus "
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import fmus.build",
+        "import json, plant as p",
+        "importlib.import_module('plant.orbit')",
+        "files('fmus')",
+        "run([sys.executable, '-m', 'fmus.kit'])",
+    ],
+)
+def test_an_import_that_cannot_be_renamed_stops_the_build_with_its_place(line: str) -> None:
+    with pytest.raises(ValueError, match=r"m\.py:2: .*the wheel has this module inside attitude_cosim"):
+        renamed(f"import importlib\n{line}\n", "m.py")
 
 
 def test_what_the_wheel_asks_of_a_user_holds_no_compiler(wheel: Path) -> None:

@@ -17,9 +17,9 @@ from orchestration.errors import BlockError, ResultsError
 from orchestration.results import folder
 
 from .. import broken, fmus
+from ..cli.test_cli import ROOT, orchestrate
 from ..mocks import law
 from ..mocks import run as run_mocks
-from ..cli.test_cli import ROOT, orchestrate
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and devices differ")
 COMMAND = [sys.executable, "-m", "orchestration"]

@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestration.results import report
-from orchestration.results import report_plots
 from orchestration.quantities import parse_unit
+from orchestration.results import report, report_plots
 from orchestration.results.result import Result
 
-from . import browser
 from ..mocks import Mock, model, real
 from ..mocks import run as run_mocks
+from . import browser
 
 EVIL = "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>\"'&"
 VOID = {"meta", "link"}
