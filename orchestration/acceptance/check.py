@@ -6,7 +6,6 @@ ports is what a swap goes by, see `fit`.
 
 from __future__ import annotations
 
-import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +15,7 @@ import fmpy
 import numpy as np
 
 from ..errors import InputError
-from ..fmu.archive import entries, optional_inputs, refuse_entities, shown
+from ..fmu.archive import entries, fmi_version, optional_inputs, refuse_entities, shown
 from ..fmu.interfaces import Reference, reference, starts_of
 from ..fmu.model import Element, Model, describe
 from ..scenario import mapping
@@ -68,9 +67,7 @@ def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding]
 def _description(path: Path, xml: bytes, findings: list[Finding]) -> Any:
     from fmpy.model_description import ValidationError, read_model_description
 
-    match = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", xml)
-    version = match[1].decode("ascii", "replace") if match else "unknown"
-    if version != "2.0":
+    if (version := fmi_version(xml) or "unknown") != "2.0":
         findings.append(
             Finding("fault", "FMI", f"version {version}; expected 2.0", "export it for FMI 2.0, co-simulation")
         )

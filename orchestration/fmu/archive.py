@@ -132,6 +132,12 @@ def optional_inputs(xml: bytes) -> frozenset[str]:
     return frozenset(entry.get("name", "") for entry in found if entry.find(optional) is not None)
 
 
+def fmi_version(xml: bytes) -> str | None:
+    """The version that modelDescription.xml declares, found without parsing it; None where it declares none."""
+    match = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", xml)
+    return match[1].decode("ascii", "replace") if match else None
+
+
 def _description(path: Path) -> tuple[Any, frozenset[str]]:
     """What FMPy reads of it, and its optional inputs."""
     try:
@@ -145,11 +151,8 @@ def _description(path: Path) -> tuple[Any, frozenset[str]]:
     except _DAMAGED as error:
         raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
     # The version decides first: the schema's complaints about another version would only confuse.
-    version = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", head)
-    if version is not None and version[1] != b"2.0":
-        raise InputError(
-            f"{shown(path)} is an FMU of FMI {version[1].decode('ascii', 'replace')}; expected FMI 2.0 for co-simulation"
-        )
+    if (version := fmi_version(head)) not in ("2.0", None):
+        raise InputError(f"{shown(path)} is an FMU of FMI {version}; expected FMI 2.0 for co-simulation")
     refuse_entities(path, head)
     try:
         description = read_model_description(str(path))
