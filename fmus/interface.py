@@ -35,7 +35,7 @@ import itertools
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -147,8 +147,9 @@ class Interface:
             yield from (elements[position],) if same_index else elements
 
 
+@cache
 def load(block: str) -> Interface:
-    """The interface of a block of this project, such as "plant"."""
+    """The interface of a block of this project, such as "plant". Read once in a process."""
     return parse((INTERFACES / f"{block}.toml").read_text("utf-8"), f"{block}.toml")
 
 
