@@ -14,8 +14,7 @@ from ..acceptance.vector import play
 from ..fmu.archive import shown
 from ..swap.fit import Finding
 from .console import say
-
-DOES_NOT_FIT = 1
+from .status import DOES_NOT_FIT
 
 
 @click.command("check")

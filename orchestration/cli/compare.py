@@ -14,10 +14,10 @@ from ..results import folder
 from ..scenario.scenario import load
 from ..scenario.source import read
 from ..swap.prepare import swapped
-from .console import complain, say, table
-from .main import assignment
-
-NOT_EQUIVALENT, BLOCK_FAILED = 1, 3
+from .console import complain, notes, say, table
+from .overrides import overridden
+from .status import BLOCK_FAILED, NOT_EQUIVALENT
+from .summary import mark
 
 
 @click.command("compare")
@@ -60,12 +60,7 @@ def command(
     """
     if len(swaps) != 1:
         raise InputError("--swap: one block is compared at a time")
-    source = read(scenario)
-    for text in sets:
-        source = source.with_start(*assignment(text), option="--set ")
-    for key, value in (("step", step), ("duration", duration)):
-        if value is not None:
-            source = source.with_value(key, value, f"--{key}")
+    source = overridden(read(scenario), sets, step=step, duration=duration)
     block = swaps[0].partition("=")[0].strip()
     theirs = swapped(source, swaps, maps)
     target = out or Path("results") / f"{load(source).name}-{block}"
@@ -95,36 +90,20 @@ def command(
 
 def _print(comparison: Comparison, page: Path) -> None:
     scenario = comparison.ours.scenario
-    for note in comparison.theirs.warnings:
-        say(f"note: {note}", error=True, fg="yellow")
+    notes(comparison.theirs.warnings)
     say(f"{scenario.name}: {comparison.block} against {Path(comparison.fmu).name}", bold=True)
     say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
     rows = rows_of_differences(comparison)
     header, *lines = table(DIFFERENCES, [cells for _, cells in rows])
-    say(f"        {header}")
+    say(f"{mark()}{header}")
     for (passed, cells), line in zip(rows, lines, strict=True):
-        left_out = cells[5] == ""
-        mark = (
-            "        "
-            if left_out
-            else click.style("ok      ", fg="green")
-            if passed
-            else click.style("DIFFERS ", fg="red", bold=True)
-        )
-        say(f"{mark}{line}")
+        say(mark("" if cells[5] == "" else "ok" if passed else "differs") + line)
     say("\nclosed loop: the claims of the scenario")
     told = [(a.name, a.text, "not judged" if b is None else b.text, a.expected) for a, b in comparison.claims]
     header, *lines = table(("expectation", "ours", "theirs", "expected"), told)
-    say(f"        {header}")
+    say(f"{mark()}{header}")
     for (_, b), line in zip(comparison.claims, lines, strict=True):
-        mark = (
-            "        "
-            if b is None
-            else click.style("ok      ", fg="green")
-            if b.passed
-            else click.style("FAILED  ", fg="red", bold=True)
-        )
-        say(f"{mark}{line}")
+        say(mark("" if b is None else b.status) + line)
     say()
     say(verdict(comparison), bold=True, fg="green" if comparison.passed else "red")
     say(f"report in {page}")

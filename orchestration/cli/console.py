@@ -1,25 +1,18 @@
-"""What a user sees of a run: its progress, and a short table at the end."""
+"""The console: lines, colours, streams that are closed or full, and the progress of a run."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from ..quantities import with_unit
-
-if TYPE_CHECKING:
-    from ..results.result import Result
-
 _PATIENCE = 0.3
 """Seconds that a run may last without a progress bar."""
-
-
 _lost: list[OSError] = []
 """Why what was to be printed could not be."""
 
@@ -68,8 +61,14 @@ def complain(message: str) -> None:
     say(message, error=True, fg="red")
 
 
+def notes(warnings: Iterable[str]) -> None:
+    """Prints the warnings of a run."""
+    for warning in warnings:
+        say(f"note: {warning}", error=True, fg="yellow")
+
+
 class Progress:
-    """A bar with the simulated time, for runs that last long enough. Rich is imported only then."""
+    """A bar with the simulated time, for runs that last long enough."""
 
     def __init__(self, duration: float, wanted: bool) -> None:
         self.duration, self.wanted = duration, wanted and sys.stdout is not None and sys.stdout.isatty()
@@ -81,6 +80,7 @@ class Progress:
         if not self.wanted or perf_counter() - self._begun < _PATIENCE:
             return
         if self._bar is None:
+            # Imported here since it takes longer than a short run.
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             text = TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
@@ -94,51 +94,6 @@ class Progress:
     def close(self) -> None:
         if self._bar is not None:
             self._bar.stop()
-
-
-def summary(result: Result) -> None:
-    """The figures that matter, and what was expected and found."""
-    from ..system.faults import sentence
-
-    reached = result.time[-1] if len(result.time) else 0.0
-    speed = f"{result.steps / result.wall:,.0f} steps/s" if result.wall > 0.0 else ""
-    how = "interrupted after" if result.interrupted else "failed after" if result.failure else "ran"
-    say(
-        f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
-        bold=True,
-    )
-    for fault in result.scenario.faults:
-        say(f"fault: {sentence(fault)}", fg="yellow")
-    if result.highlights:
-        rows = [
-            (h.signal, with_unit(h.final, h.unit), f"{with_unit(h.peak, h.unit)} at {h.time:.5g} s")
-            for h in result.highlights
-        ]
-        say()
-        for line in table(("signal", "at the end", "largest"), rows):
-            say(line)
-    if result.outcomes:
-        told = [
-            (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit))
-            for o in result.outcomes
-        ]
-        header, *lines = table(("expectation", "found", "expected", "margin"), told)
-        say(f"\n        {header}")
-        for outcome, line in zip(result.outcomes, lines, strict=True):
-            verdict = (
-                click.style("ok    ", fg="green") if outcome.passed else click.style("FAILED", fg="red", bold=True)
-            )
-            say(f"{verdict}  {line}")
-    if result.holds:
-        say()
-    for hold in result.holds:
-        if hold.latched:
-            say(f"{hold.name}: {hold.text}", fg="yellow", bold=True)
-        else:
-            say(f"{hold.name}: {hold.text}")
-    true = [f"{name} first at {since:.5g} s" for name, since in result.flags.items() if since is not None]
-    if true:
-        say(f"\ntrue at some time: {', '.join(true)}")
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -7,10 +7,14 @@ from pathlib import Path
 import click
 
 from ..errors import InputError
+from ..export import container as container_writer
+from ..export import ssp as ssp_writer
+from ..export.system import flat
 from ..fmu.archive import shown
 from ..scenario.scenario import load
 from ..scenario.source import read
 from .console import say
+from .overrides import overridden
 
 
 @click.command("export")
@@ -30,26 +34,17 @@ def command(scenario: Path, ssp: Path | None, container: Path | None, step: str 
     """Write a scenario as a file that other FMI tools read."""
     if ssp is None and container is None:
         raise InputError("expected --ssp FILE.ssp or --container FILE.fmu, or both")
-    source = read(scenario)
-    for key, value in (("step", step), ("flavour", flavour)):
-        if value is not None:
-            source = source.with_value(key, value, f"--{key}")
+    source = overridden(read(scenario), step=step, flavour=flavour)
     targets = [(path, suffix) for path, suffix in ((ssp, ".ssp"), (container, ".fmu")) if path is not None]
     for path, suffix in targets:
         if path.suffix != suffix:
             raise InputError(f"{path}: expected a name that ends in {suffix}")
         if not path.absolute().parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
-    from ..export.system import flat
-
     system = flat(load(source))
     for path, suffix in targets:
-        if suffix == ".ssp":
-            from ..export import ssp as writer
-        else:
-            from ..export import container as writer  # type: ignore[no-redef]
         try:
-            writer.write(system, path)
+            (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)
         except OSError as error:
             raise InputError(f"{path}: {error.strerror}") from None
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from fmus.build import BLOCKS, BuildError, blocks_of, ensure
+
 from ..errors import InputError
 from ..fmu.archive import shown
 from .console import say
@@ -23,8 +25,6 @@ from .console import say
 )
 def command(copy: Path | None, flavour: str) -> None:
     """List the project's own FMUs, built when need be, or hand them out."""
-    from fmus.build import BLOCKS, BuildError, blocks_of, ensure
-
     try:
         paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:

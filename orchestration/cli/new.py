@@ -6,8 +6,13 @@ from pathlib import Path
 
 import click
 
+from fmus import kit
+from fmus.interface import BLOCKS, load
+
+from ..acceptance.vector import name_of, record
 from ..errors import InputError, nearest
 from ..fmu.archive import shown
+from ..scenario.scenario import load as load_scenario
 from .console import say
 
 
@@ -28,12 +33,6 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
 
     It holds what it takes to build (in C: a compiler and make are enough), a README and a test vector.
     """
-    from fmus import kit
-    from fmus.interface import BLOCKS, load
-
-    from ..acceptance.vector import name_of, record
-    from ..scenario.scenario import load as load_scenario
-
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
     target = folder or Path(f"{block}_{lang}")

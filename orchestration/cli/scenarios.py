@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from fmus import places
+
 from ..errors import InputError
 from ..fmu.archive import shown
 from .console import say
@@ -16,8 +18,6 @@ from .fmus import copied
 @click.option("--copy", type=click.Path(path_type=Path), metavar="DIR", help="Copy them into this folder.")
 def command(copy: Path | None) -> None:
     """List the project's own scenarios, or hand them out to run and to change."""
-    from fmus import places
-
     paths = sorted(places.shared("scenarios").glob("*.yaml"))
     if copy is not None and (there := next((copy / p.name for p in paths if (copy / p.name).exists()), None)):
         raise InputError(f"{there} is there already; expected a folder without it")

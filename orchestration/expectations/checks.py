@@ -41,6 +41,11 @@ class Outcome:
     note: str = ""
 
     @property
+    def status(self) -> str:
+        """`met`, `failed`, or `not reached` where there was no sample to look at."""
+        return "met" if self.passed else "failed" if self.samples else "not reached"
+
+    @property
     def text(self) -> str:
         """The value that decides, and when it occurred."""
         if self.found is None:
@@ -62,6 +67,11 @@ class Highlight:
     peak: float
     time: float
     """When the peak is, s."""
+
+    @property
+    def text(self) -> str:
+        """The peak and its time."""
+        return f"{with_unit(self.peak, self.unit)} at {self.time:.5g} s"
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,11 @@ class Result(Mapping[str, NDArray[Any]]):
                 found[signals.label(node, self.models)] = float(self.time[true[0]]) if len(true) else None
         return found
 
+    @property
+    def raised(self) -> list[str]:
+        """The flags that were raised, and when first."""
+        return [f"{name} first at {since:.5g} s" for name, since in self.flags.items() if since is not None]
+
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]
 

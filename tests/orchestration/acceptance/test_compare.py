@@ -56,7 +56,7 @@ def test_the_largest_difference_is_found_with_its_time_and_share(tmp_path, monke
     d = outputs()["voltage"]
     assert (d["largest"], d["share"], d["time"]) == (pytest.approx(0.2, rel=1e-12), pytest.approx(0.1, rel=1e-12), 0.0)
     assert (d["unit"], d["passed"]) == ("V", False)
-    assert "0.2 V" in next(line for line in result.stdout.splitlines() if line.startswith("DIFFERS voltage"))
+    assert "0.2 V" in next(line for line in result.stdout.splitlines() if line.startswith("differs      voltage"))
     assert "not equivalent: 1 of 2 outputs within tolerance; 1 of 1 claims hold" in result.stdout
 
 
@@ -92,7 +92,7 @@ def test_a_claim_that_theirs_fails_fails_the_comparison(tmp_path, monkeypatch):
     result = orchestrate(*ARGUMENTS, "--tolerance", "20 %")
     assert result.exit_code == 1
     assert "equivalent: 2 of 2 outputs within tolerance; 0 of 1 claims hold" in result.stdout
-    assert "FAILED" in result.stdout
+    assert "failed       the motor stops" in result.stdout
 
 
 def test_what_theirs_lacks_is_listed_and_not_judged(tmp_path, monkeypatch):

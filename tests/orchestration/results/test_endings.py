@@ -112,14 +112,14 @@ def test_the_manifest_holds_every_parameter_in_force_and_what_became_of_flags(lo
 
 
 def test_flags_that_were_true_are_told(capsys):
-    from orchestration.cli.console import summary
+    from orchestration.cli.summary import summary
 
     from ..master.test_every_step import spiky
 
     result = run_mocks([spiky()], {"step": 0.1, "duration": 2})
     assert result.flags == {"a.on": 0.7}
     summary(result)
-    assert "\ntrue at some time: a.on first at 0.7 s\n" in capsys.readouterr().out
+    assert "\nflags raised: a.on first at 0.7 s\n" in capsys.readouterr().out
     assert run_mocks([spiky()], {"step": 0.1, "duration": 0.5}).flags == {"a.on": None}
 
 

@@ -472,7 +472,7 @@ def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tm
         "left out, since regulator.samples is not there: the expectation 'sampled', which is not judged"
         in result.stderr
     )
-    assert "FAILED  slow" in result.stdout
+    assert "failed       slow" in result.stdout
     assert "recorded under their own names: first, second" in result.stderr
 
 

@@ -1,0 +1,47 @@
+"""`orchestrate build`: the project's own blocks as FMUs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from fmus.build import BLOCKS, BuildError, blocks_of
+from fmus.build import build as build_fmus
+
+from ..errors import InputError, nearest
+from ..fmu.archive import shown
+from .console import say
+
+
+@click.command("build")
+@click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
+@click.option(
+    "--flavour",
+    type=click.Choice(["native", "python"]),
+    default="native",
+    show_default=True,
+    help="Compiled C, which runs in any tool, or the Python reference.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the FMUs; default: build/fmus/FLAVOUR.",
+)
+def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
+    """Build the project's own blocks as FMUs."""
+    for block in blocks:
+        if block not in BLOCKS:
+            raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
+    try:
+        paths = build_fmus(blocks or None, flavour, out)
+    except BuildError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(f"{error.filename or 'the disk'}: {error.strerror}") from None
+    for path in paths.values():
+        say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
+    for block in () if blocks else BLOCKS:
+        if block not in blocks_of(flavour):
+            say(f"{block} has no flavour {flavour!r}")
