@@ -8,23 +8,25 @@ result.time, result["plant.x"]
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .errors import BlockError, InputError
 
 if TYPE_CHECKING:
     from .results.result import Result
+    from .runner.read import load
     from .runner.run import run
-    from .scenario.scenario import Scenario, load
+    from .scenario.scenario import Scenario
 
 __all__ = ["BlockError", "InputError", "Result", "Scenario", "load", "run"]
 
 
+_MODULES = {"Result": ".results.result", "Scenario": ".scenario.scenario", "load": ".runner.read", "run": ".runner.run"}
+
+
 def __getattr__(name: str) -> Any:
     # Imported when asked for, so that a small use of the package stays quick.
-    if name in ("run", "Result", "Scenario", "load"):
-        from importlib import import_module
-
-        module = {"run": "runner.run", "Result": "results.result"}.get(name, "scenario.scenario")
-        return getattr(import_module(f".{module}", __name__), name)
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name], __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -61,8 +61,8 @@ def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
     """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
+    from orchestration.runner.read import read as source_of
     from orchestration.scenario.source import parse
-    from orchestration.scenario.source import read as source_of
 
     from .momentum_bound import balance
     from .setup import read

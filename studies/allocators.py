@@ -63,7 +63,7 @@ class Case:
 def fly(case: Case, node: float) -> tuple[float, ...]:
     """One run through the FMUs, an orbit from a node at this longitude, deg; its figures in the order of `Flown`."""
     import orchestration
-    from orchestration.scenario.source import read
+    from orchestration.runner.read import read
 
     # The manoeuvre's own scenario, without what is only said of it, and with the block that is asked for.
     source = read(ROOT / SCENARIOS[case.which]).with_entry(("blocks", "allocator", "fmu"), case.allocator)

@@ -99,9 +99,9 @@ class _Timed:
 
 def calls(seeds: Sequence[int] = range(SEEDS["errors"], SEEDS["errors"] + 10)) -> Calls:
     """Flies tumbles under all errors in the loop of Python, and times every sample of the controller."""
+    from orchestration import load
     from orchestration.instances.slave import Slave
     from orchestration.runner.run import plan, run_blocks
-    from orchestration.scenario.scenario import load
 
     fmus = flight_run.pin()
     spent: list[float] = []

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fmus.interface import load
-from orchestration.scenario.source import read
+from orchestration.runner.read import read
 
 from . import setup
 from .claims import INERTIA, ORBIT, ROOT, SCENARIOS

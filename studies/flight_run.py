@@ -148,9 +148,9 @@ def run(data: Data, duration: float, fmus: Mapping[str, Path]) -> Result:
     """Runs a scenario of the project's blocks with these FMUs."""
     from contextlib import ExitStack
 
+    from orchestration import load
     from orchestration.instances.slave import Slave
     from orchestration.runner.run import plan, run_blocks
-    from orchestration.scenario.scenario import load
 
     scenario = load({**data, "duration": duration})
     parts = {name: opened(fmus[entry.fmu]) for name, entry in scenario.blocks.items()}

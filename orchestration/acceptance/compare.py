@@ -14,12 +14,11 @@ import numpy as np
 
 from ..errors import BlockError, InputError
 from ..expectations.checks import Outcome
-from ..fmu.model import Variable
-from ..instances.block import TYPES
+from ..fmu.model import TYPES, Variable
 from ..quantities import with_unit
 from ..results.result import Result
 from ..runner import run as runner
-from ..scenario.scenario import load
+from ..runner.read import load
 from ..scenario.source import Source
 from ..system.wiring import fed
 from . import playback

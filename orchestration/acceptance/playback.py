@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import BlockError
-from ..fmu.model import Element, Model
-from ..instances.block import TYPES, Floats
+from ..fmu.model import TYPES, Element, Floats, Model
 from ..runner.run import instantiate, locate, plan
-from ..scenario.scenario import load
+from ..scenario.load import load
 from ..scenario.source import Source
 from ..swap import prepare as swap
 

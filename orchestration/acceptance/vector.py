@@ -27,8 +27,8 @@ ROWS_MAX = 400
 
 def record(scenario: Path, block: str, folder: Path) -> int:
     """Runs a scenario and writes what `block` was given and what it gave. Returns the number of instants."""
+    from ..runner.read import load
     from ..runner.run import execute
-    from ..scenario.scenario import load
 
     loaded = load(scenario)
     name = name_of(loaded, block)

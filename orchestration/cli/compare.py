@@ -11,8 +11,7 @@ from ..acceptance.compare import DIFFERENCES, Comparison, compare, rows_of_diffe
 from ..acceptance.page import write
 from ..errors import BlockError, InputError
 from ..results import folder
-from ..scenario.scenario import load
-from ..scenario.source import read
+from ..runner.read import load, read
 from ..swap.prepare import swapped
 from .console import complain, notes, say, table
 from .overrides import overridden

@@ -11,8 +11,7 @@ from ..export import container as container_writer
 from ..export import ssp as ssp_writer
 from ..export.system import flat
 from ..fmu.archive import shown
-from ..scenario.scenario import load
-from ..scenario.source import read
+from ..runner.read import load, read
 from .console import say
 from .overrides import overridden
 

@@ -6,7 +6,7 @@ import click
 
 from ..quantities import with_unit
 from ..results.result import Result
-from ..system.faults import sentence
+from ..scenario.faults import sentence
 from .console import say, table
 
 

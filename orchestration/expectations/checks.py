@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..fmu.model import Model, Variable
-from ..instances.block import Floats
+from ..fmu.model import Floats, Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse, real, with_unit
-from ..scenario.scenario import Bound, Expectation, Scenario
+from ..scenario.expectations import Bound, Expectation
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
 from ..system.starts import item

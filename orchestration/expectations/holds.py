@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..fmu.model import Model
-from ..instances.block import Floats
-from ..scenario.scenario import HoldEntry, Scenario
+from ..fmu.model import Floats, Model
+from ..scenario.expectations import HoldEntry
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
 from ..system.wiring import Node

@@ -1,6 +1,6 @@
 """Writes a scenario as an SSP 1.0 archive: SystemStructure.ssd, and in resources/ the FMUs and their parameter sets.
 
-What SSP has no words for (step, rates, what is expected ...) goes into an annotation, which ssp_reader.py understands.
+What SSP has no words for (step, rates, what is expected ...) goes into an annotation, which ssp/reader.py understands.
 """
 
 from __future__ import annotations
@@ -13,25 +13,11 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..quantities import Unit
+from ..ssp.words import ANNOTATION, NAMESPACES, PARAMETER_SET, STRUCTURE
 from .system import Component, System, Value
-
-NAMESPACES = {
-    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
-    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
-    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
-    "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
-}
-ANNOTATION = "orchestrate.scenario"
-"""Type of the annotation that holds the rest of the scenario, as JSON."""
-STRUCTURE = "SystemStructure.ssd"
-PARAMETER_SET = "start"
-"""Name of every parameter set: ecos applies all those of one name together."""
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
 _DATE = (1980, 1, 1, 0, 0, 0)
-
-for _prefix, _uri in NAMESPACES.items():
-    ET.register_namespace(_prefix, _uri)
 
 
 def write(system: System, path: Path) -> None:

@@ -13,7 +13,8 @@ from ..errors import InputError
 from ..fmu.archive import Fmu, open_fmu
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Variable
-from ..scenario.scenario import Scenario, load
+from ..scenario.load import load
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system.wiring import Node
 

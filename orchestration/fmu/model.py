@@ -12,9 +12,15 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..errors import InputError, nearest
 from ..quantities import ONE, Exponents, Unit
 
+Floats = NDArray[np.float64]
+TYPES = ("real", "integer", "enumeration", "boolean")
+"""The types that are exchanged and recorded, in the order in which a block's `wire` is given them."""
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]
 
 

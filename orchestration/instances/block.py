@@ -5,15 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..fmu.model import Element, Model
-
-Floats = NDArray[np.float64]
-
-TYPES = ("real", "integer", "enumeration", "boolean")
-"""The types that are exchanged and recorded, in the order in which `wire` is given them."""
+from ..fmu.model import Element, Floats, Model
 
 
 class Block(Protocol):

@@ -17,8 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..fmu.model import Model
-from .block import Floats
+from ..fmu.model import Floats, Model
 
 STEP, CALL = b"s", b"c"
 DONE, ANSWER = b"d", b"a"

@@ -26,9 +26,8 @@ from .. import interrupt
 from ..errors import BlockError, InputError
 from ..fmu.archive import Fmu
 from ..fmu.interfaces import is_path
-from ..fmu.model import Element, Model
+from ..fmu.model import Element, Floats, Model
 from ..scenario.scenario import Scenario
-from .block import Floats
 from .channel import ANSWER, CALL, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, receive, send
 from .log import LINES_MAX, shortened
 from .worker import Setup

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from ..errors import BlockError
 from ..fmu.archive import Fmu
-from ..fmu.model import Element, Model
-from .block import TYPES, Floats
+from ..fmu.model import TYPES, Element, Floats, Model
 from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")

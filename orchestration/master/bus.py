@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fmu.model import Element
-from ..instances.block import TYPES, Block, Floats
+from ..fmu.model import TYPES, Element, Floats
+from ..instances.block import Block
 from ..system.order import Order
 from ..system.wiring import Node, Wiring
 

@@ -30,6 +30,7 @@ from ..system.starts import Start
 from ..system.wiring import Node, Wiring
 from .bus import Bus, Seat, lay_out
 from .compiled import compiled_loop
+from .injection import at_start, with_faults
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite, not_finite
 
 
@@ -111,7 +112,7 @@ class Master:
                     if not math.isfinite(value):
                         raise not_finite(block, node.element, value)
                     for target, factor, offset in feeds.get(node, ()):
-                        given = self.faults.at_start(target, factor * value + offset)
+                        given = at_start(self.faults, target, factor * value + offset)
                         incoming.setdefault(target.block, []).append((target.element, given))
             for name, pairs in incoming.items():
                 self.blocks[name].set(pairs)
@@ -162,7 +163,9 @@ class Master:
         def sound() -> Callable[[int], None]:
             return self._parallel_step(bus) if self.parallel else self._sequential_step(bus)
 
-        return self.faults.bring_in(bus, self.every, self.parallel, self.clock, sound) if self.faults else sound()
+        if not self.faults:
+            return sound()
+        return with_faults(self.faults, bus, self.every, self.parallel, self.clock, sound)
 
     def _sequential_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: block after block."""

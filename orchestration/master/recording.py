@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BlockError
-from ..fmu.model import Element
-from ..instances.block import Block, Floats
+from ..fmu.model import Element, Floats
+from ..instances.block import Block
 from ..system.clock import Clock
 from ..system.wiring import Node
 from .bus import Seat

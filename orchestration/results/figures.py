@@ -11,56 +11,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..instances.block import Floats
-from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
-from ..scenario.scenario import FigureEntry, Panel, Scenario
-from ..scenario.source import Key
-from ..system import signals
-from ..system.faults import sentence
+from ..fmu.model import Floats
+from ..quantities import ONE, value_in
+from ..scenario.faults import sentence
+from ..scenario.figures import FigureEntry, Panel
+from ..system.panels import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ..fmu.model import Model, Variable
-    from ..system.wiring import Node
+    from ..fmu.model import Variable
     from .result import Result
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
 _PANEL_SIZE = (5.2, 3.4)
 """inches"""
-
-
-def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
-    """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
-    needed: dict[Node, None] = {}
-    faults: list[str] = []
-    for i, entry in enumerate(scenario.figures):
-        wanted: list[tuple[Key, str]] = [
-            (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
-        ]
-        for j, panel in enumerate(entry.panels):
-            place = ("figures", i, "panels", j)
-            wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]
-            try:
-                variable, _ = signals.find(scenario, (*place, "signals", 0), panel.signals[0], models)
-                unit = unit_of(panel, variable)
-                for line in panel.lines:
-                    value_in(line, unit)
-            except QuantityError as error:
-                faults.append(scenario.error(place, str(error)))
-            except InputError:
-                pass  # told below
-        if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
-            faults.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
-        for key, name in wanted:
-            try:
-                needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
-            except InputError as error:
-                faults += error.messages
-    if faults:
-        raise InputError(*faults)
-    return list(needed)
 
 
 def require() -> None:
@@ -155,17 +119,6 @@ def curves(result: Result, reference: str, variable: Variable, panel: Panel) -> 
         return [(reference, values[:, 0])]
     block = reference.split(".")[0]
     return [(f"{block}.{variable.label(i)}", values[:, i]) for i in range(values.shape[1])]
-
-
-def unit_of(panel: Panel, variable: Variable) -> Unit:
-    """The unit of a panel's axis. Raises QuantityError where it does not fit."""
-    own = variable.unit or ONE
-    if panel.unit is None:
-        return variable.display_unit or own
-    unit = parse_unit(panel.unit)
-    if not own.fits(unit):
-        raise QuantityError(f"the unit {panel.unit!r} does not fit {str(own)!r} of {panel.signals[0]}")
-    return unit
 
 
 def _widened(held: Any) -> Any:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..quantities import with_unit
-from ..system.faults import sentence
+from ..scenario.faults import sentence
 from . import report_plots as plots
 from .figures import COLOURS
 

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..instances.block import Floats
+from ..fmu.model import Floats
 from ..quantities import ONE, QuantityError, Unit, value_in
-from ..scenario.scenario import FigureEntry, Panel, split
-from .figures import curves, unit_of, zero_crossings
+from ..scenario.figures import FigureEntry, Panel
+from ..scenario.references import split
+from ..system.panels import unit_of
+from .figures import curves, zero_crossings
 
 if TYPE_CHECKING:
     from ..fmu.model import Variable

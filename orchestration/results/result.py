@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ..errors import BlockError, ResultsError, nearest
 from ..expectations.checks import Highlight, Outcome
 from ..expectations.holds import Hold
-from ..fmu.model import Element, Model, Variable
-from ..instances.block import Floats
-from ..scenario.scenario import Scenario, split
+from ..fmu.model import Element, Floats, Model, Variable
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
 from ..system import signals
 from ..system.wiring import Node
 

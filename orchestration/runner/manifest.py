@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Model
 from ..instances.isolation import limits
-from ..system.faults import sentence
+from ..scenario.faults import sentence
 from ..system.signals import label
 from ..system.starts import Start
 

@@ -16,21 +16,21 @@ from ..expectations import holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..fmu.interfaces import is_path
-from ..fmu.model import Model
-from ..instances.block import Block, Floats
+from ..fmu.model import Floats, Model
+from ..instances.block import Block
 from ..master.master import Master
 from ..master.recording import Progress, Watch
-from ..results import figures
 from ..results.result import Result
-from ..scenario.scenario import Scenario, load
+from ..scenario.scenario import Scenario
 from ..swap import prepare as swap
-from ..system import order, signals, starts, wiring
+from ..system import order, panels, signals, starts, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
 from ..system.starts import Start
 from ..system.wiring import Node, Wiring
 from .manifest import manifest
+from .read import load
 from .refusal import refusal
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
         lambda: _wired(scenario, models, feedthrough),
         lambda: signals.recorded(scenario, models),
         lambda: expectations.prepare(scenario, models),
-        lambda: figures.check(scenario, models),
+        lambda: panels.check(scenario, models),
         lambda: holds.prepare(scenario, models),
     )
     needed = [node for look in (*checks, *held) for node in look.needed]

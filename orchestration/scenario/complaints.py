@@ -8,17 +8,9 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from ..errors import InputError, nearest, said
-from .scenario import Scenario
 from .source import Key, Source
 
 T = TypeVar("T", bound=BaseModel)
-
-
-def validated(model: type[Scenario], source: Source) -> Scenario:
-    """The scenario that the source holds. Raises InputError with a message for each thing that is wrong."""
-    scenario = checked(model, source)
-    scenario._source = source
-    return scenario
 
 
 def checked(model: type[T], source: Source) -> T:

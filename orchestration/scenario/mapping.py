@@ -22,6 +22,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from ..errors import InputError, said
 from ..quantities import QuantityError, parse, parse_unit, real
+from . import complaints, source
 
 
 class _Model(BaseModel):
@@ -158,10 +159,8 @@ MapEntry = Annotated[Mapping, BeforeValidator(_file, json_schema_input_type=str 
 """A mapping in a scenario, or the path of one."""
 
 
-def load(path: Path) -> tuple[Mapping, Any]:
-    """The mapping that a file holds, and the file's `Source` for messages. Raises InputError."""
-    from . import complaints, source
-
+def load(path: Path) -> tuple[Mapping, source.Source]:
+    """The mapping that a file holds, and the file's source for messages. Raises InputError."""
     here = Path.cwd()
     read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
     found = complaints.checked(Mapping, read)

@@ -114,11 +114,7 @@ def _copied(data: Any) -> Any:
 
 
 def read(path: Path) -> Source:
-    """The data of a YAML file with their lines, or of an SSP archive. Raises InputError."""
-    if path.suffix == ".ssp" and path.exists():
-        from ..ssp import reader as ssp_reader
-
-        return ssp_reader.read(path)
+    """The data of a YAML file with their lines. Raises InputError."""
     try:
         text = path.read_text("utf-8")
     except FileNotFoundError:

@@ -18,13 +18,13 @@ from urllib.parse import unquote
 from xml.etree import ElementTree as ET
 
 from ..errors import InputError, nearest
-from ..export.ssp import ANNOTATION, NAMESPACES, STRUCTURE
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Variable
 from ..quantities import Unit, convert
 from ..scenario.source import Source
 from ..system.wiring import Node
+from .words import ANNOTATION, NAMESPACES, STRUCTURE
 
 _FMU = "application/x-fmu-sharedlibrary"
 _KEPT: list[tempfile.TemporaryDirectory[str]] = []

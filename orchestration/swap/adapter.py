@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import BlockError
-from ..fmu.model import Element, Model
-from ..instances.block import TYPES, Block, Floats
+from ..fmu.model import TYPES, Element, Floats, Model
+from ..instances.block import Block
 from . import rotation
 from .fit import Fit, Link, model
 

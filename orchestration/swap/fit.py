@@ -15,8 +15,7 @@ import numpy as np
 
 from ..errors import nearest
 from ..fmu.interfaces import Reference
-from ..fmu.model import Element, Model, NameUnknown, Variable
-from ..instances.block import Floats
+from ..fmu.model import Element, Floats, Model, NameUnknown, Variable
 from ..quantities import BASES, ONE, QuantityError, Unit, parse, parse_unit, value_in
 from ..scenario.mapping import Mapping as PortMapping
 from ..scenario.mapping import PortMap
@@ -182,7 +181,7 @@ def _mapped(found: Fit, name: str, entry: PortMap, taken: dict[Element, str]) ->
 
 
 def _elements(model: Model, name: str) -> list[Element]:
-    from ..scenario.scenario import split
+    from ..scenario.references import split
 
     block, variable_name, index = split(f"theirs.{name}") or ("theirs", name, ())
     if name in model.variables:

@@ -19,7 +19,9 @@ from ..fmu.interfaces import Reference, is_path, own, place, reference
 from ..fmu.model import Element, Model
 from ..instances.block import Block
 from ..scenario import mapping as mappings
-from ..scenario.scenario import BlockEntry, Scenario, load, split
+from ..scenario.load import load
+from ..scenario.references import split
+from ..scenario.scenario import BlockEntry, Scenario
 from ..scenario.source import Key, Source
 from ..system.order import Hook
 from ..system.starts import Start

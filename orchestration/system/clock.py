@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from ..errors import InputError
-from ..instances.block import Floats
+from ..fmu.model import Floats
 from ..scenario.scenario import Scenario
 
 EXACT = 2**53

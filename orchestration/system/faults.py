@@ -8,19 +8,19 @@ within the fault's span: at `at` it is the first time, at `until` no more.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from ..errors import BlockError, InputError, nearest, said
+from ..errors import InputError, nearest, said
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
-from ..instances.block import Block
-from ..master.bus import Bus, Seat
 from ..quantities import QuantityError, parse
-from ..scenario.scenario import Fault, Scenario, split
+from ..scenario.faults import Fault, sentence
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from .clock import Clock
+from ..scenario.source import parse as parse_yaml
 from .starts import Scalar, leaves, scalar, values_of
 from .wiring import Link, Node, Wiring
 
@@ -60,119 +60,6 @@ class Faults:
 
     def __bool__(self) -> bool:
         return bool(self.settings or self.disturbances)
-
-    def at_start(self, target: Node, value: float) -> float:
-        """What an input is given at 0 instead of `value`."""
-        for fault in self.disturbances:
-            if fault.target == target and fault.span[0] == 0 and not fault.delayed:
-                value = _disturbed(fault, value)
-        return value
-
-    def bring_in(
-        self,
-        bus: Bus,
-        every: Mapping[str, int],
-        parallel: bool,
-        clock: Clock,
-        advance: Callable[[], Callable[[int], None]],
-    ) -> Callable[[int], None]:
-        """The function that makes one base step, with the faults. `advance` makes the one without them, from `bus.seats`."""
-        now = _Now()
-        places = {seat.block.name: place for place, seat in enumerate(bus.seats)}
-        for place, seat in enumerate(bus.seats):
-            acting = []
-            for fault in self.disturbances:
-                if fault.target.block == seat.block.name:
-                    # What is stepped later in the same base step, or gives its values delayed, is a step behind.
-                    behind = parallel or fault.delayed or places[fault.source.block] >= place
-                    acting.append((fault, seat.inputs.elements.index(fault.target.element), int(behind)))
-            if acting:
-                seat.gather = _gatherer(seat, acting, now)
-        blocks = {seat.block.name: seat.block for seat in bus.seats}
-        changes = [change for s in self.settings for change in _changes(s, blocks[s.block], every.get(s.block, 1))]
-        changes.sort(key=lambda change: change.due)
-        step = advance()
-
-        def advance_with_faults(count: int) -> None:
-            now.count = count
-            while changes and changes[0].due < count:
-                change = changes.pop(0)
-                try:
-                    change.make()
-                except BlockError as error:
-                    error.time = clock.time(change.due)
-                    raise
-            step(count)
-
-        return advance_with_faults
-
-
-@dataclass
-class _Now:
-    count: int = 0
-
-
-@dataclass(frozen=True)
-class _Change:
-    due: int
-    """It is made once so many base steps are done."""
-    make: Callable[[], None]
-
-
-def _changes(setting: Setting, block: Block, every: int) -> Iterable[_Change]:
-    """A setting, and its end; between two steps of the block."""
-    before: list[tuple[Element, Any]] = []
-    begin, end = (math.ceil(count / every) * every if count < math.inf else count for count in setting.span)
-
-    def set_() -> None:
-        if end < math.inf:
-            elements = [element for element, _ in setting.values]
-            before.extend(zip(elements, block.get(elements), strict=True))
-        block.set(setting.values)
-
-    yield _Change(int(begin), set_)
-    if end < math.inf:
-        yield _Change(int(end), lambda: block.set(before))
-
-
-def _gatherer(seat: Seat, acting: Sequence[tuple[Disturbance, int, int]], now: _Now) -> Callable[[], None]:
-    gather, values = seat.gather, seat.inputs.values
-    frozen: dict[int, float] = {}
-
-    def gather_with_faults() -> None:
-        gather()
-        for number, (fault, place, behind) in enumerate(acting):
-            first, last = fault.span
-            if first <= now.count - behind < last:
-                if fault.kind == "freeze":
-                    values[place] = frozen.setdefault(number, float(values[place]))
-                else:
-                    values[place] = _disturbed(fault, float(values[place]))
-
-    return gather_with_faults
-
-
-def _disturbed(fault: Disturbance, value: float) -> float:
-    return {"cut": fault.value, "bias": value + fault.value}.get(fault.kind, value)
-
-
-# ---------------------------------------------------------------- from the scenario
-
-
-def sentence(fault: Fault) -> str:
-    """What goes wrong and when, in words."""
-    what = {
-        "set": fault.set,
-        "freeze": f"{fault.freeze} frozen",
-        "bias": f"{fault.bias} biased by {_shown(fault.by)}",
-        "cut": f"{fault.cut} cut" + ("" if fault.to is None else f", {_shown(fault.to)} instead"),
-    }[fault.kind]
-    end = "on" if fault.until is None else f"to {fault.until:.10g} s"
-    return f"{what}, from {fault.at:.10g} s {end}"
-
-
-def _shown(value: Any) -> str:
-    return f"[{', '.join(map(_shown, value))}]" if isinstance(value, (list, tuple)) else str(value)
 
 
 def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> Faults:
@@ -234,8 +121,6 @@ def _signal(reference: str, models: Mapping[str, Model]) -> tuple[str, Variable,
 
 
 def _setting(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
-    from ..scenario.source import parse as parse_yaml
-
     name, equals, text = str(fault.set).partition("=")
     if not equals or not name.strip() or not text.strip():
         raise QuantityError(f"expected block.parameter = value, found {fault.set!r}")

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from fnmatch import fnmatchcase
 
 from ..errors import InputError, nearest
-from ..fmu.model import Element, Model, NameUnknown, Variable
-from ..instances.block import TYPES
-from ..scenario.scenario import Scenario, split
+from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from .wiring import Node
 

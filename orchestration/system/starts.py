@@ -9,7 +9,8 @@ from typing import Any
 from ..errors import InputError, nearest, said
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, convert, parse, value_in
-from ..scenario.scenario import Scenario, split
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
 
 Scalar = float | int | bool | str
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from ..errors import InputError, nearest
 from ..fmu.model import Element, Model, NameUnknown, Variable
-from ..scenario.scenario import Scenario, split
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 
 

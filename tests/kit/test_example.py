@@ -10,10 +10,9 @@ import pytest
 
 from fmus import kit
 from fmus.interface import parse
-from orchestration import run
+from orchestration import load, run
 from orchestration.acceptance.compare import compare
-from orchestration.scenario.scenario import load
-from orchestration.scenario.source import read
+from orchestration.runner.read import read
 from orchestration.swap.prepare import swapped
 
 from .test_kit import ROOT, make, orchestrate

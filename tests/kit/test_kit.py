@@ -18,10 +18,10 @@ from fmpy.validation import validate_fmu
 
 from fmus import kit
 from fmus.interface import BLOCKS, load, package_of, parse
+from orchestration import load as load_scenario
 from orchestration.acceptance.vector import name_of
 from orchestration.cli.main import main
 from orchestration.fmu.interfaces import place
-from orchestration.scenario.scenario import load as load_scenario
 from tests.blocks import folder as folder_of
 
 ROOT = Path(__file__).parents[2]

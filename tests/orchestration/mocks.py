@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from orchestration import load
 from orchestration.errors import BlockError
-from orchestration.fmu.model import Element, Model, Variable
-from orchestration.instances.block import Floats
+from orchestration.fmu.model import Element, Floats, Model, Variable
 from orchestration.results.result import Result
 from orchestration.runner.run import plan, run_blocks
-from orchestration.scenario.scenario import load
 
 Values = dict[Element, Any]
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 import orchestration
 from fmus.interface import load as interface
+from orchestration import Scenario, load
 from orchestration.cli.main import main
-from orchestration.scenario.scenario import Scenario, load
 
 ROOT = Path(__file__).parents[2]
 RECIPES = Path(__file__).parent / "recipes"

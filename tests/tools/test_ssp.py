@@ -15,8 +15,8 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 import orchestration
+from orchestration import load
 from orchestration.cli.main import main
-from orchestration.scenario.scenario import load
 
 from ..orchestration import fmus
 from ..orchestration.wrong_inputs import SCENARIO

@@ -10,7 +10,7 @@ import pytest
 
 from orchestration.acceptance.compare import compare
 from orchestration.acceptance.tolerances import tolerances
-from orchestration.scenario.source import read
+from orchestration.runner.read import read
 from orchestration.swap import prepare as swap
 
 from .. import fmus, vendor

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from orchestration import load
 from orchestration.cli.main import main
 from orchestration.scenario import schema
-from orchestration.scenario.scenario import load
 
 ROOT = Path(__file__).parents[3]
 

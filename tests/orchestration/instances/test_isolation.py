@@ -14,11 +14,10 @@ import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from orchestration import BlockError, InputError, run
+from orchestration import BlockError, InputError, load, run
 from orchestration.fmu.archive import open_fmu
 from orchestration.instances.channel import STEPPING
 from orchestration.instances.isolation import MEMORY, TIMEOUT, IsolatedBlock, Limits, limits
-from orchestration.scenario.scenario import load
 
 from .. import broken, fmus
 from ..wrong_inputs import SCENARIO

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestration import BlockError, run
+from orchestration import BlockError, load, run
 from orchestration.master import compiled
-from orchestration.scenario.scenario import load
 
 from .. import fmus, mocks
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestration import run
-from orchestration.scenario.scenario import load
+from orchestration import load, run
 
 SCENARIO = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
 LINKS = {

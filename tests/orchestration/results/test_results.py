@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from orchestration import InputError, run
+from orchestration import InputError, load, run
 from orchestration.expectations.checks import Judge, prepare
-from orchestration.scenario.scenario import load
 
 from ..mocks import Mock, model, real
 from ..mocks import run as run_mocks

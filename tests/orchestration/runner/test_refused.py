@@ -6,9 +6,8 @@ import time
 
 import pytest
 
-from orchestration import InputError, run
+from orchestration import InputError, load, run
 from orchestration.quantities import QuantityError, parse, parse_unit
-from orchestration.scenario.scenario import load
 
 from ..cli.test_cli import orchestrate
 

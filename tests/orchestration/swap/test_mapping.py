@@ -11,13 +11,12 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
-from orchestration import InputError, run
+from orchestration import InputError, load, run
 from orchestration.cli.main import main
 from orchestration.fmu.interfaces import Reference
 from orchestration.fmu.model import Element, Model
 from orchestration.quantities import Unit, parse_unit
 from orchestration.scenario.mapping import Mapping
-from orchestration.scenario.scenario import load
 from orchestration.swap import rotation
 from orchestration.swap.adapter import Adapter
 from orchestration.swap.fit import fit, model, unfed

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestration import BlockError, InputError
+from orchestration import BlockError, InputError, load
 from orchestration import run as run_scenario
 from orchestration.cli.main import main
 from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
-from orchestration.scenario.scenario import load
 
 from ..mocks import Mock, law, model, ramp, real, run
 

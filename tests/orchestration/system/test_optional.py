@@ -19,13 +19,12 @@ import orchestration
 from fmus import interface as fmus_interface
 from fmus.build import ensure
 from fmus.interface import load as load_interface
-from orchestration import InputError
+from orchestration import InputError, load
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.interfaces import reference
 from orchestration.quantities import parse_unit
 from orchestration.results.figures import draw_panel
-from orchestration.scenario.scenario import load
 
 from .. import mocks
 from ..mocks import Mock, real

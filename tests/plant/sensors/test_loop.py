@@ -10,8 +10,7 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from orchestration import run
-from orchestration.scenario.scenario import load
+from orchestration import load, run
 
 SCENARIO = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
 MEASURED = ("R_NB", "omega_B", "r_N", "v_N", "b_B", "h_w")

@@ -1,0 +1,26 @@
+"""A scenario from a file: YAML, or an SSP archive by its suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..scenario import load as loading
+from ..scenario import source
+from ..scenario.scenario import Scenario
+from ..scenario.source import Source
+from ..ssp import reader as ssp
+
+
+def read(path: Path) -> Source:
+    """The data of a scenario file with their lines. Raises InputError."""
+    return ssp.read(path) if path.suffix == ".ssp" and path.exists() else source.read(path)
+
+
+def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """A scenario from a file, or from the same data as a dictionary. Raises InputError.
+
+    `overrides` are start values by `block.parameter`, and `step`, `duration` and `flavour`.
+    """
+    return loading.load(read(Path(scenario)) if isinstance(scenario, str | Path) else scenario, overrides)

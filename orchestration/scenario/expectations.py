@@ -1,0 +1,87 @@
+"""What a run is expected to show, and the holds that its summary tells of."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, WithJsonSchema, model_validator
+
+from .types import NUMBER_OR_TEXT, Model, Quantity, Time, quantity
+
+
+class Bound(Model):
+    """What a signal is held against; exactly one of these."""
+
+    below: Quantity | None = None
+    """x < bound"""
+    above: Quantity | None = None
+    """x > bound"""
+    within: Annotated[
+        Any, WithJsonSchema({"anyOf": [*NUMBER_OR_TEXT, {"type": "array", "minItems": 2, "maxItems": 2}]})
+    ] = None
+    """|x| <= bound, or low <= x <= high for `[low, high]`"""
+    equals: Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}]})] = None
+    """x = bound: a boolean, a whole number or an item of an enumeration"""
+
+    @model_validator(mode="after")
+    def _one(self) -> Bound:
+        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(
+                f"expected exactly one of below, above, within, equals; found {' and '.join(given) or 'none'}"
+            )
+        if isinstance(self.within, list):
+            if len(self.within) != 2:
+                raise ValueError(f"within: expected one number or [low, high], found {self.within!r}")
+            for end in self.within:
+                quantity(end)
+        elif self.within is not None:
+            quantity(self.within)
+        return self
+
+    @property
+    def kind(self) -> str:
+        return next(name for name in type(self).model_fields if getattr(self, name) is not None)
+
+
+class Expectation(Model):
+    """What the run is expected to show. Exactly one of `always`, `ever` and `zeros`."""
+
+    name: str = Field(strict=True, min_length=1)
+    """A sentence that reads well in the table at the end."""
+    signal: str = Field(strict=True)
+    """The signal that is looked at, recorded or not: `plant.omega_B` or one element, `plant.omega_B[2]`."""
+    measure: Literal["element", "norm"] = "element"
+    """Each element for itself, or the Euclidean norm of the vector."""
+    after: Time | None = None
+    """Only samples from this time on."""
+    before: Time | None = None
+    """Only samples up to this time."""
+    when: Annotated[str, Field(strict=True)] | None = None
+    """Only samples at which this boolean signal is true; there must be one."""
+    always: Bound | None = None
+    """Every sample meets the bound."""
+    ever: Bound | None = None
+    """At least one sample meets the bound, in every element."""
+    zeros: Annotated[int, Field(strict=True, ge=0)] | None = None
+    """How often the signal changes its sign."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Expectation:
+        given = [name for name in ("always", "ever", "zeros") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected exactly one of always, ever, zeros; found {' and '.join(given) or 'none'}")
+        return self
+
+
+class HoldEntry(Model):
+    """A hold: while a boolean signal is true, other signals keep their values. The summary tells what became of it."""
+
+    name: str = Field(strict=True, min_length=1)
+    """What is held: "commands"."""
+    signal: Annotated[str, Field(strict=True)]
+    """The boolean signal that is true while they are held."""
+    keeps: list[Annotated[str, Field(strict=True)]] = Field(min_length=1)
+    """The signals that keep their values."""
+    limits: dict[str, Annotated[str, Field(strict=True)]] = {}
+    """Boolean signals of limits, by what is to be said of them, told where the hold does not end."""

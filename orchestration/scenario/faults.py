@@ -1,0 +1,69 @@
+"""The faults that a scenario injects."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from .types import Model, Time, Value
+
+
+class Fault(Model):
+    """What goes wrong at some time. Exactly one of `set`, `freeze`, `bias` and `cut`.
+
+    All but `set` change what the receivers of a signal are given: all of them where the signal is an output, one of
+    them where it is an input. The block that gives the signal, and what is recorded of it, stay as they are.
+    """
+
+    at: Time
+    """When it begins."""
+    until: Time | None = None
+    """When it ends; default: never."""
+    set: Annotated[str, Field(strict=True)] | None = None
+    """`plant.friction = 0.1`: a tunable parameter, or an input that is not connected."""
+    freeze: Annotated[str, Field(strict=True)] | None = None
+    """A signal that stays at the value that it has at this time."""
+    bias: Annotated[str, Field(strict=True)] | None = None
+    """A signal to which `by` is added."""
+    by: Value = None
+    """What `bias` adds."""
+    cut: Annotated[str, Field(strict=True)] | None = None
+    """A signal that is lost: its receivers are given `to`."""
+    to: Value = None
+    """What is given instead of a signal that is cut; default: zero, or false."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Fault:
+        given = [name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected exactly one of set, freeze, bias, cut; found {' and '.join(given) or 'none'}")
+        if (self.by is None) == (self.bias is not None):
+            raise ValueError("'by' says what 'bias' adds; expected both or neither")
+        if self.to is not None and self.cut is None:
+            raise ValueError("'to' says what is given instead of a signal that is cut; found no 'cut'")
+        if self.at < 0.0:
+            raise ValueError(f"at: expected zero or more, found {self.at:g} s")
+        if self.until is not None and self.until <= self.at:
+            raise ValueError(f"until: expected a time after {self.at:g} s, found {self.until:g} s")
+        return self
+
+    @property
+    def kind(self) -> str:
+        return next(name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None)
+
+
+def sentence(fault: Fault) -> str:
+    """What goes wrong and when, in words."""
+    what = {
+        "set": fault.set,
+        "freeze": f"{fault.freeze} frozen",
+        "bias": f"{fault.bias} biased by {_shown(fault.by)}",
+        "cut": f"{fault.cut} cut" + ("" if fault.to is None else f", {_shown(fault.to)} instead"),
+    }[fault.kind]
+    end = "on" if fault.until is None else f"to {fault.until:.10g} s"
+    return f"{what}, from {fault.at:.10g} s {end}"
+
+
+def _shown(value: Any) -> str:
+    return f"[{', '.join(map(_shown, value))}]" if isinstance(value, (list, tuple)) else str(value)

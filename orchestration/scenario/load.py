@@ -1,0 +1,26 @@
+"""A scenario from its source: data with their lines, checked against the models."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from . import complaints
+from .scenario import Scenario
+from .source import Source
+
+
+def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """A scenario from its source, or from the same data as a dictionary. Raises InputError with all that is wrong.
+
+    `overrides` are start values by `block.parameter`, and `step`, `duration` and `flavour`.
+    """
+    source = scenario if isinstance(scenario, Source) else Source(dict(scenario))
+    for name, value in (overrides or {}).items():
+        if name in ("step", "duration", "flavour"):
+            source = source.with_value(name, value, name)
+        else:
+            source = source.with_start(name, value)
+    loaded = complaints.checked(Scenario, source)
+    loaded._source = source
+    return loaded

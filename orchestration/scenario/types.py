@@ -1,0 +1,69 @@
+"""Types of the values in a scenario: times, quantities, amounts of memory."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+
+from ..errors import said
+from ..quantities import SECOND, QuantityError, parse, value_in
+
+
+def _seconds(value: Any) -> float:
+    try:
+        return value_in(value, SECOND)
+    except QuantityError as error:
+        raise ValueError(f"{error}; expected seconds, or text such as '10 min'") from None
+
+
+def _positive(value: float) -> float:
+    if value <= 0.0:
+        raise ValueError(f"expected a time above zero, found {value:g} s")
+    return value
+
+
+def quantity(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            parse(value)
+        except QuantityError as error:
+            raise ValueError(str(error)) from None
+    elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
+        raise ValueError(f"expected a number or text with a unit, found {said(value)}")
+    return value
+
+
+NUMBER_OR_TEXT: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
+Time = Annotated[float, BeforeValidator(_seconds), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
+Period = Annotated[Time, AfterValidator(_positive)]
+Quantity = Annotated[Any, BeforeValidator(quantity), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
+_VALUE = {"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}]}
+Value = Annotated[Any, WithJsonSchema(_VALUE)]
+
+
+class Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+Flavour = Literal["native", "python"]
+Isolation = Literal["process", "none"]
+
+_BYTES = {"": 1, "B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
+
+
+def _bytes(value: Any) -> int:
+    match = re.fullmatch(r"\s*(\d+\.?\d*)\s*([A-Za-z]*)\s*", str(value))
+    if match is None or match[2] not in _BYTES or isinstance(value, bool):
+        raise ValueError(f"expected an amount of memory such as '2 GB', found {said(value)}")
+    size = float(match[1]) * _BYTES[match[2]]
+    if size > 1e18:
+        raise ValueError(f"expected at most 1e18 bytes, found {size:g}")
+    count = round(size)
+    if count < 10**6:
+        raise ValueError(f"expected at least 1 MB, found {count} bytes")
+    return count
+
+
+Bytes = Annotated[int, BeforeValidator(_bytes), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
