@@ -11,8 +11,7 @@ from ..results import folder
 from ..results.figures import require
 from ..results.result import Result
 from ..runner import run as runner
-from ..runner.read import load
-from ..runner.read import read
+from ..runner.read import load, read
 from ..swap.prepare import swapped
 from .console import Progress, complain, lost, notes, say
 from .overrides import overridden
