@@ -12,7 +12,7 @@ from fmus.interface import BLOCKS, load
 from ..acceptance.vector import name_of, record
 from ..errors import InputError, nearest
 from ..fmu.archive import shown
-from ..scenario.scenario import load as load_scenario
+from ..runner.read import load as load_scenario
 from .console import say
 
 
