@@ -13,6 +13,7 @@ from __future__ import annotations
 import mmap
 import os
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,8 @@ from ..fmu.model import Floats, Model
 
 STEP, CALL = b"s", b"c"
 DONE, ANSWER = b"d", b"a"
-MARK = b"\x00end of what was said\x00"
-"""A line by which the worker tells that all that the FMU has said until now stands before it."""
+MARK = b"\x00end of the log\x00"
+"""A line by which the worker says that all that the FMU has printed until now stands before it."""
 
 _LENGTH = struct.Struct("<Q")
 _ANSWER_MAX = 64_000_000
@@ -31,6 +32,25 @@ _HEAD = 512
 """Bytes: time and step as doubles; at 16 the part of the step that runs; at 32 the call of FMI's that runs."""
 
 SETTING, STEPPING, GETTING = 1, 2, 3
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a worker has to know of its FMU."""
+
+    name: str
+    model: Model
+    guid: str
+    identifier: str
+    needs_tool: bool
+    folder: Path
+    """Where it has been unpacked."""
+    memory: Path
+    """The file that is mapped."""
+    bytes_max: int | None
+    """How much memory it may take beyond what this process has; None for no limit."""
+    master: int
+    """The master's process."""
 
 
 class Closed(Exception):

@@ -1,7 +1,6 @@
 """An FMU loaded into this process, as a block of the master.
 
-FMPy loads and instantiates it. The step loop then calls its functions through their pointers, on
-buffers and arguments that are made once.
+FMPy loads and instantiates it; the calls of the step loop are made in calls.py.
 """
 
 from __future__ import annotations
@@ -10,43 +9,24 @@ import ctypes as c
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
-from numpy.typing import NDArray
 
 from ..errors import BlockError
 from ..fmu.archive import Fmu
 from ..fmu.model import TYPES, Element, Floats, Model
+from . import calls
+from .calls import WARNING, Call, Exchange, Stride
 from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
-_WARNING, _ERROR, _FATAL = 1, 3, 4
+_ERROR, _FATAL = 3, 4
 _FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
 _C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
 _STOP_TIME_DEFINED = 1
-_NO_RESTORE = c.c_int.from_param(1)
-"""noSetFMUStatePriorToCurrentPoint: the master never goes back."""
-
-Call = Callable[[], None]
-
-
-@dataclass(frozen=True)
-class Exchange:
-    """One fmi2Get<Type> or fmi2Set<Type>, with all that it needs; compiled.py hands it to the loop in C."""
-
-    name: str
-    function: Any
-    references: NDArray[np.uint32]
-    values: Floats
-    """Its stretch of the bus or of the block's inputs."""
-    buffer: NDArray[Any]
-    """What FMI reads or writes: `values` themselves for Reals, else a copy as C has them."""
-    live: int
-    """How many of the values, the first, others need in every step."""
 
 
 class Slave:
@@ -117,14 +97,14 @@ class Slave:
     def _exchange(self, verb: str, kind: str, elements: list[Element], buffer: Any) -> None:
         references = (c.c_uint * len(elements))(*map(self._reference, elements))
         status = self._function(f"fmi2{verb}{kind}")(self.component, references, c.c_size_t(len(elements)), buffer)
-        if status > _WARNING:
+        if status > WARNING:
             names = ", ".join(dict.fromkeys(element.variable for element in elements))
             raise self.failed(f"fmi2{verb}{kind} of {names}", status)
 
     def enter(self, stop: float) -> None:
         setup = self._function("fmi2SetupExperiment")
         status = setup(self.component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
-        if status > _WARNING:
+        if status > WARNING:
             raise self.failed("fmi2SetupExperiment", status)
         self._plain("fmi2EnterInitializationMode")
 
@@ -134,7 +114,7 @@ class Slave:
 
     def _plain(self, call: str) -> None:
         status = self._function(call)(self.component)
-        if status > _WARNING:
+        if status > WARNING:
             raise self.failed(call, status)
 
     # ------------------------------------------------------------ steps
@@ -143,11 +123,14 @@ class Slave:
         values = np.zeros(len(inputs))
         self.setters = self._exchanges("Set", inputs, [0] * len(TYPES), values)
         self.getters = self._exchanges("Get", outputs, live, into)
-        self.set_inputs = _one_after_the_other([self._call(e, len(e.values), "Set") for e in self.setters])
-        self.get_all = _one_after_the_other([self._call(e, len(e.values), "Get") for e in self.getters])
-        self.get_live = _one_after_the_other([self._call(e, e.live, "Get") for e in self.getters if e.live])
-        self.do_step = self._stepper()
-        self.stride = self._strider()
+        argument, failed = self._argument, self.failed
+        self.set_inputs = calls.sequence([e.call(argument, len(e.values), failed) for e in self.setters])
+        self.get_all = calls.sequence([e.call(argument, len(e.values), failed) for e in self.getters])
+        self.get_live = calls.sequence([e.call(argument, e.live, failed) for e in self.getters if e.live])
+        self.step_function = self._function("fmi2DoStep")
+        self.do_step = calls.stepper(self.step_function, argument, failed)
+        one = calls.strider(self.setters, self.getters, self.step_function, argument, failed)
+        self.stride = one or calls.stride(self.set_inputs, self.do_step, self.get_live)
         return values
 
     setters: list[Exchange]
@@ -157,8 +140,8 @@ class Slave:
     set_inputs: Call
     get_all: Call
     get_live: Call
-    do_step: Callable[[float, float], None]
-    stride: Callable[[float, float], None]
+    do_step: Stride
+    stride: Stride
     """`set_inputs`, `do_step` and `get_live` in one."""
 
     def _exchanges(self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats) -> list[Exchange]:
@@ -175,86 +158,6 @@ class Slave:
                 exchanges.append(Exchange(name, self._function(name), references, part, buffer, count))
             first += len(members)
         return exchanges
-
-    def _call(self, exchange: Exchange, count: int, verb: str) -> Call:
-        """The call for the first `count` values; its arguments are made once."""
-        name, function, failed = exchange.name, exchange.function, self.failed
-        component, references, n, data = self._arguments(exchange, count)
-        values, buffer = exchange.values[:count], exchange.buffer[:count]
-
-        def real() -> None:
-            status = function(component, references, n, data)
-            if status > _WARNING:
-                raise failed(name, status)
-
-        def whole_set() -> None:
-            buffer[:] = values
-            real()
-
-        def whole_get() -> None:
-            real()
-            values[:] = buffer
-
-        if exchange.buffer is exchange.values:
-            return real
-        return whole_set if verb == "Set" else whole_get
-
-    def _arguments(self, exchange: Exchange, count: int) -> tuple[Any, Any, Any, Any]:
-        references, data = exchange.references.ctypes.data, exchange.buffer.ctypes.data
-        pointer = c.c_void_p.from_param
-        return self._argument, pointer(references), c.c_size_t.from_param(count), pointer(data)
-
-    def _stepper(self) -> Callable[[float, float], None]:
-        self.step_function = self._function("fmi2DoStep")
-        function, failed, component = self.step_function, self.failed, self._argument
-        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
-
-        def do_step(time: float, step: float) -> None:
-            nonlocal length, last
-            if step != last:
-                length, last = c.c_double.from_param(step), step
-            at.value = time
-            status = function(component, at, length, _NO_RESTORE)
-            if status > _WARNING:
-                raise failed("fmi2DoStep", status)
-
-        return do_step
-
-    def _strider(self) -> Callable[[float, float], None]:
-        """A whole step. Where it sets and gets Reals only, as mostly, the three calls stand in one function."""
-        set_inputs, do_step, get_live = self.set_inputs, self.do_step, self.get_live
-        setters, getters = self.setters, [e for e in self.getters if e.live]
-        if len(setters) != 1 or len(getters) != 1 or any(e.buffer is not e.values for e in (*setters, *getters)):
-
-            def three(time: float, step: float) -> None:
-                set_inputs()
-                do_step(time, step)
-                get_live()
-
-            return three
-
-        setter, getter, failed = setters[0], getters[0], self.failed
-        set_real, advance, get_real = setter.function, self.step_function, getter.function
-        component, inputs, n, given = self._arguments(setter, len(setter.values))
-        _, outputs, m, taken = self._arguments(getter, getter.live)
-        at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
-
-        def one(time: float, step: float) -> None:
-            nonlocal length, last
-            if step != last:
-                length, last = c.c_double.from_param(step), step
-            status = set_real(component, inputs, n, given)
-            if status > _WARNING:
-                raise failed(setter.name, status)
-            at.value = time
-            status = advance(component, at, length, _NO_RESTORE)
-            if status > _WARNING:
-                raise failed("fmi2DoStep", status)
-            status = get_real(component, outputs, m, taken)
-            if status > _WARNING:
-                raise failed(getter.name, status)
-
-        return one
 
     # ------------------------------------------------------------ end
 
@@ -291,14 +194,3 @@ class Slave:
 
     def _error(self, call: str, problem: str) -> BlockError:
         return BlockError(self.name, call, problem, log=self.log)
-
-
-def _one_after_the_other(wanted: Sequence[Call]) -> Call:
-    if len(wanted) == 1:
-        return wanted[0]
-
-    def run() -> None:
-        for call in wanted:
-            call()
-
-    return run

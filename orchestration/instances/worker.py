@@ -6,45 +6,19 @@ together with what it logs. Whatever becomes of the master, this process ends wi
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
 import pickle
-import sys
-import threading
-import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from ..errors import BlockError
-from ..fmu.model import Element, Model
-from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, receive, send, write
+from ..fmu.model import Element
+from . import confine
+from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send, write
 from .slave import Slave
-
-_PARENT_DEATH_SIGNAL, _SIGKILL = 1, 9
-
-
-@dataclass(frozen=True)
-class Setup:
-    """What a worker has to know of its FMU."""
-
-    name: str
-    model: Model
-    guid: str
-    identifier: str
-    needs_tool: bool
-    folder: Path
-    """Where it has been unpacked."""
-    memory: Path
-    """The file that is mapped."""
-    bytes_max: int | None
-    """How much memory it may take beyond what this process has; None for no limit."""
-    master: int
-    """The master's process."""
 
 
 class Watched(Slave):
@@ -76,8 +50,8 @@ class Worker:
     def __init__(self, source: int, to: int) -> None:
         self._source, self._to = source, to
         setup: Setup = pickle.loads(self._call())
-        _end_with(setup.master)
-        _limit(setup.bytes_max)
+        confine.end_with(setup.master)
+        confine.limit_memory(setup.bytes_max)
         self._memory = Memory(setup.memory, setup.model)
         self._setup = setup
         self._slave: Slave | None = None
@@ -130,7 +104,7 @@ class Worker:
         self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
 
     def _do_mark(self) -> None:
-        _flush()
+        confine.flush()
         say(MARK.decode())
 
     def _do_set(self, values: list[tuple[Element, Any]]) -> None:
@@ -183,79 +157,9 @@ def say(line: str) -> None:
         write(2, line.encode("utf-8", "replace") + b"\n")
 
 
-def _flush() -> None:
-    """Out with what C and Python still hold back."""
-    with suppress(Exception):
-        sys.stdout.flush()
-        sys.stderr.flush()
-        ctypes.CDLL(None).fflush(None)
-
-
-def _end_with(master: int) -> None:
-    """Lets this process end when the master does, also where the FMU does not return."""
-    if sys.platform == "linux":
-        with suppress(Exception):
-            ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, _SIGKILL, 0, 0, 0)
-            if os.getppid() != master:
-                os._exit(1)
-            return
-    threading.Thread(target=_outlived, args=(master,), daemon=True).start()
-
-
-def _outlived(master: int) -> NoReturn:
-    if sys.platform == "win32":
-        kernel = ctypes.windll.kernel32
-        kernel.OpenProcess.restype = ctypes.c_void_p
-        synchronize, forever = 0x00100000, -1
-        kernel.WaitForSingleObject(ctypes.c_void_p(kernel.OpenProcess(synchronize, False, master)), forever)
-    else:
-        while os.getppid() == master:
-            time.sleep(0.5)
-    os._exit(1)
-
-
-def _limit(bytes_max: int | None) -> None:
-    """Bounds memory, where the system can, and leaves no core file after a crash."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return
-    with suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if bytes_max is not None and sys.platform == "linux":
-        with suppress(ValueError, OSError):
-            limit = bytes_max + _data_now()
-            resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
-
-
-def _data_now() -> int:
-    status = Path("/proc/self/status").read_text()
-    return 1024 * int(status.partition("VmData:")[2].split()[0])
-
-
-def _print_lines_at_once() -> None:
-    """What is printed into a pipe would else be kept back until much has come together, and a crash would lose it."""
-    with suppress(Exception):
-        sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
-    by_line = 1  # _IOLBF of glibc, musl and macOS
-    for name in ("stdout", "__stdoutp"):
-        with suppress(Exception):
-            c = ctypes.CDLL(None)
-            c.setvbuf(ctypes.c_void_p.in_dll(c, name), None, by_line, ctypes.c_size_t(1024))
-
-
 def main() -> NoReturn:
-    source, to = os.dup(0), os.dup(1)
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.dup2(2, 1)
-    os.close(nothing)
-    if sys.platform == "win32":
-        import msvcrt
-
-        for pipe in (source, to):
-            msvcrt.setmode(pipe, os.O_BINARY)
-    _print_lines_at_once()
+    source, to = confine.take_pipes()
+    confine.print_at_once()
     status = 0
     try:
         Worker(source, to).serve()

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 import fmpy
 import numpy as np
 
-from ..instances.slave import Exchange, Slave
+from ..instances.calls import Exchange
+from ..instances.slave import Slave
 from ..interrupt import interruptible
 from ..system.clock import EXACT
 from .bus import Bus

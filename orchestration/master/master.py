@@ -22,6 +22,7 @@ import numpy as np
 from ..errors import BlockError, InputError
 from ..fmu.model import Element
 from ..instances.block import Block
+from ..instances.calls import stride
 from ..interrupt import Abandoned, interruptible
 from ..system.clock import Clock
 from ..system.faults import Faults
@@ -173,16 +174,18 @@ class Master:
         isfinite, values, dot = math.isfinite, bus.values, bus.values.dot
         usual, recorded = [], []
         for seat in bus.seats:
-            every, fetch_all = self._every(seat), _stride(seat.block, seat.block.get_all)
+            every, fetch_all = self._every(seat), stride(seat.block.set_inputs, seat.block.do_step, seat.block.get_all)
             # An FMU in this process has one function for all three calls.
-            stride = getattr(seat.block, "stride", None) or _stride(seat.block, seat.block.get_live)
+            fetch_live = getattr(seat.block, "stride", None) or stride(
+                seat.block.set_inputs, seat.block.do_step, seat.block.get_live
+            )
             step = every * numerator / denominator
-            usual.append((seat, every, step, seat.gather, stride if every == 1 else fetch_all))
+            usual.append((seat, every, step, seat.gather, fetch_live if every == 1 else fetch_all))
             recorded.append((seat, every, step, seat.gather, fetch_all))
 
         def advance(count: int) -> None:
             last = (count - 1) * numerator / denominator
-            for seat, every, step, gather, stride in usual if count % interval else recorded:
+            for seat, every, step, gather, make in usual if count % interval else recorded:
                 begun = last
                 if every > 1:
                     if count % every:
@@ -190,7 +193,7 @@ class Master:
                     begun = (count - every) * numerator / denominator
                 try:
                     gather()
-                    stride(begun, step)
+                    make(begun, step)
                 except BlockError as error:
                     self._check(bus, count, seat)  # it may have refused what is not finite
                     error.time = self.clock.time(count - every)
@@ -237,15 +240,3 @@ class Master:
 
     def _every(self, seat: Seat) -> int:
         return self.every.get(seat.block.name, 1)
-
-
-def _stride(block: Block, get: Callable[[], None]) -> Callable[[float, float], None]:
-    """One step of a block, with the outputs that `get` fetches."""
-    set_inputs, do_step = block.set_inputs, block.do_step
-
-    def stride(time: float, step: float) -> None:
-        set_inputs()
-        do_step(time, step)
-        get()
-
-    return stride

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Model
-from ..instances.isolation import limits
 from ..scenario.faults import sentence
 from ..system.signals import label
 from ..system.starts import Start
+from .limits import limits
 
 if TYPE_CHECKING:
     from ..fmu.archive import Fmu

@@ -158,8 +158,10 @@ def execute(
 
 def instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
     from ..fmu.archive import shown
-    from ..instances.isolation import IsolatedBlock, Limits, limits
+    from ..instances.isolation import IsolatedBlock
+    from ..instances.process import Limits
     from ..instances.slave import Slave
+    from .limits import limits
 
     bounds = {name: limits(ready.scenario, name) for name in fmus}
     work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)))

@@ -14,7 +14,8 @@ import numpy as np
 from orchestration.fmu.archive import Fmu, open_fmu
 from orchestration.fmu.model import Element
 from orchestration.instances.block import Block
-from orchestration.instances.isolation import IsolatedBlock, Limits
+from orchestration.instances.isolation import IsolatedBlock
+from orchestration.instances.process import Limits
 from orchestration.instances.slave import Slave
 
 from .. import fmus

@@ -17,7 +17,9 @@ from pythonfmu.builder import FmuBuilder
 from orchestration import BlockError, InputError, load, run
 from orchestration.fmu.archive import open_fmu
 from orchestration.instances.channel import STEPPING
-from orchestration.instances.isolation import MEMORY, TIMEOUT, IsolatedBlock, Limits, limits
+from orchestration.instances.isolation import IsolatedBlock
+from orchestration.instances.process import Limits
+from orchestration.runner.limits import MEMORY, TIMEOUT, limits
 
 from .. import broken, fmus
 from ..wrong_inputs import SCENARIO
