@@ -16,6 +16,7 @@ lint: $(VENV)/test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
 
 fmus: $(VENV)/run
 	$(BIN)/orchestrate build
