@@ -5,21 +5,19 @@ Matplotlib is imported only when something is drawn.
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
-from ..fmu.model import Floats
+from ..errors import InputError, ResultsError
+from ..fmu.model import Floats, Variable
 from ..quantities import ONE, value_in
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
 from ..system.panels import unit_of
-
-if TYPE_CHECKING:
-    from ..fmu.model import Variable
-    from .result import Result
+from .data import RunData
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
@@ -29,32 +27,36 @@ _PANEL_SIZE = (5.2, 3.4)
 
 def require() -> None:
     """Refuses to go on without what figures need, before a run is spent on them."""
-    from importlib.util import find_spec
-
-    if find_spec("matplotlib") is None:
+    if importlib.util.find_spec("matplotlib") is None:
         raise InputError("figures need Matplotlib: pip install matplotlib")
 
 
-def draw(result: Result, folder: Path, format: str = "png") -> list[Path]:
-    """Draws every figure of the scenario into the folder and returns the files. Raises InputError without Matplotlib."""
+def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
+    """Draws every figure of the scenario into the folder and returns the files.
+
+    Raises InputError without Matplotlib, and ResultsError where they cannot be written.
+    """
     require()
-    from matplotlib.figure import Figure
-
-    folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    for entry in result.scenario.figures:
-        width, height = _PANEL_SIZE
-        figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
-        for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
-            draw_panel(axes, panel, entry, result)
-        figure.suptitle(entry.title or entry.name, fontsize=11)
-        file = folder / f"{entry.name}.{format}"
-        figure.savefig(file, metadata={"Software": None} if format == "png" else None)
-        files.append(file)
-    return files
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return [_draw(entry, result, folder / f"{entry.name}.{format}") for entry in result.scenario.figures]
+    except OSError as error:
+        raise ResultsError(f"figures cannot be written: {error.filename or folder}: {error.strerror}") from None
 
 
-def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: Result) -> None:
+def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
+    from matplotlib.figure import Figure  # optional, and slow to import
+
+    width, height = _PANEL_SIZE
+    figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
+    for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
+        draw_panel(axes, panel, entry, result)
+    figure.suptitle(entry.title or entry.name, fontsize=11)
+    figure.savefig(file, metadata={"Software": None} if file.suffix == ".png" else None)
+    return file
+
+
+def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> None:
     """One panel of a figure, with its lines, shading and marks."""
     low, high = entry.window or (result.time[0], result.time[-1])
     shown_rows = (result.time >= low) & (result.time <= high)
@@ -110,7 +112,7 @@ def zero_crossings(time: Floats, values: Floats) -> list[float]:
     return (time[found] + share * (time[found + 1] - time[found])).tolist()
 
 
-def curves(result: Result, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
+def curves(result: RunData, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
     """Names and values of the curves that a panel draws of one signal."""
     values = result[reference].reshape(len(result.time), -1).astype(float)
     if panel.measure == "norm":

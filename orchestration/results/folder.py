@@ -10,26 +10,25 @@ Numbers are the shortest decimals that read back as the same doubles; booleans a
 
 from __future__ import annotations
 
-import json
+import importlib.util
 import os
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic_core import to_json
 
 from ..errors import InputError, ResultsError
-
-if TYPE_CHECKING:
-    from .result import Result
+from . import report
+from .data import RunData, json_text
 
 _ROWS = 4096
 """Rows of CSV that are made at a time."""
 
 
-def write(result: Result, folder: Path, format: str = "csv") -> Path:
+def write(result: RunData, folder: Path, format: str = "csv") -> Path:
     """Writes the folder and returns it. Raises ResultsError where it cannot be written; nothing of a run is then in it.
 
     Of a run that did not come to its first sample there are no signals.
@@ -69,12 +68,10 @@ def write(result: Result, folder: Path, format: str = "csv") -> Path:
     return folder
 
 
-def _report(result: Result, folder: Path) -> None:
+def _report(result: RunData, folder: Path) -> None:
     """Writes the page. Where that fails, the results stand without it, and a warning of the run says why."""
     path, part = folder / "report.html", folder / "report.html.part"
     try:
-        from . import report
-
         report.write(result, part)
         os.replace(part, path)
     except Exception as error:
@@ -86,12 +83,10 @@ def _report(result: Result, folder: Path) -> None:
 
 def check(format: str) -> None:
     """Refuses a format that is unknown, or whose package is not installed."""
-    from importlib.util import find_spec
-
     if format not in FORMATS:
         raise InputError(f"there is no format {format!r}; expected one of {', '.join(FORMATS)}")
     package = FORMATS[format][1]
-    if package and find_spec(package) is None:
+    if package and importlib.util.find_spec(package) is None:
         raise InputError(f"--format {format} needs the package {package}: pip install {package}")
 
 
@@ -104,41 +99,34 @@ def check_writable(folder: Path) -> None:
         raise InputError(f"the results cannot be written to {folder}: {existing} is not writable")
 
 
-def _complete(result: Result) -> bool:
+def _complete(result: RunData) -> bool:
     return result.failure is None and not result.interrupted
 
 
 def _json(path: Path, data: object) -> None:
-    text = json.dumps(data, indent=2, ensure_ascii=False, default=_plain)
-    path.write_text(text + "\n", "utf-8")
+    path.write_text(json_text(data) + "\n", "utf-8")
 
 
-def _plain(value: object) -> object:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
-
-
-def _csv(result: Result, path: Path) -> None:
-    from pydantic_core import to_json  # the fastest writer of shortest decimals at hand
-
+def _csv(result: RunData, path: Path) -> None:
     with path.open("wb") as file:
         file.write(",".join(["time", *result.labels]).encode() + b"\n")
         for first in range(0, len(result.time), _ROWS):
             part = slice(first, first + _ROWS)
             rows = np.column_stack([result.time[part], result.samples[part]]).tolist()
-            file.write(to_json(rows)[2:-2].replace(b"],[", b"\n") + b"\n")
+            file.write(to_json(rows)[2:-2].replace(b"],[", b"\n") + b"\n")  # the fastest writer of shortest decimals
 
 
-def _parquet(result: Result, path: Path) -> None:
-    import pyarrow
+def _parquet(result: RunData, path: Path) -> None:
+    import pyarrow  # optional, and slow to import
     import pyarrow.parquet
 
     arrays = [result.time] + [np.ascontiguousarray(column) for column in result.samples.T]
     pyarrow.parquet.write_table(pyarrow.table(arrays, names=["time", *result.labels]), path)
 
 
-def _mat(result: Result, path: Path) -> None:
+def _mat(result: RunData, path: Path) -> None:
     """A struct for each block, with whole vectors and matrices as fields; `time` beside them."""
-    from scipy.io import savemat
+    from scipy.io import savemat  # slow to import
 
     blocks: dict[str, dict[str, object]] = {}
     for name in result:
@@ -148,7 +136,7 @@ def _mat(result: Result, path: Path) -> None:
     savemat(path, {"time": result.time, **blocks}, oned_as="column", long_field_names=True, do_compression=True)
 
 
-FORMATS: dict[str, tuple[Callable[[Result, Path], None], str]] = {
+FORMATS: dict[str, tuple[Callable[[RunData, Path], None], str]] = {
     "csv": (_csv, ""),
     "parquet": (_parquet, "pyarrow"),
     "mat": (_mat, "scipy"),

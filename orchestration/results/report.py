@@ -12,18 +12,16 @@ import json
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..expectations.checks import Outcome
 from ..quantities import with_unit
 from ..scenario.faults import sentence
 from . import report_plots as plots
+from .data import RunData
 from .figures import COLOURS
-
-if TYPE_CHECKING:
-    from ..expectations.checks import Outcome
-    from .result import Result
 
 NAME = "report.html"
 _ASSETS = Path(__file__).parent / "assets"
@@ -45,12 +43,12 @@ def tag(name: str, *children: object, **attributes: object) -> Html:
     return Html(f"<{name}{given}>{inside}</{name}>")
 
 
-def write(result: Result, path: Path) -> None:
+def write(result: RunData, path: Path) -> None:
     """Writes the page of a run."""
     path.write_text(page(result), "utf-8", errors="replace", newline="\n")
 
 
-def page(result: Result) -> str:
+def page(result: RunData) -> str:
     """The page of a run."""
     arrays = plots.Arrays()
     shown: list[dict[str, Any]] = []
@@ -107,7 +105,7 @@ def _asset(name: str) -> str:
     return (_ASSETS / name).read_text("utf-8").replace("\r\n", "\n")
 
 
-def _verdict(result: Result) -> tuple[str, str]:
+def _verdict(result: RunData) -> tuple[str, str]:
     """A class for its colour, and the outcome in words."""
     reached = f"{result.time[-1]:.10g} s" if len(result.time) else "0 s"
     if result.failure is not None:
@@ -122,7 +120,7 @@ def _verdict(result: Result) -> tuple[str, str]:
     return "good", f"all {count} expectations met" if count > 1 else "the expectation is met"
 
 
-def _head(result: Result) -> Html:
+def _head(result: RunData) -> Html:
     scenario, manifest = result.scenario, result.manifest
     kind, said = _verdict(result)
     badges = [tag("span", said, class_=f"badge {kind}")]
@@ -149,7 +147,7 @@ def _head(result: Result) -> Html:
     )
 
 
-def _claims(result: Result) -> Html:
+def _claims(result: RunData) -> Html:
     if not result.outcomes:
         return Html()
     rows = [
@@ -172,7 +170,7 @@ def _looked_at(outcome: Outcome) -> str:
     return f"{outcome.signal}, {outcome.samples} samples"
 
 
-def _events(result: Result) -> Html:
+def _events(result: RunData) -> Html:
     """Holds, faults, flags, and the signals that the expectations look at in two numbers."""
     items = [
         tag("li", tag("strong", hold.name, class_="warn" if hold.latched else "name"), f": {hold.text}")
@@ -193,7 +191,7 @@ def _events(result: Result) -> Html:
     return tag("div", parts, class_="columns") if parts else Html()
 
 
-def _warnings(result: Result) -> Html:
+def _warnings(result: RunData) -> Html:
     items = [tag("li", warning) for warning in result.warnings]
     return _section("Notes", tag("ul", items, class_="notes")) if items else Html()
 
@@ -201,7 +199,7 @@ def _warnings(result: Result) -> Html:
 # ---------------------------------------------------------------- plots
 
 
-def _figures(result: Result, arrays: plots.Arrays, shown: list[dict[str, Any]]) -> Html:
+def _figures(result: RunData, arrays: plots.Arrays, shown: list[dict[str, Any]]) -> Html:
     figures = []
     for entry in result.scenario.figures:
         panels = [plots.of_panel(result, entry, panel, arrays) for panel in entry.panels]
@@ -226,7 +224,7 @@ def _figures(result: Result, arrays: plots.Arrays, shown: list[dict[str, Any]]) 
     return _section("Figures", _hint(), figures)
 
 
-def _caption(result: Result, panels: Sequence[dict[str, Any]], legend: list[str]) -> Html:
+def _caption(result: RunData, panels: Sequence[dict[str, Any]], legend: list[str]) -> Html:
     if any(panel["lines"] for panel in panels):
         legend.append("dashed: limits")
     if result.scenario.faults:
@@ -250,7 +248,7 @@ def _place(plot: dict[str, Any], shown: list[dict[str, Any]], name: str = "") ->
     return tag("div", "", class_="plot", data_plot=len(shown) - 1, role="group", aria_label=name or plot["label"])
 
 
-def _signals(result: Result, arrays: plots.Arrays, shown: list[dict[str, Any]]) -> Html:
+def _signals(result: RunData, arrays: plots.Arrays, shown: list[dict[str, Any]]) -> Html:
     """What no figure shows: a fold for each block; in the open what is looked at, where the scenario has no figures."""
     entries = result.scenario.figures
     drawn = {name for e in entries for panel in e.panels if panel.measure == "element" for name in panel.signals}
@@ -291,7 +289,7 @@ def _signals(result: Result, arrays: plots.Arrays, shown: list[dict[str, Any]]) 
     return Html("\n".join(parts))
 
 
-def _group(result: Result, group: plots.Group, shown: list[dict[str, Any]], kind: str = "") -> Html:
+def _group(result: RunData, group: plots.Group, shown: list[dict[str, Any]], kind: str = "") -> Html:
     assert group.plot is not None
     return tag(
         "figure",
@@ -309,7 +307,7 @@ def _count(moving: int, still: int) -> str:
 # ---------------------------------------------------------------- what it was made of
 
 
-def _made_of(result: Result) -> Html:
+def _made_of(result: RunData) -> Html:
     fmus = result.manifest.get("fmus", {})
     rows = [
         [
@@ -329,7 +327,7 @@ def _made_of(result: Result) -> Html:
     )
 
 
-def _manifest(result: Result) -> Html:
+def _manifest(result: RunData) -> Html:
     if not result.manifest:
         return Html()
     text = json.dumps(result.manifest, indent=2, ensure_ascii=False, default=_plain)

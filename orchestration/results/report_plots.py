@@ -9,21 +9,18 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fmu.model import Floats
+from ..fmu.model import Floats, Variable
 from ..quantities import ONE, QuantityError, Unit, value_in
 from ..scenario.figures import FigureEntry, Panel
 from ..scenario.references import split
 from ..system.panels import unit_of
+from .data import RunData
 from .figures import curves, zero_crossings
-
-if TYPE_CHECKING:
-    from ..fmu.model import Variable
-    from .result import Result
 
 ROWS = 5000
 """Rows that a plot of the scenario's figures keeps, about."""
@@ -70,7 +67,7 @@ class Group:
     """Whether an expectation looks at it."""
 
 
-def of_panel(result: Result, entry: FigureEntry, panel: Panel, arrays: Arrays, rows: int = ROWS) -> dict[str, Any]:
+def of_panel(result: RunData, entry: FigureEntry, panel: Panel, arrays: Arrays, rows: int = ROWS) -> dict[str, Any]:
     """The plot of a figure's panel."""
     low, high = entry.window or (float(result.time[0]), float(result.time[-1]))
     drawn: list[tuple[str, Floats]] = []
@@ -91,7 +88,7 @@ def of_panel(result: Result, entry: FigureEntry, panel: Panel, arrays: Arrays, r
     }
 
 
-def crossings(result: Result, entry: FigureEntry) -> list[float]:
+def crossings(result: RunData, entry: FigureEntry) -> list[float]:
     """When a figure's marked signal changes its sign, s."""
     if not entry.mark:
         return []
@@ -100,7 +97,7 @@ def crossings(result: Result, entry: FigureEntry) -> list[float]:
     return zero_crossings(result.time[rows], result[entry.mark][rows])
 
 
-def shaded(result: Result, flag: str, window: Span) -> list[Span]:
+def shaded(result: RunData, flag: str, window: Span) -> list[Span]:
     """When a boolean signal is true."""
     true = result[flag].astype(np.int8).ravel()
     edges = np.diff(true, prepend=0, append=0)
@@ -110,14 +107,14 @@ def shaded(result: Result, flag: str, window: Span) -> list[Span]:
     return _few([(max(a, window[0]), min(b, window[1])) for a, b in found if a <= window[1] and b >= window[0]])
 
 
-def faulty(result: Result) -> list[Span]:
+def faulty(result: RunData) -> list[Span]:
     """When the scenario's faults act."""
     end = float(result.time[-1])
     spans = [(fault.at, end if fault.until is None else min(fault.until, end)) for fault in result.scenario.faults]
     return [(a, b) for a, b in spans if a < b]
 
 
-def others(result: Result, arrays: Arrays, shown: Iterable[str] = ()) -> tuple[list[Group], int]:
+def others(result: RunData, arrays: Arrays, shown: Iterable[str] = ()) -> tuple[list[Group], int]:
     """A group for each recorded variable that is not among those shown, and how many there are too many."""
     skipped = set(shown)
     names = list(dict.fromkeys(f"{node.block}.{node.element.variable}" for node in result.columns))
@@ -134,7 +131,7 @@ def others(result: Result, arrays: Arrays, shown: Iterable[str] = ()) -> tuple[l
     return groups, len(names) - len(groups)
 
 
-def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group:
+def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Group:
     variable = result.variable(name)
     unit = variable.display_unit or variable.unit or ONE
     factor, offset = (variable.unit or ONE).conversion(unit)
@@ -165,7 +162,7 @@ def _group(result: Result, name: str, arrays: Arrays, held: list[Span]) -> Group
 
 
 def _plot(
-    result: Result,
+    result: RunData,
     label: str,
     named: Sequence[tuple[str, Floats]],
     arrays: Arrays,

@@ -1,126 +1,32 @@
-"""The result of a run: arrays by name."""
+"""The result of a run as users have it: its data, and the ways to keep them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..errors import BlockError, ResultsError, nearest
-from ..expectations.checks import Highlight, Outcome
-from ..expectations.holds import Hold
-from ..fmu.model import Element, Floats, Model, Variable
-from ..scenario.references import split
-from ..scenario.scenario import Scenario
-from ..system import signals
-from ..system.wiring import Node
+from . import figures
+from .data import RunData
+from .folder import write
 
 
-@dataclass
-class Result(Mapping[str, NDArray[Any]]):
+class Result(RunData):
     """What a run recorded.
 
     `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
     `result["plant.omega_B[2]"]` (n,); `result.time` (n,). Booleans and whole numbers come as such.
     """
 
-    scenario: Scenario
-    models: Mapping[str, Model]
-    time: Floats
-    samples: Floats
-    """A row for each instant, a column for each of `columns`."""
-    columns: list[Node]
-    outcomes: list[Outcome] = field(default_factory=list)
-    highlights: list[Highlight] = field(default_factory=list)
-    holds: list[Hold] = field(default_factory=list)
-    manifest: dict[str, Any] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
-    steps: int = 0
-    wall: float = 0.0
-    failure: BlockError | None = None
-    interrupted: int = 0
-    """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
-
-    @property
-    def labels(self) -> list[str]:
-        """The name of each recorded element, free of commas: `plant.R_NB[1][2]`."""
-        return [signals.label(node, self.models) for node in self.columns]
-
-    @property
-    def passed(self) -> bool:
-        """Whether the run came to its end and every expectation is met."""
-        return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
-
-    @property
-    def flags(self) -> dict[str, float | None]:
-        """When each boolean output was true first, s; None for never. They are recorded whatever was asked for."""
-        found: dict[str, float | None] = {}
-        for node in self.columns if len(self.time) else ():
-            variable = self.models[node.block].variables[node.element.variable]
-            if variable.type == "boolean" and variable.causality == "output":
-                true = np.flatnonzero(self.column(node))
-                found[signals.label(node, self.models)] = float(self.time[true[0]]) if len(true) else None
-        return found
-
-    @property
-    def raised(self) -> list[str]:
-        """The flags that were raised, and when first."""
-        return [f"{name} first at {since:.5g} s" for name, since in self.flags.items() if since is not None]
-
-    def column(self, node: Node) -> Floats:
-        return self.samples[:, self._place[node]]
-
-    def variable(self, name: str) -> Variable:
-        """The variable that a name means: its shape and description, and the unit of the elements that are meant."""
-        block, variable_name, index = split(name) or ("", "", ())
-        variable, positions = self.models[block].find(block, variable_name, index)
-        return variable.at(positions)
-
-    @property
-    def _place(self) -> dict[Node, int]:
-        places = self.__dict__.get("_places")
-        if places is None:
-            places = self.__dict__["_places"] = {node: i for i, node in enumerate(self.columns)}
-        return places
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        try:
-            block, variable_name, index = split(name) or ("", "", ())
-            variable, positions = self.models[block].find(block, variable_name, index)
-            places = [self._place[Node(block, Element(variable.name, p))] for p in positions]
-        except (KeyError, ValueError):
-            raise KeyError(f"{name!r} was not recorded{nearest(name, self)}") from None
-        dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)
-        shape = variable.shape if len(positions) == variable.size and not index else ()
-        return self.samples[:, places].astype(dtype).reshape(len(self.time), *shape)
-
-    def __iter__(self) -> Iterator[str]:
-        """Names of the variables of which every element was recorded, and of single elements of the others."""
-        whole: dict[str, None] = {}
-        for node in self.columns:
-            variable = self.models[node.block].variables[node.element.variable]
-            complete = all(Node(node.block, element) in self._place for element in variable.elements)
-            whole[f"{node.block}.{variable.name}" if complete else signals.label(node, self.models)] = None
-        return iter(whole)
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
-
     def save(self, folder: str | Path | None = None, format: str = "csv") -> Path:
-        """Writes the run's folder, by default `results/<name of the scenario>`, and returns it."""
-        from . import folder as folders
+        """Writes the run's folder, by default `results/<name of the scenario>`, and returns it.
 
-        return folders.write(self, Path(folder) if folder else Path("results") / self.scenario.name, format)
+        `format` is csv, parquet or mat. Raises InputError for another one or where its package is missing,
+        and ResultsError where the folder cannot be written.
+        """
+        return write(self, Path(folder) if folder else Path("results") / self.scenario.name, format)
 
     def draw(self, folder: str | Path, format: str = "png") -> list[Path]:
-        """Draws the scenario's figures into a folder; `format` is one that Matplotlib writes."""
-        from . import figures
+        """Draws the scenario's figures into a folder; `format` is one that Matplotlib writes.
 
-        try:
-            return figures.draw(self, Path(folder), format)
-        except OSError as error:
-            raise ResultsError(f"figures cannot be written: {error.filename or folder}: {error.strerror}") from None
+        Raises InputError without Matplotlib, and ResultsError where they cannot be written.
+        """
+        return figures.draw(self, Path(folder), format)

@@ -1,0 +1,116 @@
+"""What a run recorded and what came of it, as data: arrays by name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import BlockError, nearest
+from ..expectations.checks import Highlight, Outcome
+from ..expectations.holds import Hold
+from ..fmu.model import Element, Floats, Model, Variable
+from ..scenario.references import split
+from ..scenario.scenario import Scenario
+from ..system import signals
+from ..system.wiring import Node
+
+
+@dataclass
+class RunData(Mapping[str, NDArray[Any]]):
+    """What a run recorded, by name as `Result` says; without the ways to keep it, which stand above."""
+
+    scenario: Scenario
+    models: Mapping[str, Model]
+    time: Floats
+    samples: Floats
+    """A row for each instant, a column for each of `columns`."""
+    columns: list[Node]
+    outcomes: list[Outcome] = field(default_factory=list)
+    highlights: list[Highlight] = field(default_factory=list)
+    holds: list[Hold] = field(default_factory=list)
+    manifest: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    steps: int = 0
+    wall: float = 0.0
+    failure: BlockError | None = None
+    interrupted: int = 0
+    """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
+
+    @property
+    def labels(self) -> list[str]:
+        """The name of each recorded element, free of commas: `plant.R_NB[1][2]`."""
+        return [signals.label(node, self.models) for node in self.columns]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the run came to its end and every expectation is met."""
+        return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
+
+    @property
+    def flags(self) -> dict[str, float | None]:
+        """When each boolean output was true first, s; None for never. They are recorded whatever was asked for."""
+        found: dict[str, float | None] = {}
+        for node in self.columns if len(self.time) else ():
+            variable = self.models[node.block].variables[node.element.variable]
+            if variable.type == "boolean" and variable.causality == "output":
+                true = np.flatnonzero(self.column(node))
+                found[signals.label(node, self.models)] = float(self.time[true[0]]) if len(true) else None
+        return found
+
+    @property
+    def raised(self) -> list[str]:
+        """The flags that were raised, and when first."""
+        return [f"{name} first at {since:.5g} s" for name, since in self.flags.items() if since is not None]
+
+    def column(self, node: Node) -> Floats:
+        return self.samples[:, self._place[node]]
+
+    def variable(self, name: str) -> Variable:
+        """The variable that a name means: its shape and description, and the unit of the elements that are meant."""
+        block, variable_name, index = split(name) or ("", "", ())
+        variable, positions = self.models[block].find(block, variable_name, index)
+        return variable.at(positions)
+
+    @property
+    def _place(self) -> dict[Node, int]:
+        places = self.__dict__.get("_places")
+        if places is None:
+            places = self.__dict__["_places"] = {node: i for i, node in enumerate(self.columns)}
+        return places
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        try:
+            block, variable_name, index = split(name) or ("", "", ())
+            variable, positions = self.models[block].find(block, variable_name, index)
+            places = [self._place[Node(block, Element(variable.name, p))] for p in positions]
+        except (KeyError, ValueError):
+            raise KeyError(f"{name!r} was not recorded{nearest(name, self)}") from None
+        dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)
+        shape = variable.shape if len(positions) == variable.size and not index else ()
+        return self.samples[:, places].astype(dtype).reshape(len(self.time), *shape)
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the variables of which every element was recorded, and of single elements of the others."""
+        whole: dict[str, None] = {}
+        for node in self.columns:
+            variable = self.models[node.block].variables[node.element.variable]
+            complete = all(Node(node.block, element) in self._place for element in variable.elements)
+            whole[f"{node.block}.{variable.name}" if complete else signals.label(node, self.models)] = None
+        return iter(whole)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+def json_text(data: object) -> str:
+    """What a run's files hold, as JSON to be read."""
+    return json.dumps(data, indent=2, ensure_ascii=False, default=_plain)
+
+
+def _plain(value: object) -> object:
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
