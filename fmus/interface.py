@@ -48,7 +48,7 @@ ABSENT = 1e9
 """The start of every optional input, which means that it is not connected."""
 ABSENT_MIN = 0.999e9
 """The magnitude from which, in any of its elements, an optional input is not connected: a host may have rounded its start."""
-OPTIONAL = "optional: 1e9, its start, means not connected"
+OPTIONAL = "optional; 1e9 means not connected"
 
 Causality = Literal["input", "output", "parameter"]
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]

@@ -12,15 +12,14 @@ from __future__ import annotations
 import hashlib
 import re
 import shutil
-from collections.abc import Mapping
 from pathlib import Path
 
 from .. import places
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
-from ..native.generate import block_header, camel_case, ports_header, table
-from .templates import block_c, block_h, package_py, python_block
+from ..native.generate import block_header, ports_header, table
+from .fill import filled
 
 LANGUAGES = ("c", "python")
 SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
@@ -35,21 +34,18 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     # A team may build in Python what we have in C only.
     interface = parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
     files: dict[str, bytes | str] = {"interface.toml": interface.source}
-    readme = (_HERE / f"README.{language}.md").read_text("utf-8")
-    kept: dict[str, bytes | str] = {"README.md": _filled(readme, interface)}
+    kept = {"README.md": filled(f"README.{language}.md", interface)}
     if language == "c":
         files |= {f"generated/{name}": text for name, text in generated(interface).items()}
         files |= {f"tools/{name}": (_HERE / name).read_bytes() for name in ("pack.c", "vector.c")}
         files |= {f"fmi_shell/{name}": data for name, data in shell().items()}
         files["fmi_shell/LICENSE"] = places.shared("LICENSE").read_bytes()
         kept["Makefile"] = makefile(interface, "fmi_shell", "fmi_shell/common", "tools")
-        kept |= {f"{interface.name}.h": block_h(interface), f"{interface.name}.c": block_c(interface)}
+        kept |= {f"{interface.name}.{kind}": filled(f"block.{kind}.template", interface) for kind in "hc"}
     else:
-        kept["build.py"] = _filled((_HERE / "build.py.template").read_text("utf-8"), interface)
-        kept |= {
-            f"{interface.name}/__init__.py": package_py(interface),
-            f"{interface.name}/block.py": python_block(interface),
-        }
+        kept["build.py"] = filled("build.py.template", interface)
+        kept[f"{interface.name}/__init__.py"] = filled("package.py.template", interface)
+        kept[f"{interface.name}/block.py"] = filled("block.py.template", interface)
     for name, data in kept.items():
         if not (folder / name).exists():
             files[name] = data
@@ -80,15 +76,7 @@ def shell() -> dict[str, bytes]:
 
 def makefile(interface: Interface, shell_folder: str, common: str, tools: str) -> str:
     """The Makefile, with the folders of the shell, its common headers and the tools."""
-    text = (_HERE / "Makefile.template").read_text("utf-8")
-    return _filled(text, interface, {"shell": shell_folder, "common": common, "tools": tools})
-
-
-def _filled(text: str, interface: Interface, more: Mapping[str, str] | None = None) -> str:
-    own = {"name": interface.name, "title": camel_case(interface.name), "fmus": places.NAME}
-    for key, value in (own | dict(more or {})).items():
-        text = text.replace(f"@{key}@", value)
-    return text
+    return filled("Makefile.template", interface, shell=shell_folder, common=common, tools=tools)
 
 
 def _put(path: Path, data: bytes | str) -> Path:

@@ -12,7 +12,7 @@ from fmpy.validation import validate_fmu
 from fmus import build as module
 from fmus.build import Block, BuildError, blocks_of, build, ensure
 from fmus.interface import BLOCKS, InterfaceError, load, parse
-from fmus.kit.templates import block_c, block_h, python_block
+from fmus.kit.fill import filled
 from fmus.native.generate import ports_header, ports_path
 
 from .host import Host
@@ -74,10 +74,10 @@ def blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Block, Bloc
     (folder / "__init__.py").write_text(
         "from .block import Inputs, Outputs, Parameters, State, check, outputs, start, step\n"
     )
-    (folder / "block.py").write_text(python_block(small))
+    (folder / "block.py").write_text(filled("block.py.template", small))
     for name, text in (
-        ("toy_small.h", block_h(small)),
-        ("toy_small.c", block_c(small)),
+        ("toy_small.h", filled("block.h.template", small)),
+        ("toy_small.c", filled("block.c.template", small)),
         ("ports.h", ports_header(small)),
     ):
         (native / name).write_text(text)

@@ -41,10 +41,10 @@ typedef struct {
     /* N.m.s; Wheel momentum l_w */
     double h_w;
     /* A.m2; frame rods; Feed-forward: dipoles that are preferred among those that serve the demand alike,
-     * zero without it; optional: 1e9, its start, means not connected */
+     * zero without it; optional; 1e9 means not connected */
     double dipole_ff[3];
-    /* N.m; Feed-forward: preferred dl_w/dt, -h_w/desaturation_time without it; optional: 1e9, its start,
-     * means not connected */
+    /* N.m; Feed-forward: preferred dl_w/dt, -h_w/desaturation_time without it; optional; 1e9 means not
+     * connected */
     double wheel_torque_ff;
 } AllocatorBoundedInputs;
 

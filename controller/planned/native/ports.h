@@ -89,14 +89,14 @@ typedef struct {
     /* m/s; frame N; Velocity of the centre of mass */
     double v_N[3];
     /* N.m.s; Wheel momentum l_w, strongly advised; without it the controller reckons it from its own
-     * commands; optional: 1e9, its start, means not connected */
+     * commands; optional; 1e9 means not connected */
     double h_w;
     /* T; frame B; Measured geomagnetic field; corrects the onboard field model, which is used alone without
-     * it; optional: 1e9, its start, means not connected */
+     * it; optional; 1e9 means not connected */
     double b_B[3];
     /* A.m2, A.m2, A.m2, N.m; What rods (along their axes) and wheel (dl_w/dt) were commanded over the last
      * sample of the control, its mean where the allocator acts oftener; for the estimates, which without it
-     * take what the controller asked for; optional: 1e9, its start, means not connected */
+     * take what the controller asked for; optional; 1e9 means not connected */
     double u_applied[4];
 } ControllerPlannedInputs;
 

@@ -1,0 +1,79 @@
+"""Fills the templates beside this file from an interface.
+
+What a team fills in afterwards (block.h, block.c, block.py) compiles and runs as it is, and gives zeros.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+from .. import places
+from ..interface import OPTIONAL, Interface, Variable
+from ..native.generate import camel_case
+
+
+def filled(template: str, interface: Interface, **more: str) -> str:
+    """The text of a file beside this one, with each @key@ replaced by what it stands for."""
+    text = Path(__file__).with_name(template).read_text("utf-8")
+    values = {
+        "name": interface.name,
+        "NAME": interface.name.upper(),
+        "title": camel_case(interface.name),
+        "description": interface.description,
+        "fmus": places.NAME,
+        "members": "\n".join(f"     *   y->{v.name}{_index(v)}{_unit(v)}" for v in interface.of("output")),
+        "parameters": _fields(interface.of("parameter")),
+        "inputs": _fields(interface.of("input")),
+        "outputs": _fields(interface.of("output")),
+        "zeros": _zeros(interface.of("output")),
+        **more,
+    }
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _index(variable: Variable) -> str:
+    return "".join(f"[0..{n - 1}]" for n in variable.shape)
+
+
+def _unit(variable: Variable) -> str:
+    text = ", ".join(part for part in (variable.unit, _frame(variable)) if part)
+    return f"   {text}" if text else ""
+
+
+def _frame(variable: Variable) -> str:
+    return f"frame {variable.frame}" if variable.frame else ""
+
+
+def _fields(variables: list[Variable]) -> str:
+    """The fields of a Python dataclass, each with its shape, unit and frame."""
+    return "\n".join(f"    {v.name}: {_python_type(v)}{_comment(v)}" for v in variables)
+
+
+def _python_type(variable: Variable) -> str:
+    if variable.shape:
+        return "Array"
+    return {"real": "float", "integer": "int", "boolean": "bool"}.get(variable.type, "str")
+
+
+def _comment(variable: Variable) -> str:
+    shape, items = str(variable.shape) if variable.shape else "", " or ".join(variable.items)
+    parts = (shape, variable.unit, _frame(variable), items, OPTIONAL if variable.optional else "")
+    text = ", ".join(part for part in parts if part)
+    return f"  # {text}" if text else ""
+
+
+def _zeros(variables: list[Variable]) -> str:
+    text = f"return Outputs({', '.join(f'{v.name}={_zero(v)}' for v in variables)})"
+    return textwrap.fill(text, 116, initial_indent="    ", subsequent_indent="        ", break_long_words=False)
+
+
+def _zero(variable: Variable) -> str:
+    if variable.shape:
+        shape = variable.shape[0] if len(variable.shape) == 1 else variable.shape
+        return f"np.zeros({shape})"
+    return {"real": "0.0", "integer": "0", "boolean": "False"}.get(
+        variable.type, repr(variable.items[0] if variable.items else "")
+    )
