@@ -71,10 +71,14 @@ def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
 def importing_from(folder: Path, *packages: str) -> Iterator[None]:
     """Imports these packages from this folder, whatever was imported by their names before, and forgets them afterwards."""
 
-    def theirs() -> list[str]:
+    def of_packages() -> list[str]:
         return [name for name in sys.modules if name.partition(".")[0] in packages]
 
-    path, write, aside = sys.path.copy(), sys.dont_write_bytecode, {name: sys.modules.pop(name) for name in theirs()}
+    path, write, aside = (
+        sys.path.copy(),
+        sys.dont_write_bytecode,
+        {name: sys.modules.pop(name) for name in of_packages()},
+    )
     sys.path.insert(0, str(folder))
     sys.dont_write_bytecode = True
     importlib.invalidate_caches()
@@ -83,6 +87,6 @@ def importing_from(folder: Path, *packages: str) -> Iterator[None]:
     finally:
         sys.path[:] = path
         sys.dont_write_bytecode = write
-        for name in theirs():
+        for name in of_packages():
             del sys.modules[name]
         sys.modules.update(aside)

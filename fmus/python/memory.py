@@ -35,8 +35,8 @@ class Snapshot:
     time: float
     dirty: bool
     state: Any
-    fault: str | None = None
-    """Why these bytes were no snapshot; told when it is to be restored."""
+    error: str | None = None
+    """Why these bytes are no snapshot: the message of the call that restores it."""
 
 
 class Layout:
@@ -147,7 +147,7 @@ def to_bytes(snapshot: Snapshot, identity: str) -> bytes:
 
 
 def from_bytes(data: bytes, identity: str, block: ModuleType) -> Snapshot:
-    """Reads what `to_bytes` wrote. Bytes of another FMU or none at all make a snapshot that holds the fault."""
+    """Reads what `to_bytes` wrote. Bytes of another FMU or none at all make a snapshot that holds the error."""
     try:
         entries = json.loads(data)
         if (found := entries.pop("identity")) != identity:

@@ -4,7 +4,7 @@ Inside the FMU all Python code stands in one package whose name ends in the hash
 two versions of one, run their own code in one process:
 
     resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          interface.py, interface.toml, python/slave.py, python/memory.py
+    resources/plant_0123456789ab_code/          interface.py, variables.py, interface.toml, python/calls.py, memory.py, slave.py
     resources/plant_0123456789ab_code/plant/    the block, with the data that it carries in tables/
     resources/plant_0123456789ab_code/pythonfmu/
 """
@@ -26,7 +26,14 @@ from ..interface import Interface
 from ..native.toolchain import PLATFORMS
 from .shell import PLATFORM_ARGUMENTS, SOURCE, compile_shell
 
-RUNTIME = ("interface.py", "python/__init__.py", "python/memory.py", "python/slave.py")
+RUNTIME = (
+    "interface.py",
+    "variables.py",
+    "python/__init__.py",
+    "python/calls.py",
+    "python/memory.py",
+    "python/slave.py",
+)
 """The modules of `fmus` that an FMU carries."""
 CAPABILITIES = Capabilities(needsExecutionTool=True)
 """It needs a process that holds Python; everything else it can do."""
@@ -45,7 +52,8 @@ _PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", 
 
 _ENTRY = '''"""Entry of the FMU: PythonFMU's library looks here for the class of the slave."""
 
-from {code}.python.slave import BlockSlave, keep
+from {code}.python.calls import keep
+from {code}.python.slave import BlockSlave
 
 keep(globals())  # PythonFMU runs this text once more for each instance, then drops a reference that it never took
 

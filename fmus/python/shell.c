@@ -1,6 +1,6 @@
 /* A shell round PythonFMU's library, which stands beside it: the same functions, with truthful errors.
  *
- * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/slave.py keeps it alive),
+ * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/calls.py keeps it alive),
  * and drops every message, errors too, when the host has logging off. Here fmi2Fatal becomes fmi2Error, and
  * messages of warnings and errors always reach the host. All else is handed through. */
 #if !defined(_WIN32)
@@ -252,7 +252,7 @@ static bool connect_inner(char *text, size_t size)
     return complete;
 }
 
-/* Hands a message to the host. Its text is a format already (fmus/python/slave.py doubles each '%'). */
+/* Hands a message to the host. Its text is a format already (fmus/python/calls.py doubles each '%'). */
 static void forward(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                     fmi2String message, ...)
 {

@@ -6,18 +6,16 @@ instance as it was before the call.
 
 from __future__ import annotations
 
-import ctypes
-import functools
 import importlib
 import math
 import sys
-import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
 from ..interface import Interface, parse
+from .calls import Refused, guarded
 from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
 
 try:
@@ -30,44 +28,6 @@ _CODE = __package__.rpartition(".")[0]
 _INSTANTIATED, _INITIALIZING, _STEPPING, _TERMINATED = "instantiated", "initializing", "stepping", "terminated"
 _TIME_TOLERANCE = 1e-6
 """Of a step: how far doStep's time may be from where the block stands."""
-
-
-class Refused(Exception):
-    """The host asked for what the block cannot do; the message says all, so no traceback is logged."""
-
-
-class Fault(Exception):
-    """What leaves a call towards PythonFMU, whose C++ side logs its `repr`."""
-
-    def __repr__(self) -> str:
-        text = str(self).encode("utf-8", "backslashreplace").decode()
-        return text.replace("%", "%%")  # FMI's logger takes a format
-
-
-def keep(*objects: Any) -> None:
-    """Takes a reference to each, in place of one that PythonFMU 0.7 drops without owning it."""
-    for kept in objects:
-        ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-
-
-def guarded(call: Callable[..., Any]) -> Callable[..., Any]:
-    """Turns whatever is raised in a call from the host into a Fault that tells it, after which the instance lives on."""
-
-    @functools.wraps(call)
-    def wrapper(self: BlockSlave, *arguments: Any) -> Any:
-        try:
-            return call(self, *arguments)
-        except BaseException as error:  # an interrupt would end the instance as any exception does
-            text = f"{self.interface.name}: {type(error).__name__}: {error}"
-            if isinstance(error, Refused):
-                text = f"{self.interface.name}: {error}"
-            else:
-                text += "\n" + "".join(traceback.format_exception(error)).rstrip()
-            # PythonFMU 0.7 drops its references to these three when an exception passes, yet goes on using them.
-            keep(type(self), self, self.log_queue)
-            raise Fault(text) from None
-
-    return wrapper
 
 
 class BlockSlave(Fmi2Slave):
@@ -252,8 +212,8 @@ class BlockSlave(Fmi2Slave):
 
     @guarded
     def _set_fmu_state(self, state: Snapshot) -> None:
-        if state.fault is not None:
-            raise Refused(f"setFMUstate: {state.fault}")
+        if state.error is not None:
+            raise Refused(f"setFMUstate: {state.error}")
         self._values = list(state.values)
         self._mode, self._time, self._dirty, self._state = state.mode, state.time, state.dirty, state.state
         self._p = self._u = None

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.build import build
+from fmus.build import FLAVOURS, ensure
 from fmus.interface import load
 from orchestration import run
 from tests.blocks import inputs, module, parameters
@@ -120,8 +120,8 @@ def test_twenty_random_loops_agree_in_every_port(blocks: dict[str, str], seed: i
 
 
 @pytest.fixture(scope="module")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Path]]:
-    return {flavour: build(ORDER, flavour, tmp_path_factory.mktemp(flavour)) for flavour in ("python", "native")}
+def fmus() -> dict[str, dict[str, Path]]:
+    return {flavour: {block: ensure(block, flavour) for block in ORDER} for flavour in FLAVOURS}
 
 
 @pytest.mark.parametrize("name", ["paper_no_singularity", "paper_singularity"])

@@ -6,23 +6,10 @@ import math
 
 import pytest
 
-from fmus import units
 from orchestration import quantities
-from orchestration.quantities import QuantityError, Unit, convert, parse, parse_unit, value_in
+from orchestration.quantities import QuantityError, convert, parse, parse_unit, value_in
 
 RAD = parse_unit("rad")
-
-
-NOT_PINTS = {"1", "%", "rev", "mcd"}
-"""What Pint does not know, or reads as something else: mcd, to it, is no millicandela."""
-
-
-@pytest.mark.parametrize("name", sorted(set(units._UNITS) - NOT_PINTS))
-def test_the_table_agrees_with_pint(name):
-    ours, theirs = parse_unit(name), units._from_pint(name, None)
-    assert ours.exponents == theirs.exponents
-    assert ours.factor == pytest.approx(theirs.factor, rel=1e-14)
-    assert ours.offset == pytest.approx(theirs.offset, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -55,39 +42,7 @@ def test_units_that_only_pint_knows():
     assert value_in("68 degF", parse_unit("degC")) == pytest.approx(20.0)
 
 
-def test_common_units_do_not_import_pint(monkeypatch):
-    monkeypatch.setattr(units, "_registry", lambda: pytest.fail("Pint was asked"))
-    parse_unit.cache_clear()
-    for text in (
-        "s",
-        "min",
-        "deg",
-        "deg/s",
-        "km",
-        "A.m2",
-        "mN.m.s",
-        "uT",
-        "rpm",
-        "kg.m2",
-        "m3/s2",
-        "%",
-        "rad/s",
-        "N m",
-    ):
-        parse_unit(text)
-
-
 @pytest.mark.parametrize("text", ["abc", "", "1 xyz", "3 bit", "nan rad", "1e999 rad", "5 m"])
 def test_what_is_no_angle_is_refused(text):
     with pytest.raises(QuantityError):
         value_in(text, RAD)
-
-
-def test_a_unit_that_an_fmu_does_not_define_fits_its_namesake_only():
-    bogus = Unit("clicks", None)
-    assert bogus.fits(Unit("clicks", None))
-    assert not bogus.fits(RAD)
-
-
-def test_hertz_are_not_taken_for_radians_per_second():
-    assert not parse_unit("Hz").fits(parse_unit("rad/s"))

@@ -12,18 +12,11 @@ import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from fmus.build import ROOT, blocks_of, build
+from fmus.build import ROOT, blocks_of
 
-from .host import Host
-from .toy import toy
+from ..host import Host
 
 ERROR = 3
-
-
-@pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("toy")
-    return build([toy(folder)], "python", folder)["toy"]
 
 
 def _fails(host: Host, call: Callable[[], object]) -> str:

@@ -8,7 +8,6 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from html.parser import HTMLParser
-from importlib.resources import files
 from pathlib import Path
 
 import fmpy
@@ -16,18 +15,15 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from fmus.build import blocks_of, build
+from fmus.build import FLAVOURS, blocks_of, ensure
 from fmus.contents.archive import common
 from fmus.contents.icon import png
-from fmus.interface import BLOCKS, Interface, InterfaceError, load, parse
-
-FLAVOURS = ("native", "python")
-INTERFACES = Path(str(files("fmus"))) / "interfaces"
+from fmus.interface import BLOCKS, INTERFACES, Interface, InterfaceError, load, parse
 
 
 @pytest.fixture(scope="module")
-def fmus(built_fmus: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Path]]:
-    return {"python": built_fmus, "native": build(flavour="native", out=tmp_path_factory.mktemp("native"))}
+def fmus() -> dict[str, dict[str, Path]]:
+    return {flavour: {block: ensure(block, flavour) for block in blocks_of(flavour)} for flavour in FLAVOURS}
 
 
 @pytest.fixture(
@@ -94,7 +90,7 @@ def test_every_input_of_the_loop_is_in_a_terminal_that_an_output_of_another_bloc
 
 
 def test_a_terminal_of_inputs_and_outputs_is_refused() -> None:
-    text = files("fmus").joinpath("interfaces", "allocator.toml").read_text("utf-8")
+    text = (INTERFACES / "allocator.toml").read_text("utf-8")
     with pytest.raises(InterfaceError, match="terminals.field: b_B, b_wheel: expected inputs only or outputs only"):
         parse(text.replace('field = ["b_B"]', 'field = ["b_B", "b_wheel"]'))
 
@@ -154,7 +150,7 @@ def test_the_python_flavour_says_what_it_needs_where_a_user_looks(fmus: dict[str
 
 @pytest.mark.parametrize("name", sorted(p.name.removesuffix(".svg") for p in INTERFACES.glob("*.svg")))
 def test_an_icon_s_png_shows_what_its_svg_draws(name: str) -> None:
-    data = png(files("fmus").joinpath("interfaces", f"{name}.svg").read_bytes(), 20)
+    data = png((INTERFACES / f"{name}.svg").read_bytes(), 20)
     matplotlib = pytest.importorskip("matplotlib.image")
     import io
 

@@ -8,16 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import blocks_of, build
+from fmus.build import blocks_of
 
-from .host import Host
-from .toy import toy
-
-
-@pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("toy")
-    return build([toy(folder)], "python", folder)["toy"]
+from ..host import Host
 
 
 def test_start_values_are_those_of_the_interface_whatever_their_type(path: Path) -> None:

@@ -24,7 +24,7 @@ from orchestration.cli.main import main
 from orchestration.fmu.interfaces import place
 from tests.blocks import folder as folder_of
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 needs_compiler = pytest.mark.skipif(not kit.has_compiler(), reason="a C kit needs make and a C compiler")
 
 

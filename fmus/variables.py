@@ -1,0 +1,101 @@
+"""What a block's interface is: ports and parameters, element by element as FMI sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+FLAVOURS = ("native", "python")
+Causality = Literal["input", "output", "parameter"]
+Type = Literal["real", "integer", "boolean", "string", "enumeration"]
+Scalar = float | int | bool | str
+
+
+@dataclass(frozen=True)
+class Element:
+    """One scalar FMI variable: an element of a `Variable`."""
+
+    name: str
+    value_reference: int
+    start: Scalar | None
+    """As FMI stores it: an enumeration's is its one-based item number. None for outputs."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A port or parameter as a whole: scalar, vector or matrix."""
+
+    name: str
+    causality: Causality
+    type: Type
+    variability: str
+    description: str
+    shape: tuple[int, ...]
+    units: tuple[str | None, ...]
+    """Of each element."""
+    display_unit: str | None
+    frame: str | None
+    start: Any
+    """Nested lists of the given shape, or a scalar; an enumeration's is its item's name."""
+    min: float | None
+    max: float | None
+    items: tuple[str, ...]
+    elements: tuple[Element, ...]
+    depends_on: tuple[str, ...] = ()
+    initially_depends_on: tuple[str, ...] = ()
+    optional: bool = False
+    """An input that may stay unconnected; its start then says so."""
+
+    @property
+    def unit(self) -> str | None:
+        """In words: the unit of all elements, or, where they differ, those of the elements in their order."""
+        return self.units[0] if len(set(self.units)) == 1 else ", ".join(unit or "1" for unit in self.units)
+
+    @property
+    def value_references(self) -> list[int]:
+        return [element.value_reference for element in self.elements]
+
+
+@dataclass(frozen=True)
+class Interface:
+    """All variables of a block, in the order of the file; value references count their elements from 0."""
+
+    name: str
+    description: str
+    stop: float
+    step: float
+    variables: dict[str, Variable]
+    source: str = field(repr=False, default="")
+    """The text of the TOML file."""
+    terminals: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Variables that are wired together, by the name of their terminal."""
+    equations: tuple[tuple[str, str], ...] = ()
+    """Formulas, each with its meaning, for the documentation page."""
+    limits: tuple[str, ...] = ()
+    """Sentences for the documentation page."""
+    flavours: tuple[str, ...] = FLAVOURS
+    """Those that the block has."""
+
+    def of(self, causality: Causality) -> list[Variable]:
+        return [v for v in self.variables.values() if v.causality == causality]
+
+    @cached_property
+    def elements(self) -> dict[str, tuple[Variable, Element]]:
+        """Every scalar variable by its FMI name."""
+        return {e.name: (v, e) for v in self.variables.values() for e in v.elements}
+
+    def feedthrough(self, variable: Variable, position: int) -> list[Element]:
+        """The inputs on which element `position` (from 0) of an output depends directly."""
+        return list(self._resolve(variable.depends_on, position))
+
+    def initial_dependencies(self, variable: Variable, position: int) -> list[Element]:
+        """The inputs and parameters on which element `position` of an output depends initially."""
+        return list(self._resolve(variable.initially_depends_on, position))
+
+    def _resolve(self, names: tuple[str, ...], position: int) -> Iterator[Element]:
+        for name in names:
+            base, same_index, _ = name.partition("[i]")
+            elements = self.variables[base].elements
+            yield from (elements[position],) if same_index else elements

@@ -1,0 +1,96 @@
+"""Units: our table against the SI brochure and Pint, and which units fit each other."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fmus import units
+from fmus.units import BASES, QuantityError, Unit, display_factor, parse_unit
+
+BASE_UNITS = {
+    "1": ({}, 1.0),
+    "N.m": ({"kg": 1, "m": 2, "s": -2}, 1.0),
+    "N.m.s": ({"kg": 1, "m": 2, "s": -1}, 1.0),
+    "J": ({"kg": 1, "m": 2, "s": -2}, 1.0),
+    "T": ({"kg": 1, "s": -2, "A": -1}, 1.0),
+    "uT": ({"kg": 1, "s": -2, "A": -1}, 1e-6),
+    "A.m2": ({"A": 1, "m": 2}, 1.0),
+    "kg.m2": ({"kg": 1, "m": 2}, 1.0),
+    "m3/s2": ({"m": 3, "s": -2}, 1.0),
+    "kg/m3": ({"kg": 1, "m": -3}, 1.0),
+    "m/s": ({"m": 1, "s": -1}, 1.0),
+    "km": ({"m": 1}, 1000.0),
+    "rad": ({"rad": 1}, 1.0),
+    "rad/s": ({"rad": 1, "s": -1}, 1.0),
+    "deg": ({"rad": 1}, math.pi / 180.0),
+    "rpm": ({"rad": 1, "s": -1}, math.pi / 30.0),
+    "mN.m": ({"kg": 1, "m": 2, "s": -2}, 1e-3),
+}
+"""Exponents and factors by hand, from the SI brochure."""
+
+
+@pytest.mark.parametrize("name", BASE_UNITS)
+def test_a_unit_has_the_base_units_of_the_si_brochure(name: str) -> None:
+    exponents, factor = BASE_UNITS[name]
+    unit = parse_unit(name)
+    assert {base: power for base, power in zip(BASES, unit.exponents, strict=True) if power} == exponents
+    assert unit.factor == pytest.approx(factor, rel=1e-15)
+
+
+def test_a_display_unit_is_reached_by_multiplying_with_its_factor() -> None:
+    assert display_factor(parse_unit("rad"), parse_unit("deg")) == 180.0 / math.pi
+    assert display_factor(parse_unit("T"), parse_unit("nT")) == 1e9
+    assert display_factor(parse_unit("rad/s"), parse_unit("rpm")) == pytest.approx(30.0 / math.pi, rel=1e-15)
+
+
+def test_a_unit_that_is_unknown_or_does_not_fit_is_refused_by_name() -> None:
+    with pytest.raises(QuantityError, match=r"'Nn\.m'"):
+        parse_unit("Nn.m")
+    with pytest.raises(QuantityError, match="'rad' cannot be shown in 'km'"):
+        display_factor(parse_unit("rad"), parse_unit("km"))
+
+
+NOT_PINTS = {"1", "%", "rev", "mcd"}
+"""What Pint does not know, or reads as something else: mcd, to it, is no millicandela."""
+
+
+@pytest.mark.parametrize("name", sorted(set(units._UNITS) - NOT_PINTS))
+def test_the_table_agrees_with_pint(name: str) -> None:
+    ours, theirs = parse_unit(name), units._from_pint(name, None)
+    assert ours.exponents == theirs.exponents
+    assert ours.factor == pytest.approx(theirs.factor, rel=1e-14)
+    assert ours.offset == pytest.approx(theirs.offset, abs=1e-12)
+
+
+def test_common_units_do_not_import_pint(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(units, "_registry", lambda: pytest.fail("Pint was asked"))
+    parse_unit.cache_clear()
+    for text in (
+        "s",
+        "min",
+        "deg",
+        "deg/s",
+        "km",
+        "A.m2",
+        "mN.m.s",
+        "uT",
+        "rpm",
+        "kg.m2",
+        "m3/s2",
+        "%",
+        "rad/s",
+        "N m",
+    ):
+        parse_unit(text)
+
+
+def test_a_unit_that_an_fmu_does_not_define_fits_its_namesake_only() -> None:
+    bogus = Unit("clicks", None)
+    assert bogus.fits(Unit("clicks", None))
+    assert not bogus.fits(parse_unit("rad"))
+
+
+def test_hertz_are_not_taken_for_radians_per_second() -> None:
+    assert not parse_unit("Hz").fits(parse_unit("rad/s"))
