@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 
@@ -44,20 +45,26 @@ class ResultsError(RuntimeError):
     result: Any = None
 
 
-def nearest(name: str, names: Iterable[str]) -> str:
-    """ "; did you mean 'x'?" where one of the names is near, or "; there are a, b" where they are few."""
-    from difflib import get_close_matches
-
-    names = list(names)
+def nearest(name: str, names: Iterable[str]) -> str | None:
+    """The one of the names that is nearly this name, whatever its case; None where none is."""
     folded = {known.casefold(): known for known in names}
-    if match := get_close_matches(name.casefold(), folded, n=1):
-        return f"; did you mean {folded[match[0]]!r}?"
-    if 0 < len(names) <= 8:
-        return f"; there {'is only' if len(names) == 1 else 'are'} {', '.join(names)}"
-    return ""
+    match = get_close_matches(name.casefold(), folded, n=1)
+    return folded[match[0]] if match else None
 
 
-def said(value: Any) -> str:
+def suggestion(match: str | None) -> str:
+    """ "; did you mean 'x'?" of a match."""
+    return f"; did you mean {match!r}?" if match is not None else ""
+
+
+def hint(name: str, names: Iterable[str]) -> str:
+    """What ends a message about an unknown name: the match among the names, or else the names where they are few."""
+    names = list(names)
+    few = f"; there {'is only' if len(names) == 1 else 'are'} {', '.join(names)}" if 0 < len(names) <= 8 else ""
+    return suggestion(nearest(name, names)) or few
+
+
+def as_written(value: Any) -> str:
     """A value as the user wrote it, for "found ..."."""
     if value is None:
         return "nothing"

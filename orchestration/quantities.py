@@ -7,7 +7,7 @@ import re
 
 from fmus.units import BASES, ONE, SECOND, Exponents, QuantityError, Unit, parse_unit
 
-from .errors import said
+from .errors import as_written
 
 __all__ = ["BASES", "ONE", "SECOND", "Exponents", "QuantityError", "Unit"]
 __all__ += ["convert", "parse", "parse_unit", "real", "value_in", "with_unit"]
@@ -51,7 +51,7 @@ def value_in(value: object, unit: Unit) -> float:
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         number = real(value)
     else:
-        raise QuantityError(f"expected a number or text with a unit, found {said(value)}")
+        raise QuantityError(f"expected a number or text with a unit, found {as_written(value)}")
     if not math.isfinite(number):
         raise QuantityError(f"expected a finite number, found {value}")
     return number

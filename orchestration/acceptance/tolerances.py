@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, nearest, said
+from ..errors import InputError, as_written, hint
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, parse
 
@@ -52,7 +52,7 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
 
             source = read(Path(text))
             if not isinstance(source.data, dict):
-                raise InputError(source.error((), f"expected output: tolerance, found {said(source.data)}"))
+                raise InputError(source.error((), f"expected output: tolerance, found {as_written(source.data)}"))
             entries = [(str(key), value, source.where((key,))) for key, value in source.data.items()]
         else:
             name, equals, value = text.partition("=")
@@ -63,7 +63,7 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
             ]
         for name, value, where in entries:
             if name != "default" and name not in outputs:
-                raise InputError(f"{where}: there is no output {name!r}{nearest(name, outputs)}")
+                raise InputError(f"{where}: there is no output {name!r}{hint(name, outputs)}")
             try:
                 if name == "default":
                     default = Tolerance(_share(value))
@@ -85,7 +85,7 @@ def _share(value: Any) -> Bound:
         or not isinstance(number, (int, float))
         or (unit is not None and unit.exponents != ONE.exponents)
     ):
-        raise QuantityError(f"expected a share such as 1e-6 or '0.1 %', found {said(value)}")
+        raise QuantityError(f"expected a share such as 1e-6 or '0.1 %', found {as_written(value)}")
     share = number * (unit.factor if unit else 1.0)
     return Bound(share=share, text=f"{share:g} of the largest")
 
@@ -102,7 +102,7 @@ def _bound(value: Any, variable: Variable) -> Bound:
     number, unit = parse(value) if isinstance(value, str) else (value, None)
     if isinstance(number, bool) or not isinstance(number, (int, float)) or not 0.0 <= number < float("inf"):
         raise QuantityError(
-            f"expected a tolerance such as '0.1 %' or '0.2 {variable.unit or ONE}', found {said(value)}"
+            f"expected a tolerance such as '0.1 %' or '0.2 {variable.unit or ONE}', found {as_written(value)}"
         )
     if unit is not None and unit.name == "%":
         what = "of samples" if variable.type != "real" else "of the largest"

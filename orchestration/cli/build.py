@@ -9,7 +9,7 @@ import click
 from fmus.build import BLOCKS, BuildError, blocks_of
 from fmus.build import build as build_fmus
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.archive import shown
 from .console import say
 
@@ -33,7 +33,7 @@ def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""
     for block in blocks:
         if block not in BLOCKS:
-            raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
+            raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
     try:
         paths = build_fmus(blocks or None, flavour, out)
     except BuildError as error:

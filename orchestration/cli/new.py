@@ -10,7 +10,7 @@ from fmus import kit
 from fmus.interface import BLOCKS, load
 
 from ..acceptance.vector import name_of, record
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.archive import shown
 from ..runner.read import load as load_scenario
 from .console import say
@@ -34,7 +34,7 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
     It holds what it takes to build (in C: a compiler and make are enough), a README and a test vector.
     """
     if block not in BLOCKS:
-        raise InputError(f"there is no block {block!r}{nearest(block, BLOCKS)}")
+        raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
     target = folder or Path(f"{block}_{lang}")
     runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
     run = scenario or next((run for run in runs if name_of(load_scenario(run), block)), None)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError, nearest
+from ..errors import InputError, nearest, suggestion
 from ..results import folder
 from ..results.figures import require
 from ..results.result import Result
@@ -82,8 +82,8 @@ def command(
         require()
     group = ctx.parent and ctx.parent.command
     commands = group.list_commands(ctx) if isinstance(group, click.Group) else []
-    if not scenario.suffix and not scenario.exists() and "did you mean" in (hint := nearest(str(scenario), commands)):
-        raise InputError(f"{scenario}: there is no such file or command{hint}")
+    if not scenario.suffix and not scenario.exists() and (match := nearest(str(scenario), commands)):
+        raise InputError(f"{scenario}: there is no such file or command{suggestion(match)}")
     source = read(scenario)
     if swaps or maps:
         source = swapped(source, swaps, maps)

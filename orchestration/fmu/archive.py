@@ -20,7 +20,7 @@ from xml.parsers import expat
 import fmpy
 from fmpy.model_description import ValidationError, read_model_description
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from .model import Model, describe
 
 ANNOTATION = "attitude-cosim"
@@ -62,7 +62,7 @@ def _library(identifier: str) -> str:
 def open_fmu(path: Path) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line."""
     if not path.exists():
-        near = nearest(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
+        near = hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
     if path.is_dir():
         raise InputError(f"{shown(path)} is a folder; expected an .fmu file")

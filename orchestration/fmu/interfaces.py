@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .model import Element, Model, Variable, shared
 
@@ -46,8 +46,8 @@ def reference(name: str, folder: Path) -> Reference:
         fmu = open_fmu((folder / Path(name).expanduser()).resolve())
         return Reference(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
     if name not in own():
-        hint = nearest(name, own())
-        raise InputError(f"this project has no interface {name!r}{hint}; the path of a reference FMU ends in .fmu")
+        ending = hint(name, own())
+        raise InputError(f"this project has no interface {name!r}{ending}; the path of a reference FMU ends in .fmu")
     from fmus.interface import load
 
     interface = load(name)

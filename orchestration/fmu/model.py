@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..quantities import ONE, Exponents, Unit
 
 Floats = NDArray[np.float64]
@@ -131,7 +131,7 @@ class Model:
             wanted = tuple(of)
             kind = " or ".join(wanted) or "variable"
             names = [v.name for v in self.variables.values() if not wanted or v.causality in wanted]
-            raise NameUnknown(f"{block} has no {kind} {name!r}{nearest(name, names)}")
+            raise NameUnknown(f"{block} has no {kind} {name!r}{hint(name, names)}")
         variable = self.variables[name]
         if not index:
             return variable, list(range(variable.size))

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import BlockError, InputError, nearest
+from ..errors import BlockError, InputError, hint
 from ..expectations import checks as expectations
 from ..expectations import holds
 from ..expectations.checks import Check
@@ -261,8 +261,8 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
     from fmus.interface import load as load_interface
 
     if fmu not in BLOCKS:
-        hint = nearest(fmu, BLOCKS)
-        raise InputError(f"this project has no block {fmu!r}{hint}; the path of an FMU ends in .fmu")
+        ending = hint(fmu, BLOCKS)
+        raise InputError(f"this project has no block {fmu!r}{ending}; the path of an FMU ends in .fmu")
     if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):
         there = " or ".join(f"'flavour: {one}'" for one in has)
         raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} beside it")

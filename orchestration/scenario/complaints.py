@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import InputError, nearest, said
+from ..errors import InputError, as_written, nearest, suggestion
 from .source import Key, Source
 
 T = TypeVar("T", bound=BaseModel)
@@ -17,14 +16,14 @@ def checked(model: type[T], source: Source) -> T:
     """What the source holds, as this model. Raises InputError with a message for each thing that is wrong."""
     if not isinstance(source.data, dict):
         keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
-        raise InputError(source.error((), f"expected keys such as {keys}, found {said(source.data)}"))
+        raise InputError(source.error((), f"expected keys such as {keys}, found {as_written(source.data)}"))
     try:
         return model.model_validate(source.data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
-        messages = [_message(model, source, detail) for detail in details]
-        meant = [m for m in messages if "did you mean" in m]  # a misspelt key is not missing as well
-        messages = [m for m in messages if not any(f"mean {_missing(m)!r}" in other for other in meant)]
+        meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
+        # A misspelt key is not missing as well.
+        messages = [_message(model, source, d) for d in details if d["type"] != "missing" or _key(d) not in meant]
         raise InputError(*dict.fromkeys(messages)) from None
 
 
@@ -42,32 +41,41 @@ _EXPECTED = {
 }
 
 
+def _key(detail: Any) -> Key:
+    return tuple(part for part in detail["loc"] if part != "[key]")
+
+
+def _match(model: type[BaseModel], detail: Any) -> str | None:
+    """The key that an unknown one is nearly."""
+    key = _key(detail)
+    return nearest(str(key[-1]), _model_at(model, key[:-1]).model_fields)
+
+
 def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
-    key: Key = tuple(part for part in detail["loc"] if part != "[key]")
+    key = _key(detail)
     kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "extra_forbidden":
-        known = list(_model_at(model, key[:-1]).model_fields)
-        near = nearest(str(key[-1]), known)
-        hint = near if "did you mean" in near else f"; expected one of {', '.join(known)}"
-        return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{hint}")
+        known = ", ".join(_model_at(model, key[:-1]).model_fields)
+        ending = suggestion(_match(model, detail)) or f"; expected one of {known}"
+        return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{ending}")
     if kind == "missing":
         about = _model_at(model, key[:-1]).model_fields[str(key[-1])].description or ""
         return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
     if kind == "value_error":
         text = str(context["error"])
     elif kind in _EXPECTED:
-        text = f"expected {_EXPECTED[kind]}, found {said(value)}"
+        text = f"expected {_EXPECTED[kind]}, found {as_written(value)}"
     elif kind == "literal_error":
-        text = f"expected {context['expected']}, found {said(value)}{_hint(value, context['expected'])}"
+        text = f"expected {context['expected']}, found {as_written(value)}{_item(value, context['expected'])}"
     elif kind == "greater_than_equal":
         text = f"expected {context['ge']} or more, found {value}"
     elif kind in ("too_short", "string_too_short"):
         text = "must not be empty"
     elif kind == "string_pattern_mismatch":
         dashes = " . -" if context["pattern"].endswith(".-]*$") else ""
-        text = f"expected a name of letters, digits and _{dashes}, found {said(value)}"
+        text = f"expected a name of letters, digits and _{dashes}, found {as_written(value)}"
     else:
-        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {said(value)}"
+        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}"
     return source.error(key, text)
 
 
@@ -96,14 +104,9 @@ def _is_model(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, BaseModel)
 
 
-def _hint(value: Any, expected: str) -> str:
-    near = nearest(str(value), expected.replace("'", "").replace(" or ", ", ").split(", "))
-    return near if "did you mean" in near else ""
-
-
-def _missing(message: str) -> str | None:
-    match = re.search(r"'(\w+)' is missing:", message)
-    return match[1] if match else None
+def _item(value: Any, expected: str) -> str:
+    names = expected.replace("'", "").replace(" or ", ", ").split(", ")
+    return suggestion(nearest(str(value), names))
 
 
 def _begin(text: str) -> str:

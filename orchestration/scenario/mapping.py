@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from ..errors import InputError, said
+from ..errors import InputError, as_written
 from ..quantities import QuantityError, parse, parse_unit, real
 from . import complaints, source
 
@@ -33,7 +33,7 @@ def _quantity(value: Any) -> Any:
     if isinstance(value, str):
         number, text = _read(value), value
     elif isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"expected a number or text with a unit, found {said(value)}")
+        raise ValueError(f"expected a number or text with a unit, found {as_written(value)}")
     else:
         number, text = real(value), str(value)
     if not math.isfinite(number):
@@ -66,12 +66,12 @@ def _unit_name(value: Any) -> Any:
 def _matrix(value: Any) -> Any:
     """Rows of numbers, all of one length."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
-        raise ValueError(f"expected rows of numbers such as [[1, 0], [0, 1]], found {said(value)}")
+        raise ValueError(f"expected rows of numbers such as [[1, 0], [0, 1]], found {as_written(value)}")
     if len({len(row) for row in value}) != 1:
         raise ValueError("expected rows of one length")
     for number in (number for row in value for number in row):
         if isinstance(number, bool) or not isinstance(number, (int, float)):
-            raise ValueError(f"expected rows of numbers, found {said(number)} in one")
+            raise ValueError(f"expected rows of numbers, found {as_written(number)} in one")
         if not math.isfinite(real(number)):
             raise ValueError(f"expected rows of finite numbers, found {number} in one")
     return value

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 
 Key = tuple[str | int, ...]
 
@@ -48,7 +48,7 @@ class Source:
         if not dot or not variable:
             raise InputError(f"{said}: expected block.parameter=value")
         if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
-            raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+            raise InputError(f"{said}: there is no block {block!r}{hint(block, blocks or ())}")
         starts = blocks[block].get("start")
         if not isinstance(starts, dict):
             blocks[block]["start"] = starts = {}
@@ -118,7 +118,7 @@ def read(path: Path) -> Source:
     try:
         text = path.read_text("utf-8")
     except FileNotFoundError:
-        near = nearest(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
+        near = hint(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
         raise InputError(f"{path}: there is no such file{near}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: expected text in UTF-8") from None

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
-from ..errors import said
+from ..errors import as_written
 from ..quantities import SECOND, QuantityError, parse, value_in
 
 
@@ -31,7 +31,7 @@ def quantity(value: Any) -> Any:
         except QuantityError as error:
             raise ValueError(str(error)) from None
     elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
-        raise ValueError(f"expected a number or text with a unit, found {said(value)}")
+        raise ValueError(f"expected a number or text with a unit, found {as_written(value)}")
     return value
 
 
@@ -56,7 +56,7 @@ _BYTES = {"": 1, "B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12, "K
 def _bytes(value: Any) -> int:
     match = re.fullmatch(r"\s*(\d+\.?\d*)\s*([A-Za-z]*)\s*", str(value))
     if match is None or match[2] not in _BYTES or isinstance(value, bool):
-        raise ValueError(f"expected an amount of memory such as '2 GB', found {said(value)}")
+        raise ValueError(f"expected an amount of memory such as '2 GB', found {as_written(value)}")
     size = float(match[1]) * _BYTES[match[2]]
     if size > 1e18:
         raise ValueError(f"expected at most 1e18 bytes, found {size:g}")

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree as ET
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Variable
@@ -283,8 +283,8 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: 
             starts[variable.label(position)] = items.get(value, value)
     for name, given in structure.values.get(place, {}).items():
         if name not in variables:
-            hint = nearest(name, variables)
-            raise InputError(f"{shown(path)}: {'.'.join(place)} has no variable {name!r}{hint}")
+            ending = hint(name, variables)
+            raise InputError(f"{shown(path)}: {'.'.join(place)} has no variable {name!r}{ending}")
         variable, position = variables[name]
         fed = variable.causality == "input" and _source(structure, _End(place, name)) is not None
         if variable.causality == "parameter" or (variable.causality == "input" and (delayed or not fed)):
@@ -332,8 +332,8 @@ def _connections(path: Path, structure: _Structure, names: dict[Path_, str], fmu
             ends = []
             for owner, connector in (source, _End(place, name)):
                 if connector not in variables[owner]:
-                    hint = nearest(connector, variables[owner])
-                    raise InputError(f"{shown(path)}: {'.'.join(owner)} has no variable {connector!r}{hint}")
+                    ending = hint(connector, variables[owner])
+                    raise InputError(f"{shown(path)}: {'.'.join(owner)} has no variable {connector!r}{ending}")
                 variable, position = variables[owner][connector]
                 ends.append((Node(names[owner], Element(variable.name, position)), variable))
             text = " -> ".join(f"{node.block}.{v.label(node.element.position)}" for node, v in ends)

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import nearest
+from ..errors import hint, nearest
 from ..fmu.interfaces import Reference
 from ..fmu.model import Element, Floats, Model, NameUnknown, Variable
 from ..quantities import BASES, ONE, QuantityError, Unit, parse, parse_unit, value_in
@@ -146,7 +146,7 @@ def _ignored(found: Fit, mapping: PortMapping) -> None:
             found.say(
                 "fault",
                 "mapping",
-                f"the interface {found.reference.name} has no {name!r}{nearest(name, known)}",
+                f"the interface {found.reference.name} has no {name!r}{hint(name, known)}",
                 key=key,
             )
         elif name in mapping.ports:
@@ -165,7 +165,7 @@ def _mapped(found: Fit, name: str, entry: PortMap, taken: dict[Element, str]) ->
     key = ("ports", name)
     known = found.reference.model.variables
     if name not in known:
-        text = f"the interface {found.reference.name} has no {name!r}{nearest(name, known)}"
+        text = f"the interface {found.reference.name} has no {name!r}{hint(name, known)}"
         found.say("fault", "mapping", text, "the names of the interface stand on the left", key)
         return
     elements: list[Element] = []
@@ -455,8 +455,8 @@ def _items(variable: Variable) -> str:
 def _lacking(found: Fit, ours: Variable, theirs: Model, taken: Mapping[Element, str]) -> None:
     free = [v for v in theirs.of(ours.causality) if v.name not in found.reference.model.variables]
     free = [v for v in free if not any(element in taken for element in v.elements)]
-    near = nearest(ours.name, (v.name for v in free))
-    meant = [near.removeprefix("; did you mean ").strip("?'")] if "did you mean" in near else []
+    match = nearest(ours.name, (v.name for v in free))
+    meant = [match] if match else []
     alike = [v.name for v in free if v.type == ours.type and v.size == ours.size and _unit_fits(ours, v)]
     meant += [name for name in alike if name not in meant]
     key = f"'{ours.name}: {meant[0] if meant else 'THEIRS'}' under ports in the mapping"
@@ -497,9 +497,7 @@ def _extra(found: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         key = ("start", name)
         if variable is None or variable.causality not in ("input", "parameter"):
             names = (v.name for v in found.theirs.of("input", "parameter"))
-            found.say(
-                "fault", "mapping", f"their FMU has no input or parameter {name!r}{nearest(base, names)}", key=key
-            )
+            found.say("fault", "mapping", f"their FMU has no input or parameter {name!r}{hint(base, names)}", key=key)
         else:
             _started(found, variable, name, value, taken)
     partial: dict[str, list[str]] = {}

@@ -14,7 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.interfaces import Reference, is_path, own, place, reference
 from ..fmu.model import Element, Model
 from ..instances.block import Block
@@ -425,7 +425,7 @@ def swapped(source: Source, swaps: Sequence[str], maps: Sequence[str] = ()) -> S
             raise InputError(f"--map {text}: expected {where}")
         block = block.strip() or next(iter(files))
         if block not in files:
-            raise InputError(f"--map {text}: {block} is not swapped{nearest(block, files)}")
+            raise InputError(f"--map {text}: {block} is not swapped{hint(block, files)}")
         if block in mappings_of:
             raise InputError(f"--map {text}: {block} is mapped twice")
         mappings_of[block] = file.strip()
@@ -433,7 +433,7 @@ def swapped(source: Source, swaps: Sequence[str], maps: Sequence[str] = ()) -> S
         said = f"--swap {block}={file}"
         entry = blocks.get(block) if isinstance(blocks, dict) else None
         if not isinstance(entry, dict):
-            raise InputError(f"{said}: there is no block {block!r}{nearest(block, blocks or ())}")
+            raise InputError(f"{said}: there is no block {block!r}{hint(block, blocks or ())}")
         source = _swap(source, block, entry, file, mappings_of.get(block), said)
     return source
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from ..errors import InputError, nearest, said
+from ..errors import InputError, as_written, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, parse
 from ..scenario.faults import Fault, sentence
@@ -116,7 +116,7 @@ def _signal(reference: str, models: Mapping[str, Model]) -> tuple[str, Variable,
         raise NameUnknown(f"expected block.variable, found {reference!r}")
     block, name, index = parts
     if block not in models:
-        raise NameUnknown(f"there is no block {block!r}{nearest(block, models)}")
+        raise NameUnknown(f"there is no block {block!r}{hint(block, models)}")
     return block, *models[block].find(block, name, index, ("input", "output", "parameter"))
 
 
@@ -199,7 +199,7 @@ def _difference(variable: Variable, value: Any) -> float:
     """A difference of two values of the variable: units with an offset have none here."""
     number, own = parse(value) if isinstance(value, str) else (value, None)
     if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
-        raise QuantityError(f"by: expected a number or text with a unit, found {said(value)}")
+        raise QuantityError(f"by: expected a number or text with a unit, found {as_written(value)}")
     unit = unit_of(variable)
     if own is None:
         return float(number)

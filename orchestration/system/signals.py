@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
 from ..scenario.references import split
 from ..scenario.scenario import Scenario
@@ -21,7 +21,7 @@ def find(scenario: Scenario, key: Key, reference: str, models: Mapping[str, Mode
         raise InputError(scenario.error(key, f"expected block.variable, found {reference!r}"))
     block, name, index = parts
     if block not in models:
-        raise InputError(scenario.error(key, f"there is no block {block!r}{nearest(block, models)}"))
+        raise InputError(scenario.error(key, f"there is no block {block!r}{hint(block, models)}"))
     try:
         variable, positions = models[block].find(block, name, index)
     except NameUnknown as error:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import InputError, nearest, said
+from ..errors import InputError, as_written, nearest, suggestion
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, convert, parse, value_in
 from ..scenario.references import split
@@ -72,10 +72,10 @@ def values_of(block: str, model: Model, name: str, value: Any) -> dict[Element, 
     except NameUnknown as error:
         raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
     if variable.causality not in ("parameter", "input"):
-        near = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
-        hint = near if "did you mean" in near else ""
+        match = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
         raise QuantityError(
-            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts{hint}"
+            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts"
+            f"{suggestion(match)}"
         )
     shape = variable.shape if len(positions) == variable.size else ()
     found = leaves(value, shape, variable)
@@ -107,7 +107,7 @@ def _shape_in_words(shape: tuple[int, ...]) -> str:
 
 def _shape_found(value: Any) -> str:
     if not isinstance(value, (list, tuple)):
-        return said(value)
+        return as_written(value)
     lengths = {len(row) if isinstance(row, (list, tuple)) else 0 for row in value}
     if lengths == {0} or not value:
         return f"a list of {len(value)}"
@@ -120,17 +120,17 @@ def scalar(variable: Variable, position: int, value: Any) -> Scalar:
         value = value.item()
     if variable.type == "string":
         if not isinstance(value, str):
-            raise QuantityError(f"expected text, found {said(value)}")
+            raise QuantityError(f"expected text, found {as_written(value)}")
         return value
     if variable.type == "boolean":
         if not isinstance(value, bool):
-            raise QuantityError(f"expected true or false, found {said(value)}")
+            raise QuantityError(f"expected true or false, found {as_written(value)}")
         return value
     if variable.type == "enumeration":
         return item(variable, value)
     if variable.type == "integer":
         if isinstance(value, bool) or not isinstance(value, int):
-            raise QuantityError(f"expected a whole number, found {said(value)}")
+            raise QuantityError(f"expected a whole number, found {as_written(value)}")
         if not -(2**31) <= value < 2**31:
             raise QuantityError(f"expected a whole number of 32 bits, found {value}")
         return _limited(variable, position, value, value)
@@ -141,10 +141,8 @@ def item(variable: Variable, value: Any) -> int:
     """The number of an enumeration's item, given by its name."""
     items = dict(variable.items)
     if isinstance(value, bool) or str(value) not in items:
-        near = nearest(str(value), items)
-        raise QuantityError(
-            f"expected one of {', '.join(items)}, found {said(value)}{near if 'did you mean' in near else ''}"
-        )
+        match = suggestion(nearest(str(value), items))
+        raise QuantityError(f"expected one of {', '.join(items)}, found {as_written(value)}{match}")
     return items[str(value)]
 
 
@@ -163,7 +161,7 @@ def _real(variable: Variable, value: Any) -> float:
     except QuantityError as error:
         if isinstance(value, str) and variable.unit is None and "does not fit" in str(error):
             raise QuantityError(
-                f"{variable.name} has no unit, so expected a bare number, found {said(value)}"
+                f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}"
             ) from None
         raise
 

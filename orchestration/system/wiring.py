@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ..errors import InputError, nearest
+from ..errors import InputError, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..scenario.references import split
 from ..scenario.scenario import Scenario
@@ -156,7 +156,7 @@ def _end(reference: str, models: Mapping[str, Model], causality: str) -> _End:
         raise _Fault(f"expected block.{causality}, found {reference.strip()!r}")
     block, name, index = parts
     if block not in models:
-        raise _Fault(f"there is no block {block!r}{nearest(block, models)}")
+        raise _Fault(f"there is no block {block!r}{hint(block, models)}")
     variable, positions = models[block].find(block, name, index, (causality,))
     if variable.causality != causality:
         article = "an" if variable.causality[0] in "aeio" else "a"
