@@ -14,8 +14,9 @@ import numpy as np
 
 from fmus import native
 from fmus.interface import Interface, load
-from fmus.native.toolchain import PLATFORMS, host_platform
+from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.blocks import folder as folder_of
+from tests.kept import kept
 
 ROOT = Path(__file__).parents[2]
 GUID = "{00000000-0000-0000-0000-000000000000}"
@@ -40,12 +41,16 @@ class Callbacks(ctypes.Structure):
 
 @cache
 def library(block: str) -> ctypes.CDLL:
-    """The block's library for this machine, compiled afresh."""
-    folder = Path(tempfile.mkdtemp())
+    """The block's library for this machine, of the sources as they are."""
     host = host_platform()
-    path = folder / f"{block}{PLATFORMS[host].suffix}"
-    path.write_bytes(native.libraries(load(block), folder_of(block), GUID, [host])[host])
-    return opened(path)
+    with tempfile.TemporaryDirectory() as folder:
+        sources, includes = native.lay_out(load(block), folder_of(block), GUID, Path(folder))
+
+        def make(path: Path) -> None:
+            path.write_bytes(compile_library(block, sources, includes, [host])[host])
+
+        name = f"{block}{PLATFORMS[host].suffix}"
+        return opened(kept(name, [compiler(), *FLAGS, *sources, *includes, FREESTANDING], make))
 
 
 def opened(path: Path) -> ctypes.CDLL:

@@ -12,31 +12,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.native.toolchain import FLAGS, FREESTANDING
+from fmus.native.toolchain import FLAGS, FREESTANDING, compiler
+from tests.kept import kept
 
 # math's functions are within a unit in the last place; two are allowed here.
 ULPS = 2.5
 
 
 @pytest.fixture(scope="module")
-def lib(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    path = Path(tmp_path_factory.mktemp("elementary"), "elementary.so")
+def lib() -> ctypes.CDLL:
     text = (FREESTANDING / "elementary.c").read_text("utf-8")
-    source = path.with_suffix(".c")
     names = ("sin", "cos", "log", "log1p", "exp", "expm1")
     wrappers = "".join(f"double own_{n}(double x);\ndouble own_{n}(double x) {{ return {n}(x); }}\n" for n in names)
     wrappers += "double own_atan2(double y, double x);\ndouble own_atan2(double y, double x) { return atan2(y, x); }\n"
-    source.write_text(text + wrappers, "utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        *(f for f in FLAGS if not f.startswith("-fvisibility")),
-        "-ffreestanding",
-    ]
-    command += [f"-I{FREESTANDING}", "-shared", str(source), str(FREESTANDING / "memory.c"), "-o", str(path)]
-    subprocess.run(command, check=True)
+    command = [sys.executable, "-m", "ziglang", "cc", *(f for f in FLAGS if not f.startswith("-fvisibility"))]
+    command += ["-ffreestanding", f"-I{FREESTANDING}", "-shared"]
+
+    def make(path: Path) -> None:
+        source = path.with_suffix(".c")
+        source.write_text(text + wrappers, "utf-8")
+        subprocess.run([*command, str(source), str(FREESTANDING / "memory.c"), "-o", str(path)], check=True)
+
+    path = kept("elementary.so", [compiler(), *command, text + wrappers, FREESTANDING], make)
     library = ctypes.CDLL(str(path))
     for name in (*names, "atan2"):
         getattr(library, f"own_{name}").restype = ctypes.c_double

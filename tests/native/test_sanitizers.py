@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from fmus import native
 from fmus.interface import BLOCKS, load
 from tests.blocks import folder
+from tests.kept import kept
 
 from .driver import GUID
 
@@ -36,20 +38,16 @@ def _compiler(kind: str) -> list[str]:
 @pytest.mark.parametrize("kind", ["zig", "system"])
 def test_random_calls_under_sanitizers(block: str, kind: str, tmp_path: Path) -> None:
     sources, includes = native.lay_out(load(block), folder(block), GUID, tmp_path)
-    program = tmp_path / "fuzz"
-    command = [
-        *_compiler(kind),
-        "-std=c11",
-        "-O1",
-        "-g",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        *(f"-I{path}" for path in includes),
-    ]
-    command += [*map(str, sources), str(Path(__file__).with_name("fuzz.c")), "-o", str(program), "-lm"]
-    built = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert built.returncode == 0, built.stderr
+    fuzz = Path(__file__).with_name("fuzz.c")
+    compiler = _compiler(kind)
+    command = [*compiler, "-std=c11", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
+
+    def make(path: Path) -> None:
+        arguments = [*(f"-I{folder}" for folder in includes), *map(str, sources), str(fuzz), "-o", str(path), "-lm"]
+        built = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+        assert built.returncode == 0, built.stderr
+
+    program = kept("fuzz", [version("ziglang"), *command, *sources, *includes, fuzz], make)
     seeds = 2 if block == "controller_planned" else 5  # a plan takes a thousand times as long as a law
     for seed in range(1, 1 + seeds):
         run = subprocess.run([program, str(seed), "20000"], capture_output=True, text=True, check=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import tempfile
 from ctypes import byref, c_bool, c_char, c_double, c_int32, c_size_t, c_ubyte
 from dataclasses import dataclass, field
 from functools import cache
@@ -15,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from controller.planned.native import tables
 from fmus.interface import load
-from fmus.native.toolchain import PLATFORMS, compile_library, host_platform
+from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
+from tests.kept import kept
 
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
@@ -31,22 +31,20 @@ Array = NDArray[np.float64]
 @cache
 def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
-    folder = Path(tempfile.mkdtemp())
-    generated = []
-    for name, text in tables.generated().items():
-        (folder / name).write_text(text, "utf-8")
-        generated.append(folder / name)
+    texts = tables.generated()
     sources = [path for path in sorted(NATIVE.glob("*.c")) if path.name != "plan.c"]
+    probe = Path(__file__).with_name("probe.c")
+    includes = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
-    made = compile_library(
-        "probe",
-        [Path(__file__).with_name("probe.c"), *sources, *generated],
-        [ROOT / "fmus" / "native" / "common", NATIVE],
-        [host],
-    )
-    path = folder / f"probe{PLATFORMS[host].suffix}"
-    path.write_bytes(made[host])
-    lib = ctypes.CDLL(str(path))
+
+    def make(path: Path) -> None:
+        generated = [path.with_name(name) for name in texts]
+        for file in generated:
+            file.write_text(texts[file.name], "utf-8")
+        path.write_bytes(compile_library("probe", [probe, *sources, *generated], includes, [host])[host])
+
+    made_of = [compiler(), *FLAGS, *texts.values(), probe, *includes, FREESTANDING]
+    lib = ctypes.CDLL(str(kept(f"probe{PLATFORMS[host].suffix}", made_of, make)))
     for name in ("probe_year", "probe_sidereal", "probe_cost_rate", "probe_plan_cost", "probe_steer"):
         getattr(lib, name).restype = c_double
     return lib
