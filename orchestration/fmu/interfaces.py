@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from fmus.interface import BLOCKS, load
+
 from ..errors import InputError, hint
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .model import Element, Model, Variable, shared
@@ -33,8 +35,6 @@ def is_path(text: str) -> bool:
 
 def own() -> tuple[str, ...]:
     """The names of the project's own interfaces."""
-    from fmus.interface import BLOCKS
-
     return BLOCKS
 
 
@@ -48,8 +48,6 @@ def reference(name: str, folder: Path) -> Reference:
     if name not in own():
         ending = hint(name, own())
         raise InputError(f"this project has no interface {name!r}{ending}; the path of a reference FMU ends in .fmu")
-    from fmus.interface import load
-
     interface = load(name)
     loop = {block: load(block) for block in own() if block == place(block) != place(name)}
     taken = {v.name for other in loop.values() for v in other.of("input") if not v.optional}

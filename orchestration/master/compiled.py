@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 import fmpy
 import numpy as np
 
+from fmus import places
+
 from ..instances.calls import Exchange
 from ..instances.slave import Slave
 from ..interrupt import interruptible
@@ -204,8 +206,6 @@ class CompiledLoop:
 @cache
 def _library() -> c.CDLL | None:
     """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a compiler."""
-    from fmus import places
-
     path = places.ready(f"loop/{fmpy.platform}{fmpy.sharedLibraryExtension}")
     try:
         library = c.CDLL(str(path or _compiled(places.work() / "loop")))
@@ -216,14 +216,12 @@ def _library() -> c.CDLL | None:
 
 
 def _compiled(folder: Path) -> Path:
-    from fmus import places
-
     native = Path(places.__file__).with_name("native")
     sources = _SOURCE, native / "shell" / "fmi2.h", native / "toolchain.py"
     digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
     if not path.exists():
-        from fmus.native import toolchain  # imported here, since it takes long and is seldom needed
+        from fmus.native import toolchain  # here, since it takes 15 ms and is seldom needed
 
         host = toolchain.host_platform()
         data = toolchain.compile_library("loop", [_SOURCE], [native / "shell"], [host])[host]
