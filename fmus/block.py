@@ -1,4 +1,4 @@
-"""A block as sources: an interface and the folder of the package that keeps to it."""
+"""A block as sources: its interface, and the folder of the package that implements it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class BuildError(RuntimeError):
 
 @dataclass(frozen=True)
 class Block:
-    """What an FMU is made of: an interface and the folder of the Python package that keeps to it."""
+    """What an FMU is made of: an interface, and the folder of the package that implements it."""
 
     interface: Interface
     folder: Path
@@ -49,7 +49,7 @@ def package_name(folder: Path) -> str:
 
 
 def files_of(folder: Path) -> list[Path]:
-    """All files in a block's folder, sorted, but its C and the blocks that have their own folders in it."""
+    """All files in a block's folder, sorted, without its C and without blocks in folders of their own."""
     apart = {folder / "native", *filter(_is_block, folder.iterdir())}
     found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
     return sorted(path for path in found if apart.isdisjoint(path.parents))
@@ -61,7 +61,7 @@ def _is_block(folder: Path) -> bool:
 
 @contextlib.contextmanager
 def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
-    """A module of the package in this folder, such as `native.tables`, whatever was imported by its name before."""
+    """A module of the package in this folder, such as `native.tables`, even if another of its name is imported already."""
     package = package_name(folder)
     with importing_from(folder.parents[package.count(".")], package.partition(".")[0]):
         yield importlib.import_module(f"{package}.{name}")
@@ -69,7 +69,7 @@ def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
 
 @contextlib.contextmanager
 def importing_from(folder: Path, *packages: str) -> Iterator[None]:
-    """Imports these packages from this folder, whatever was imported by their names before, and forgets them afterwards."""
+    """Imports these packages from this folder, even if their names are imported already; restores `sys.modules` afterwards."""
 
     def of_packages() -> list[str]:
         return [name for name in sys.modules if name.partition(".")[0] in packages]

@@ -111,11 +111,11 @@ def _check(flavour: str) -> None:
 def _check_flavour(interface: Interface, flavour: str) -> None:
     if flavour not in interface.flavours:
         there = " and ".join(interface.flavours)
-        raise BuildError(f"{interface.name} has no flavour {flavour!r}; it is {there} only")
+        raise BuildError(f"{interface.name} has no flavour {flavour!r}; expected {there}")
 
 
 def _stamp(path: Path) -> bytes | None:
-    """The fingerprint of an FMU's sources, which stands in the comment of its archive."""
+    """The fingerprint that was written into the comment of the FMU's archive; None where there is none to read."""
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.comment
@@ -124,7 +124,7 @@ def _stamp(path: Path) -> bytes | None:
 
 
 def _fingerprint(block: Block, flavour: str) -> str:
-    """A hash of all that an FMU is made from, packages by their versions."""
+    """A hash of all that an FMU is made of: files by their content, packages by their versions."""
     digest = hashlib.sha256(block.interface.source.encode())
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
     makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
@@ -162,7 +162,7 @@ def _version(name: str) -> str:
 
 
 def _write(path: Path, data: bytes, stamp: bytes) -> None:
-    """Writes at one stroke, so that another process never sees half an FMU."""
+    """Writes a temporary file and renames it, so that another process never reads an incomplete FMU."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(".tmp", dir=path.parent)
     try:

@@ -65,7 +65,7 @@ OPTIONAL = "optional; 1e9 means not connected"
 
 
 class InterfaceError(ValueError):
-    """An interface file contradicts itself; the message names file and variable."""
+    """An interface file is wrong; the message names file and variable."""
 
 
 @cache
@@ -181,10 +181,10 @@ def element_name(name: str, index: tuple[int, ...]) -> str:
 def _flatten(value: Any, shape: tuple[int, ...], key: str = "start") -> list[Any]:
     if not shape:
         if isinstance(value, list):
-            raise InterfaceError(f"{key} is a list, but shape makes it a scalar")
+            raise InterfaceError(f"{key}: expected one value, since there is no shape, found {value!r}")
         return [value]
     if not isinstance(value, list) or len(value) != shape[0]:
-        raise InterfaceError(f"{key} does not have the shape {list(shape)}")
+        raise InterfaceError(f"{key}: expected the shape {list(shape)}, found {value!r}")
     return [leaf for item in value for leaf in _flatten(item, shape[1:], key)]
 
 

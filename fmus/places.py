@@ -1,4 +1,4 @@
-"""Where things are: in the repository, or, once installed, in what the wheel brings along ready-made.
+"""Where files are: in the repository, or, once installed, in what the wheel brings along ready-made.
 
 A wheel holds, in the folder `ready` of this package: native/*.fmu, python/*.fmu, loop/*, scenarios/, LICENSE.
 """

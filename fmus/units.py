@@ -27,7 +27,7 @@ class QuantityError(ValueError):
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit by its name; `exponents` is None where nothing but the name is known."""
+    """A unit; `exponents` is None where only its name is known."""
 
     name: str
     exponents: Exponents | None = _ONE
@@ -35,13 +35,13 @@ class Unit:
     offset: float = 0.0
 
     def fits(self, other: Unit) -> bool:
-        """Whether values convert into the other unit. Units known by name alone fit their namesakes."""
+        """Whether values convert into the other unit. A unit of which only the name is known fits units of that name."""
         if self.exponents is None or other.exponents is None:
             return self.name == other.name
         return self.exponents == other.exponents
 
     def conversion(self, to: Unit) -> tuple[float, float]:
-        """Factor and offset that take a value in this unit into `to`; exactly (1, 0) where there is nothing to do."""
+        """Factor and offset that take a value in this unit into `to`; exactly (1, 0) between equal units."""
         if self.factor == to.factor and self.offset == to.offset:
             return 1.0, 0.0
         return self.factor / to.factor, (self.offset - to.offset) / to.factor
@@ -126,7 +126,7 @@ _TOKEN = re.compile(
 
 
 def _is_written_as_usual(text: str) -> bool:
-    """Whether it holds names, products, quotients and exponents only. Pint computes all else, too: 9**9**9**9 forever."""
+    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9, without end."""
     position, powers = 0, 0
     while match := _TOKEN.match(text, position):
         position = match.end()

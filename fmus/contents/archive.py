@@ -47,7 +47,7 @@ def _png(svg: bytes) -> bytes:
 
 
 def archive(files: dict[str, bytes]) -> bytes:
-    """The files as a zip archive in which nothing depends on time, place or the order of hashing."""
+    """The files as a zip archive whose bytes depend on nothing but their names and contents."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as target:
         for name in sorted(files):

@@ -1,4 +1,4 @@
-"""modelDescription.xml of a block, derived from its interface; the same for every flavour but for what a flavour can do."""
+"""modelDescription.xml of a block, derived from its interface; flavours differ in their capabilities only."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LOG_CATEGORIES = {
     "logAll": "All messages",
 }
 TOOL = "attitude-cosim"
-"""Whose annotation it is that an input is optional: FMI 2.0 has no word for it."""
+"""The tool that the annotation of an optional input names: FMI 2.0 has no attribute for it."""
 DIMENSIONLESS = "1"
 """The unit of every Real without one, so that a master can tell dimensionless from not declared."""
 
@@ -88,7 +88,7 @@ def guid_from(digest: str) -> str:
 
 
 def about(variable: Variable) -> str:
-    """The description with the frame of its components, and what stands for an optional input that is not connected."""
+    """The description with the frame of its components, and which value means that an optional input is not connected."""
     more = [f"frame: {variable.frame}"] if variable.frame else []
     if variable.optional:
         more.append(OPTIONAL)

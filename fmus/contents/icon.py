@@ -11,14 +11,14 @@ import zlib
 from collections.abc import Callable
 
 _SAMPLES = 3
-"""Points across a pixel that are looked at in each direction, so that edges are smooth."""
+"""Samples per pixel in each direction, which smooth the edges."""
 
 Inside = Callable[[float, float], bool]
 _Shape = tuple[Inside, tuple[int, int, int]]
 
 
 def png(svg: bytes, size: int = 64) -> bytes:
-    """The picture as a square PNG with a transparent ground."""
+    """The picture as a square PNG with a transparent background."""
     shapes = [_shape(element) for element in ET.fromstring(svg)]
     shapes.reverse()  # the last one drawn lies on top
     pixels = {(x, y): _pixel(shapes, x, y, 100.0 / size) for y in range(size) for x in range(size)}

@@ -1,1 +1,1 @@
-"""The Python flavour: PythonFMU packages a block, and a shell in C goes round its library."""
+"""The Python flavour: PythonFMU packages a block, and a shell in C encloses its library."""

@@ -1,4 +1,4 @@
-"""Calls from the host: what is raised in one becomes a message to the host, and the instance lives on.
+"""Calls from the host: what is raised in one becomes a message to the host, and the instance stays usable.
 
 Carried by every Python FMU, so it needs the standard library only.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 
 class Refused(Exception):
-    """The host asked for what the block cannot do; the message says all, so no traceback is logged."""
+    """The host asked for what the block cannot do; the message suffices, so no traceback is logged."""
 
 
 class CallError(Exception):
@@ -31,7 +31,7 @@ def keep(*objects: Any) -> None:
 
 
 def guarded(call: Callable[..., Any]) -> Callable[..., Any]:
-    """Turns whatever is raised in a call from the host into a CallError that tells it, after which the instance lives on."""
+    """Turns whatever is raised in a call from the host into a CallError with its message; the instance stays usable."""
 
     @functools.wraps(call)
     def wrapper(self: Any, *arguments: Any) -> Any:

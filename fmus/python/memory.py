@@ -40,7 +40,7 @@ class Snapshot:
 
 
 class Layout:
-    """Where each port and parameter of a block stands in the flat list, and the way to and fro."""
+    """Where each port and parameter of a block stands in the flat list, and the conversions both ways."""
 
     def __init__(self, interface: Interface, block: ModuleType) -> None:
         self.starts: Values = [_start(v, e.start) for v, e in interface.elements.values()]

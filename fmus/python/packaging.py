@@ -36,7 +36,7 @@ RUNTIME = (
 )
 """The modules of `fmus` that an FMU carries."""
 CAPABILITIES = Capabilities(needsExecutionTool=True)
-"""It needs a process that holds Python; everything else it can do."""
+"""It needs a process that holds Python; it has all other capabilities."""
 REQUIREMENTS = "numpy>=1.26\n"
 """For `pythonfmu deploy`; Python itself is 3.11 or later."""
 NEEDS = "Python flavour: the host's process must hold Python 3.11 or later with numpy; any other host takes the native flavour"
@@ -158,7 +158,7 @@ def _finish(files: dict[str, bytes], entry: str, name: str, guid: str) -> dict[s
 
 
 def _licence_of_pythonfmu() -> dict[str, bytes]:
-    """Every FMU carries parts of it."""
+    """Its licence, since every FMU carries parts of it."""
     found = {}
     for file in distribution("pythonfmu").files or []:
         if file.name.upper().startswith("LICENSE"):

@@ -9,7 +9,7 @@ from ..native.toolchain import PLATFORMS, shared_library
 
 SOURCE = Path(__file__).with_name("shell.c")
 PLATFORM_ARGUMENTS = {"linux64": ["-ldl"], "win64": ["-ffreestanding", "-nostdlib", "-lkernel32"]}
-"""FMI's platforms for which PythonFMU brings a library, with what else the compiler is told there."""
+"""FMI's platforms for which PythonFMU brings a library, with further arguments of the compiler."""
 
 _HEADERS = Path(__file__).parents[1] / "native" / "shell"
 _WARNINGS = ["-Wno-language-extension-token", "-Wno-gnu-alignof-expression"]

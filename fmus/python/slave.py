@@ -27,7 +27,7 @@ _CODE = __package__.rpartition(".")[0]
 """The package of all the code that an FMU carries."""
 _INSTANTIATED, _INITIALIZING, _STEPPING, _TERMINATED = "instantiated", "initializing", "stepping", "terminated"
 _TIME_TOLERANCE = 1e-6
-"""Of a step: how far doStep's time may be from where the block stands."""
+"""Of a step: how far doStep's time may be from the block's own."""
 
 
 class BlockSlave(Fmi2Slave):
@@ -58,7 +58,7 @@ class BlockSlave(Fmi2Slave):
 
     @classmethod
     def _load(cls, resources: Path) -> None:
-        """Imports the block, anew where the folder that it came from is gone and may be read no more."""
+        """Imports the block; again where the folder of the first import has been deleted."""
         here = sys.modules[_CODE]
         if cls.folder is not None:
             here.__path__ = [str(resources / _CODE)]
@@ -100,7 +100,7 @@ class BlockSlave(Fmi2Slave):
         if not 0.0 < step_size < math.inf:
             raise Refused(f"doStep: the step is {step_size} s; expected a finite number above 0")
         if not abs(current_time - self._time) <= _TIME_TOLERANCE * step_size + 1e-12 * abs(self._time):
-            raise Refused(f"doStep: the step starts at {current_time} s, but the block stands at {self._time} s")
+            raise Refused(f"doStep: the step starts at {current_time} s, but the block is at {self._time} s")
         p, u = self._read()
         state, outputs = self.block.step(self._state, u, p, step_size)
         self._values = self.layout.store(outputs, self._values)
@@ -117,7 +117,7 @@ class BlockSlave(Fmi2Slave):
             raise Refused(f"{call}: the block is {self._mode}; this call is for a block that is {mode}")
 
     def _read(self) -> tuple[Any, Any]:
-        """Parameters, checked as a whole, and inputs, from the values as they stand."""
+        """Parameters, checked as a whole, and inputs, from the current values."""
         if self._p is None:
             p = self.layout.parameters(self._values)
             self.block.check(p)

@@ -134,15 +134,15 @@ def test_units_are_those_of_each_element(blocks: tuple[Block, Block], tmp_path: 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('unit = ["A.m2", "A.m2", "N.m"]', 'unit = ["A.m2", "N.m"]', r"variables.applied: unit does not have the shape \[3\]"),
-        ('unit = "m"\n', 'unit = ["m"]\n', "variables.sum: unit is a list, but shape makes it a scalar"),
+        ('unit = ["A.m2", "A.m2", "N.m"]', 'unit = ["A.m2", "N.m"]', r"variables.applied: unit: expected the shape \[3\], found \['A.m2', 'N.m'\]"),
+        ('unit = "m"\n', 'unit = ["m"]\n', "variables.sum: unit: expected one value, since there is no shape"),
         ('"N.m"]', '"N.m"]\ndisplay_unit = "mN.m"', "units of their own has no display_unit"),
         ("start = [1e9, 1e9, 1e9]", "start = [1e9, 0.0, 1e9]", r"optional, and its start is 1e\+09 in every element"),
         ('unit = "m"\n', 'unit = "m"\noptional = true\n', "variables.sum: only a real input may be optional"),
         ('name = "toy_small"', 'name = "toy_small"\nflavours = ["c"]', r"block.flavours: expected a list of native, python, found \['c'\]"),
     ],
 )  # fmt: skip
-def test_a_contradiction_in_an_interface_is_told(old: str, new: str, message: str) -> None:
+def test_an_error_in_an_interface_is_named(old: str, new: str, message: str) -> None:
     with pytest.raises(InterfaceError, match=message):
         parse(SMALL.replace(old, new))
 
@@ -154,7 +154,7 @@ def test_a_block_of_one_flavour_is_left_out_of_the_other_and_refused_there_by_na
         parse(SMALL.replace('name = "toy_small"', 'name = "toy_small"\nflavours = ["native"]')), blocks[1].folder
     )
     for call in (build, lambda chosen, *rest: ensure(chosen[0], *rest)):
-        with pytest.raises(BuildError, match="toy_small has no flavour 'python'; it is native only"):
+        with pytest.raises(BuildError, match="toy_small has no flavour 'python'; expected native"):
             call([only], "python", tmp_path)
     monkeypatch.setattr(module, "BLOCKS", (*BLOCKS, "toy_small"))
     monkeypatch.setattr(module, "load", lambda name: only.interface if name == "toy_small" else load(name))

@@ -89,7 +89,7 @@ def test_a_step_from_another_time_than_the_block_s_is_refused(path: Path) -> Non
         host.started().step(0, count=2)
         message = _fails(host, lambda: host.step(3))
         assert "the step starts at 0.3" in message
-        assert "the block stands at 0.2 s" in message
+        assert "the block is at 0.2 s" in message
         assert "nan" in _fails(host, lambda: host.fmu.doStep(math.nan, 0.1))
 
 

@@ -416,7 +416,7 @@ def test_a_flavour_that_a_block_has_not_is_refused_at_its_line(here, monkeypatch
     )
     result = orchestrate("build", "allocator_bounded", "--flavour", "python", "--out", "fmus")
     assert result.exit_code == 2
-    assert "allocator_bounded has no flavour 'python'; it is native only" in result.stderr
+    assert "allocator_bounded has no flavour 'python'; expected native" in result.stderr
 
 
 @pytest.mark.parametrize("compiled", [True, False])
