@@ -101,7 +101,8 @@ def calls(seeds: Sequence[int] = range(SEEDS["errors"], SEEDS["errors"] + 10)) -
     """Flies tumbles under all errors in the loop of Python, and times every sample of the controller."""
     from orchestration import load
     from orchestration.instances.slave import Slave
-    from orchestration.runner.run import plan, run_blocks
+    from orchestration.runner.plan import plan
+    from orchestration.runner.run import run_blocks
 
     fmus = flight_run.pin()
     spent: list[float] = []

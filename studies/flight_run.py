@@ -150,7 +150,8 @@ def run(data: Data, duration: float, fmus: Mapping[str, Path]) -> Result:
 
     from orchestration import load
     from orchestration.instances.slave import Slave
-    from orchestration.runner.run import plan, run_blocks
+    from orchestration.runner.plan import plan
+    from orchestration.runner.run import run_blocks
 
     scenario = load({**data, "duration": duration})
     parts = {name: opened(fmus[entry.fmu]) for name, entry in scenario.blocks.items()}

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import orchestration
-from orchestration.runner.run import locate
+from orchestration.runner.open import locate
 
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"

@@ -17,8 +17,9 @@ from ..expectations.checks import Outcome
 from ..fmu.model import TYPES, Variable
 from ..quantities import with_unit
 from ..results.result import Result
-from ..runner import run as runner
+from ..runner.open import open_scenario
 from ..runner.read import load
+from ..runner.run import execute
 from ..scenario.source import Source
 from ..system.wiring import fed
 from . import playback
@@ -91,10 +92,10 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     loaded = load(source)
     if block not in loaded.blocks:
         raise InputError(f"{loaded.source.file or 'scenario'} has no block {block!r}")
-    ports = _ports(loaded, block)
-    load(theirs)
-    _refuse_early(theirs)
-    ours = runner.execute(load(_recording(source, block, [v.name for v in ports if v.causality == "input"])))
+    fmu = open_scenario(loaded).fmus[block]
+    ports = [v for v in fmu.model.of("input", "output") if v.type in TYPES]
+    open_scenario(load(theirs))  # what does not fit is refused before ours is run
+    ours = execute(load(_recording(source, block, [v.name for v in ports if v.causality == "input"])))
     if ours.failure is not None:
         ours.failure.result = ours
         raise ours.failure
@@ -104,34 +105,12 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     inputs = {v.name: ours[f"{block}.{v.name}"] for v in fed(loaded, block, ports) if f"{block}.{v.name}" in ours}
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
     names = [v.name for v in ports if v.causality == "input" and v.name in played.model.variables]
-    other = runner.execute(load(_recording(theirs, block, names)))
+    other = execute(load(_recording(theirs, block, names)))
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
     rows = played.rows
     comparison.interval = float(ours.time[rows[1]] - ours.time[rows[0]]) if len(rows) > 1 else 0.0
     return comparison
-
-
-def _refuse_early(theirs: Source) -> None:
-    """Finds what does not fit before ours is run."""
-    from ..fmu.archive import open_fmu
-    from ..swap.prepare import prepare
-
-    scenario = load(theirs)
-    fmus = {
-        name: open_fmu(runner.locate(entry.fmu, theirs.folder, entry.flavour or scenario.flavour))
-        for name, entry in scenario.blocks.items()
-    }
-    prepared = prepare(scenario, fmus)
-    runner.plan(prepared.scenario, prepared.models, prepared.feedthrough)
-
-
-def _ports(loaded: Any, block: str) -> list[Variable]:
-    from ..fmu.archive import open_fmu
-
-    entry = loaded.blocks[block]
-    fmu = open_fmu(runner.locate(entry.fmu, loaded.source.folder, entry.flavour or loaded.flavour))
-    return [v for v in fmu.model.of("input", "output") if v.type in TYPES]
 
 
 def _recording(source: Source, block: str, inputs: Sequence[str]) -> Source:
@@ -145,11 +124,8 @@ def _differences(
     comparison: Comparison, ports: Sequence[Variable], bounds: dict[str, Tolerance], every: int
 ) -> list[Difference]:
     ours, played = comparison.ours, comparison.played
-    chosen: Any = np.ones(0, bool)
-    if played.outputs:
-        chosen = np.isfinite(np.column_stack([*played.outputs.values()])).all(axis=1)
-    chosen &= played.rows[: len(chosen)] % every == 0
-    rows = played.rows[: len(chosen)][chosen]
+    chosen = played.rows % every == 0
+    rows = played.rows[chosen]
     differences = []
     for variable in (v for v in ports if v.causality == "output"):
         bound = bounds[variable.name]

@@ -2,32 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats, Model
-from ..runner.run import instantiate, locate, plan
+from ..master.master import Master
+from ..runner.open import open_scenario
 from ..scenario.load import load
 from ..scenario.source import Source
-from ..swap import prepare as swap
+from ..system.order import Order
+from ..system.wiring import Link, Node, Wiring
 
 
 @dataclass
 class Played:
-    """What a block gave at each instant at which it was stepped."""
+    """What a block gave at each instant at which it was stepped, up to a failure."""
 
     model: Model
-    rows: Any
+    rows: NDArray[np.intp]
     """The rows of the record that these are."""
     outputs: dict[str, Floats]
     """(rows, elements) by the output's name."""
     notes: list[str]
     failure: BlockError | None = None
+
+
+class Recorded:
+    """A block without an FMU, whose outputs are the rows of a record, one a base step. See `instances.block.Block`."""
+
+    log: Sequence[str] = ()
+
+    def __init__(self, name: str, model: Model, rows: Mapping[Element, Floats]) -> None:
+        self.name, self.model, self._rows, self._row = name, model, rows, 0
+
+    def set(self, values: Iterable[tuple[Element, Any]]) -> None:
+        """It has no inputs."""
+
+    def get(self, elements: Sequence[Element]) -> list[float]:
+        return [float(self._rows[element][self._row]) for element in elements]
+
+    def enter(self, stop: float) -> None:
+        """The first row holds from the start."""
+
+    def leave(self) -> None:
+        """Nothing changes."""
+
+    def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
+        self._table = np.array([self._rows[element] for element in outputs]).reshape(len(outputs), -1).T
+        self._into = into
+        return np.zeros(0)
+
+    def set_inputs(self) -> None:
+        """It has none."""
+
+    def do_step(self, time: float, step: float) -> None:
+        self._row += 1
+
+    def get_all(self) -> None:
+        self._into[:] = self._table[self._row]
+
+    get_live = get_all
+
+    def close(self) -> None:
+        """It holds nothing."""
 
 
 def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs: Mapping[str, Floats]) -> Played:
@@ -36,8 +79,6 @@ def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs:
     The inputs of each instant are handed over before the step that ends there, those of the first in
     initialization, as in a run. Raises InputError where the block does not fit.
     """
-    from ..fmu.archive import open_fmu
-
     step = float(f"{(time[-1] - time[0]) / (len(time) - 1):.12g}")
     start = {**entry.get("start", {}), **{key: values[0].tolist() for key, values in inputs.items()}}
     data = {
@@ -49,51 +90,27 @@ def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs:
     }
     source = Source(data)
     source.folder = source.folder / folder
-    scenario = load(source)
-    one = scenario.blocks[name]
-    fmu = open_fmu(locate(one.fmu, source.folder, one.flavour or scenario.flavour))
-    prepared = swap.prepare(scenario, {name: fmu})
-    # An input of ours that theirs does without is still an input; one that only theirs has has its start value.
-    ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
-    every = prepared.scenario.blocks[name].every
-    model = ready.models[name]
-    fed = [Element(v.name, p) for v in model.of("input") if v.name in inputs for p in range(v.size)]
-    given = [Element(v.name, p) for v in model.of("output") if v.type in TYPES for p in range(v.size)]
-    fed, given = (sorted(group, key=lambda e: TYPES.index(model.variables[e.variable].type)) for group in (fed, given))
-    flat = {key: values.reshape(len(time), -1) for key, values in inputs.items()}
-    table = np.column_stack([flat[e.variable][:, e.position] for e in fed]) if fed else np.zeros((len(time), 0))
-    rows = np.arange(0, len(time), every)
-    values = np.full((len(rows), len(given)), np.nan)
-    into = np.zeros(len(given))
-    failure = None
+    opened = open_scenario(load(source))
+    plan = opened.plan
+    model, every = plan.models[name], plan.scenario.blocks[name].every
+    # An input of ours that theirs does without is still an input; one that only theirs has keeps its start value.
+    fed = [v for v in model.of("input") if v.name in inputs]
+    rows = {e: inputs[v.name].reshape(len(time), -1)[:, e.position] for v in fed for e in v.elements}
+    outputs = [v for v in model.of("output") if v.type in TYPES]
+    record = Model("record", {v.name: replace(v, causality="output") for v in fed})
+    recorded = Recorded(f"record of {name}", record, rows)
+    sources, targets = (tuple(Node(block, element) for element in rows) for block in (recorded.name, name))
     with ExitStack() as stack:
-        block = prepared.adapted(instantiate(ready, {name: fmu}, stack, False)[name])
-        now: float | None = None
-        try:
-            block.set((start.element, start.value) for start in ready.starts[name])
-            block.enter(float(time[-1]))
-            live = [sum(model.variables[e.variable].type == kind for e in given) for kind in TYPES]
-            buffer = block.wire(fed, given, live, into)
-            block.leave()
-            block.get_all()
-            values[0] = into
-            for n, row in enumerate(rows[1:], start=1):
-                now = float(time[row - every])
-                buffer[:] = table[row]
-                block.set_inputs()
-                block.do_step(now, every * step)
-                block.get_all()
-                values[n] = into
-        except BlockError as error:
-            error.time = error.time if error.time is not None else now
-            failure = error
-    outputs: dict[str, Floats] = {}
-    for variable in model.of("output"):
-        columns = [i for i, e in enumerate(given) if e.variable == variable.name]
-        if columns:
-            outputs[variable.name] = values[:, columns]
-    return Played(model, rows, outputs, ready.notes, failure)
-
-
-def _shaped(values: Floats) -> Any:
-    return values.tolist()
+        block = opened.prepared.adapted(opened.instantiate(stack)[name])
+        master = Master(
+            {recorded.name: recorded, name: block},
+            Wiring([Link("playback", sources, targets)]),
+            Order([recorded.name, name], [list(sources)]),
+            plan.clock,
+            [Node(name, element) for variable in outputs for element in variable.elements],
+            {name: every},
+        )
+        recording = master.run(plan.starts)
+    values = iter(np.split(recording.values[::every], np.cumsum([v.size for v in outputs]), axis=1))
+    played = {variable.name: part for variable, part in zip(outputs, values, strict=False)}
+    return Played(model, np.arange(0, len(recording.time), every), played, plan.notes, recording.failure)

@@ -10,9 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..fmu.archive import Fmu, open_fmu
+from ..fmu.archive import Fmu
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Variable
+from ..runner.open import open_scenario
+from ..runner.run import execute
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
@@ -76,20 +78,13 @@ class System:
 
 def flat(scenario: Scenario) -> System:
     """The system of a scenario. Raises InputError where it cannot run or needs more than wires, and BlockError."""
-    from ..runner import run as runner
-    from ..swap import prepare as swap
-
-    fmus = {}
-    for name, entry in scenario.blocks.items():
-        path = runner.locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
-        fmus[name] = open_fmu(path)
-    prepared = swap.prepare(scenario, fmus)
+    opened = open_scenario(scenario)
+    fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
-        found = prepared.fits.get(name)
-        if prepared.substeps.get(name, 1) != 1 or (found is not None and not found.identical):
+        fit = prepared.fits.get(name)
+        if prepared.substeps.get(name, 1) != 1 or (fit is not None and not fit.identical):
             message = "its ports are mapped to those of another interface, which only this orchestrator can do; cannot be exported"
             raise InputError(scenario.error(("blocks", name), message))
-    plan = runner.plan(prepared.scenario, prepared.models, prepared.feedthrough)
     names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}
     initial = _initial(scenario)
     fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
@@ -131,12 +126,10 @@ def flat(scenario: Scenario) -> System:
 
 def _initial(scenario: Scenario) -> dict[Node, Scalar]:
     """Every output at t = 0."""
-    from ..runner import run as runner
-
     keys: list[Key] = [(key,) for key in _LEFT_OUT]
     longest = max(entry.every for entry in scenario.blocks.values())
     short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))
-    result = runner.execute(short)
+    result = execute(short)
     if result.failure is not None:
         raise result.failure
     found: dict[Node, Scalar] = {}

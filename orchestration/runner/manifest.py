@@ -8,19 +8,17 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ..fmu.archive import Fmu
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Model
+from ..results.result import Result
 from ..scenario.faults import sentence
 from ..system.signals import label
 from ..system.starts import Start
 from .limits import limits
-
-if TYPE_CHECKING:
-    from ..fmu.archive import Fmu
-    from ..results.result import Result
-    from .run import Plan
+from .plan import Plan
 
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
 
@@ -109,11 +107,11 @@ def _is_parameter(model: Model, element: Element) -> bool:
 
 
 def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
-    found: dict[str, dict[int, Any]] = {}
+    given: dict[str, dict[int, Any]] = {}
     for start in values:
-        found.setdefault(start.element.variable, {})[start.element.position] = start.value
+        given.setdefault(start.element.variable, {})[start.element.position] = start.value
     starts: dict[str, Any] = {}
-    for name, by_position in found.items():
+    for name, by_position in given.items():
         variable = model.variables[name]
         names = {number: item for item, number in variable.items}
         spelt = {position: names.get(value, value) for position, value in by_position.items()}

@@ -1,98 +1,28 @@
-"""From a scenario to a result: opens the FMUs, checks everything, runs, judges."""
+"""From a scenario to a result: opens the FMUs, checks everything, runs, and holds the run against the expectations."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..errors import BlockError, InputError, hint
+from ..errors import InputError
 from ..expectations import checks as expectations
 from ..expectations import holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
-from ..fmu.interfaces import is_path
-from ..fmu.model import Floats, Model
+from ..fmu.model import Floats
 from ..instances.block import Block
 from ..master.master import Master
 from ..master.recording import Progress, Watch
 from ..results.result import Result
 from ..scenario.scenario import Scenario
-from ..swap import prepare as swap
-from ..system import order, panels, signals, starts, wiring
-from ..system.clock import Clock, check_size, clock
-from ..system.faults import Faults, resolve
-from ..system.order import Hook, Order
-from ..system.starts import Start
-from ..system.wiring import Node, Wiring
 from .manifest import manifest
+from .open import open_scenario
+from .plan import Plan
 from .read import load
 from .refusal import refusal
-
-if TYPE_CHECKING:
-    from ..fmu.archive import Fmu
-
-
-@dataclass
-class Plan:
-    """A scenario that has been checked against its blocks and can run."""
-
-    scenario: Scenario
-    models: Mapping[str, Model]
-    clock: Clock
-    wiring: Wiring
-    starts: dict[str, list[Start]]
-    order: Order
-    checks: list[Check]
-    holds: list[Look]
-    columns: list[Node]
-    notes: list[str]
-    """Warnings and remarks, for the user to see."""
-    faults: Faults = field(default_factory=Faults)
-
-
-def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
-    """Checks a scenario against what its blocks offer. Raises InputError; what several checks find comes together."""
-    (times, remarks), values, (wired, sequence, amiss), recorded, (checks, more), drawn, held = _together(
-        lambda: clock(scenario),
-        lambda: starts.resolve(scenario, models),
-        lambda: _wired(scenario, models, feedthrough),
-        lambda: signals.recorded(scenario, models),
-        lambda: expectations.prepare(scenario, models),
-        lambda: panels.check(scenario, models),
-        lambda: holds.prepare(scenario, models),
-    )
-    needed = [node for look in (*checks, *held) for node in look.needed]
-    columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
-    check_size(scenario, times, len(columns))
-    notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *amiss.notes]
-    return Plan(scenario, models, times, wired, values, sequence, checks, held, columns, notes, amiss)
-
-
-def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None) -> tuple[Wiring, Order, Faults]:
-    wired = wiring.connect(scenario, models)
-    sequence, amiss = _together(
-        lambda: order.sort(scenario, models, wired, feedthrough), lambda: resolve(scenario, models, wired)
-    )
-    return wired, sequence, amiss
-
-
-def _together(*checks: Callable[[], Any]) -> list[Any]:
-    """What the checks return. Raises InputError with the faults of all of them."""
-    found: list[Any] = []
-    faults: list[str] = []
-    for check in checks:
-        try:
-            found.append(check())
-        except InputError as error:
-            faults += error.messages
-    if faults:
-        raise InputError(*faults)
-    return found
 
 
 def run(
@@ -126,89 +56,22 @@ def execute(
     scenario: Scenario, progress: Progress | None = None, verbose: bool = False, compiled: bool = True
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so."""
-    from ..fmu.archive import open_fmu
-
-    fmus: dict[str, Fmu] = {}
-    faults: list[str] = []
-    paths: dict[Path, Fmu] = {}
-    for name, entry in scenario.blocks.items():
-        key = ("blocks", name, "fmu")
-        if entry.flavour and is_path(entry.fmu):
-            message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
-            faults.append(scenario.error(("blocks", name, "flavour"), message))
-        try:
-            path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
-            fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
-        except InputError as error:
-            faults += [scenario.error(key, message + _remedy(message, scenario, name)) for message in error.messages]
-    if faults:
-        raise InputError(*faults)
-    prepared = swap.prepare(scenario, fmus)
-    ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
-    ready.notes[:0] = prepared.notes
+    opened = open_scenario(scenario)
+    ready, prepared = opened.plan, opened.prepared
     with ExitStack() as stack:
-        instances = instantiate(ready, fmus, stack, verbose)
+        instances = opened.instantiate(stack, verbose)
         blocks = {name: prepared.adapted(block) for name, block in instances.items()}
         result = run_blocks(ready, blocks, progress, compiled)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
-    result.manifest = manifest(ready, fmus, result, prepared.handed_on(ready.starts))
+    result.manifest = manifest(ready, opened.fmus, result, prepared.handed_on(ready.starts))
     return result
-
-
-def instantiate(ready: Plan, fmus: Mapping[str, Fmu], stack: ExitStack, verbose: bool) -> dict[str, Block]:
-    from ..fmu.archive import shown
-    from ..instances.isolation import IsolatedBlock
-    from ..instances.process import Limits
-    from ..instances.slave import Slave
-    from .limits import limits
-
-    bounds = {name: limits(ready.scenario, name) for name in fmus}
-    work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)))
-    blocks: dict[str, Block] = {}
-
-    def make(name: str, fmu: Fmu, bound: Limits | None) -> None:
-        fmu.extract(work / name)
-        block = (
-            IsolatedBlock(name, fmu, work / name, bound, verbose) if bound else Slave(name, fmu, work / name, verbose)
-        )
-        stack.callback(block.close)
-        blocks[name] = block
-
-    def start(name: str) -> None:
-        block = blocks[name]
-        if isinstance(block, IsolatedBlock):
-            block.started()
-
-    tasks: list[tuple[str, Callable[[], None]]] = [
-        *((name, partial(make, name, fmu, bounds[name])) for name, fmu in fmus.items()),
-        *((name, partial(start, name)) for name in fmus),  # processes come up side by side
-    ]
-    for name, task in tasks:
-        try:
-            task()
-        except InputError as error:
-            message = f"{error}{_remedy(str(error), ready.scenario, name)}"
-            raise InputError(ready.scenario.error(("blocks", name, "fmu"), message)) from None
-        except BlockError as error:
-            message = f"{shown(fmus[name].path)}: {error}"
-            raise InputError(ready.scenario.error(("blocks", name, "fmu"), message)) from None
-    return blocks
-
-
-def _remedy(message: str, scenario: Scenario, name: str) -> str:
-    """What helps where a block of this project was built, and its file has been spoilt since."""
-    entry = scenario.blocks[name]
-    if "damaged" not in message or is_path(entry.fmu):
-        return ""
-    option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
-    return f"; remedy: orchestrate build {entry.fmu}{option}"
 
 
 def run_blocks(
     ready: Plan, blocks: Mapping[str, Block], progress: Progress | None = None, compiled: bool = False
 ) -> Result:
-    """Runs a plan on any blocks, and judges its expectations."""
+    """Runs a plan on any blocks, and holds what they give against its expectations."""
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
@@ -249,28 +112,3 @@ def run_blocks(
         failure=recording.failure,
         interrupted=recording.interrupted,
     )
-
-
-def locate(fmu: str, folder: Path, flavour: str) -> Path:
-    """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
-    if "://" in fmu:
-        raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
-    if is_path(fmu):
-        return (folder / Path(fmu).expanduser()).resolve()
-    from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
-    from fmus.interface import load as load_interface
-
-    if fmu not in BLOCKS:
-        ending = hint(fmu, BLOCKS)
-        raise InputError(f"this project has no block {fmu!r}{ending}; the path of an FMU ends in .fmu")
-    if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):
-        there = " or ".join(f"'flavour: {one}'" for one in has)
-        raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} beside it")
-    try:
-        return ensure(fmu, flavour)
-    except BuildError as error:
-        raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
-    except OSError as error:
-        raise InputError(
-            f"the block {fmu!r} cannot be built: {error.filename or 'the disk'}: {error.strerror}"
-        ) from None

@@ -11,7 +11,8 @@ from orchestration import load
 from orchestration.errors import BlockError
 from orchestration.fmu.model import Element, Floats, Model, Variable
 from orchestration.results.result import Result
-from orchestration.runner.run import plan, run_blocks
+from orchestration.runner.plan import plan
+from orchestration.runner.run import run_blocks
 
 Values = dict[Element, Any]
 

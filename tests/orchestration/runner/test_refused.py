@@ -99,7 +99,7 @@ def test_a_build_folder_that_cannot_be_written_is_named(loop, monkeypatch, error
     def ensure(*arguments):
         raise error
 
-    monkeypatch.setattr("fmus.build.ensure", ensure)
+    monkeypatch.setattr("orchestration.runner.open.ensure", ensure)
     told = refused(loop, "fmu: motor.fmu", "fmu: plant")
     place = "build/fmus: Not a directory" if error.filename else "the disk: No space left"
     assert told == f"loop.yaml:6: blocks.motor.fmu: the block 'plant' cannot be built: {place}"
@@ -108,7 +108,7 @@ def test_a_build_folder_that_cannot_be_written_is_named(loop, monkeypatch, error
 def test_a_spoilt_build_is_told_with_its_remedy(loop, monkeypatch):
     spoilt = loop.parent / "plant.fmu"
     spoilt.write_bytes((loop.parent / "motor.fmu").read_bytes()[:-200])
-    monkeypatch.setattr("fmus.build.ensure", lambda *arguments: spoilt)
+    monkeypatch.setattr("orchestration.runner.open.ensure", lambda *arguments: spoilt)
     told = refused(loop, "fmu: motor.fmu", "fmu: plant")
     assert told.endswith("plant.fmu is a damaged or truncated zip archive; remedy: orchestrate build plant")
     told = refused(loop, "duration: 2 s", "flavour: python\nduration: 2 s")

@@ -1,0 +1,119 @@
+"""From a scenario to blocks: its FMUs located, opened and checked, its swaps prepared, its plan made, instances made."""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
+from fmus.interface import load as load_interface
+
+from ..errors import BlockError, InputError, hint
+from ..fmu.archive import Fmu, open_fmu, shown
+from ..fmu.interfaces import is_path
+from ..instances.block import Block
+from ..instances.isolation import IsolatedBlock
+from ..instances.slave import Slave
+from ..scenario.scenario import Scenario
+from ..swap.prepare import Prepared, prepare
+from .limits import limits
+from .plan import Plan, plan
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A scenario held against its FMUs, of which no code has run yet."""
+
+    fmus: dict[str, Fmu]
+    prepared: Prepared
+    plan: Plan
+
+    def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Block]:
+        """An instance of each FMU; closed, and its files removed, when the stack ends. Raises InputError.
+
+        Where an FMU is adapted to our interface, `prepared.adapted` puts the adapter before the instance.
+        """
+        scenario = self.plan.scenario
+        bounds = {name: limits(scenario, name) for name in self.fmus}
+        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
+        work = Path(stack.enter_context(folder))
+        blocks: dict[str, Block] = {}
+        name = ""
+        try:
+            for name, fmu in self.fmus.items():
+                fmu.extract(work / name)
+                bound = bounds[name]
+                if bound is None:
+                    blocks[name] = Slave(name, fmu, work / name, verbose)
+                else:
+                    blocks[name] = IsolatedBlock(name, fmu, work / name, bound, verbose)
+                stack.callback(blocks[name].close)
+            for name in blocks:  # all processes have been started before the first is waited for
+                if isinstance(block := blocks[name], IsolatedBlock):
+                    block.started()
+        except InputError as error:
+            message = f"{error}{_remedy(str(error), scenario, name)}"
+            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
+        except BlockError as error:
+            message = f"{shown(self.fmus[name].path)}: {error}"
+            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
+        return blocks
+
+
+def open_scenario(scenario: Scenario) -> Opened:
+    """Locates and opens the FMUs, prepares what is swapped and plans the run. Raises InputError with all errors."""
+    fmus = _open_fmus(scenario)
+    prepared = prepare(scenario, fmus)
+    ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
+    ready.notes[:0] = prepared.notes
+    return Opened(fmus, prepared, ready)
+
+
+def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
+    fmus: dict[str, Fmu] = {}
+    errors: list[str] = []
+    paths: dict[Path, Fmu] = {}
+    for name, entry in scenario.blocks.items():
+        if entry.flavour and is_path(entry.fmu):
+            message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
+            errors.append(scenario.error(("blocks", name, "flavour"), message))
+        try:
+            path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
+            fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
+        except InputError as error:
+            key = ("blocks", name, "fmu")
+            errors += [scenario.error(key, message + _remedy(message, scenario, name)) for message in error.messages]
+    if errors:
+        raise InputError(*errors)
+    return fmus
+
+
+def locate(fmu: str, folder: Path, flavour: str) -> Path:
+    """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
+    if "://" in fmu:
+        raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
+    if is_path(fmu):
+        return (folder / Path(fmu).expanduser()).resolve()
+    if fmu not in BLOCKS:
+        raise InputError(f"this project has no block {fmu!r}{hint(fmu, BLOCKS)}; the path of an FMU ends in .fmu")
+    if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):
+        there = " or ".join(f"'flavour: {one}'" for one in has)
+        raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} beside it")
+    try:
+        return ensure(fmu, flavour)
+    except BuildError as error:
+        raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
+    except OSError as error:
+        where = error.filename or "the disk"
+        raise InputError(f"the block {fmu!r} cannot be built: {where}: {error.strerror}") from None
+
+
+def _remedy(message: str, scenario: Scenario, name: str) -> str:
+    """What helps where a block of this project was built, and its file has been spoilt since."""
+    entry = scenario.blocks[name]
+    if "damaged" not in message or is_path(entry.fmu):
+        return ""
+    option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
+    return f"; remedy: orchestrate build {entry.fmu}{option}"

@@ -1,0 +1,79 @@
+"""A scenario held against the models of its blocks: everything is checked before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..errors import InputError
+from ..expectations import checks as expectations
+from ..expectations import holds
+from ..expectations.checks import Check
+from ..expectations.holds import Look
+from ..fmu.model import Model
+from ..scenario.scenario import Scenario
+from ..system import order, panels, signals, starts, wiring
+from ..system.clock import Clock, check_size, clock
+from ..system.faults import Faults, resolve
+from ..system.order import Hook, Order
+from ..system.starts import Start
+from ..system.wiring import Node, Wiring
+
+
+@dataclass
+class Plan:
+    """A scenario that has been checked against its blocks and can run."""
+
+    scenario: Scenario
+    models: Mapping[str, Model]
+    clock: Clock
+    wiring: Wiring
+    starts: dict[str, list[Start]]
+    order: Order
+    checks: list[Check]
+    holds: list[Look]
+    columns: list[Node]
+    notes: list[str]
+    """Warnings and remarks, for the user to see."""
+    faults: Faults = field(default_factory=Faults)
+
+
+def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
+    """Checks a scenario against what its blocks offer. Raises InputError; the errors of several checks come together."""
+    (times, remarks), values, (wired, sequence, faults), recorded, (checks, more), drawn, held = _together(
+        lambda: clock(scenario),
+        lambda: starts.resolve(scenario, models),
+        lambda: _wired(scenario, models, feedthrough),
+        lambda: signals.recorded(scenario, models),
+        lambda: expectations.prepare(scenario, models),
+        lambda: panels.check(scenario, models),
+        lambda: holds.prepare(scenario, models),
+    )
+    needed = [node for look in (*checks, *held) for node in look.needed]
+    columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
+    check_size(scenario, times, len(columns))
+    notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *faults.notes]
+    return Plan(scenario, models, times, wired, values, sequence, checks, held, columns, notes, faults)
+
+
+def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None) -> tuple[Wiring, Order, Faults]:
+    wired = wiring.connect(scenario, models)
+    sequence, faults = _together(
+        lambda: order.sort(scenario, models, wired, feedthrough), lambda: resolve(scenario, models, wired)
+    )
+    return wired, sequence, faults
+
+
+def _together(*checks: Callable[[], Any]) -> list[Any]:
+    """What the checks return. Raises InputError with the errors of all of them."""
+    returned: list[Any] = []
+    errors: list[str] = []
+    for check in checks:
+        try:
+            returned.append(check())
+        except InputError as error:
+            errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    return returned
