@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, ResultsError
-from ..fmu.model import Floats, Variable
-from ..quantities import ONE, value_in
+from ..fmu.model import Floats
+from ..quantities import ONE, Unit, value_in
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
 from ..system.panels import unit_of
@@ -64,13 +64,11 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
     legend = False
     colours = iter(COLOURS * 4)
     for reference in panel.signals:
-        variable = result.variable(reference)
-        unit = unit_of(panel, variable)
-        factor, offset = (variable.unit or ONE).conversion(unit)
-        for name, values in curves(result, reference, variable, panel):
+        unit, drawn = curves(result, reference, panel)
+        for name, values in drawn:
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else name
-            axes.plot(time, factor * values[shown_rows] + offset, color=next(colours), linewidth=1.2, label=shown)
+            axes.plot(time, values[shown_rows], color=next(colours), linewidth=1.2, label=shown)
             legend = legend or position > 0
     for line in panel.lines:
         axes.axhline(value_in(line, unit), color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
@@ -112,15 +110,20 @@ def zero_crossings(time: Floats, values: Floats) -> list[float]:
     return (time[found] + share * (time[found + 1] - time[found])).tolist()
 
 
-def curves(result: RunData, reference: str, variable: Variable, panel: Panel) -> list[tuple[str, Floats]]:
-    """Names and values of the curves that a panel draws of one signal."""
+def curves(result: RunData, reference: str, panel: Panel) -> tuple[Unit, list[tuple[str, Floats]]]:
+    """The unit of a panel's axis, and names and values of the curves that the panel draws of one signal."""
+    variable = result.variable(reference)
+    unit = unit_of(panel, variable)
+    factor, offset = (variable.unit or ONE).conversion(unit)
     values = result[reference].reshape(len(result.time), -1).astype(float)
     if panel.measure == "norm":
-        return [(f"|{reference}|", np.sqrt((values * values).sum(axis=1)))]
-    if values.shape[1] == 1:
-        return [(reference, values[:, 0])]
-    block = reference.split(".")[0]
-    return [(f"{block}.{variable.label(i)}", values[:, i]) for i in range(values.shape[1])]
+        named = [(f"|{reference}|", np.sqrt((values * values).sum(axis=1)))]
+    elif values.shape[1] == 1:
+        named = [(reference, values[:, 0])]
+    else:
+        block = reference.split(".")[0]
+        named = [(f"{block}.{variable.label(i)}", values[:, i]) for i in range(values.shape[1])]
+    return unit, [(name, factor * column + offset) for name, column in named]
 
 
 def _widened(held: Any) -> Any:

@@ -148,14 +148,13 @@ class _Page(HTMLParser):
 
     def __init__(self) -> None:
         super().__init__()
-        self.words, self.outside, self.pictures = "", [], 0
+        self.words, self.outside, self.plots = "", [], 0
 
     def handle_starttag(self, tag, attributes):
         for name, value in attributes:
-            if name in ("src", "href"):
-                self.pictures += str(value).startswith("data:image/png;base64,")
-                if not str(value).startswith("data:"):
-                    self.outside.append(value)
+            self.plots += name == "data-plot"
+            if name in ("src", "href") and not str(value).startswith("data:"):
+                self.outside.append(value)
 
     def handle_data(self, data):
         self.words += data
@@ -167,7 +166,7 @@ def test_the_page_holds_all_that_it_shows(tmp_path, monkeypatch):
     page = _Page()
     page.feed(Path("out/comparison.html").read_text("utf-8"))
     assert page.outside == []
-    assert page.pictures == 2, "the outputs in the open loop, and the scenario's figure"
+    assert page.plots == 6, "two outputs and their differences in the open loop, and the two panels of the figure"
     for text in ("regulator against vendor.fmu", "Open loop", "Closed loop", "the motor stops", "voltage"):
         assert text in page.words
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from orchestration.quantities import parse_unit
-from orchestration.results import report, report_plots
+from orchestration.results import arrays, html, report
 from orchestration.results.result import Result
 
 from ..mocks import Mock, model, real
@@ -153,7 +153,7 @@ def test_the_verdict_is_that_of_the_run():
     assert "the expectation is met" in report.page(
         swing(expect=[{"name": "n", "signal": "a.x", "always": {"below": 2}}])
     )
-    assert "nothing was expected" in report.page(swing(expect=[]))
+    assert "completed; it has no expectations" in report.page(swing(expect=[]))
     stopped = swing(expect=[])
     stopped.interrupted = 2
     assert "interrupted after 40 s" in report.page(stopped)
@@ -219,7 +219,7 @@ def test_no_text_of_a_scenario_becomes_html_or_script():
 
 @pytest.mark.parametrize("value", ["</script>", "<!--", "<script>", "\u2028", "]]>", "\ud800"])
 def test_json_in_the_page_reads_back_and_ends_no_element(value):
-    text = report.embedded({"x": value})
+    text = html.embedded({"x": value})
     assert "<" not in text
     assert text.isascii()
     assert json.loads(text) == {"x": value}
@@ -244,20 +244,20 @@ def test_of_a_long_run_few_rows_stay_and_every_spike():
     spikes = [(3, 0, 50.0), (77_777, 1, -60.0), (200_001, 2, 70.0)]
     for row, column, value in spikes:
         values[row, column] = value
-    rows = report_plots.kept(values, 5000)
+    rows = arrays.kept(values, 5000)
     assert 3000 < len(rows) <= 5200
     assert {0, 200_002, 3, 77_777, 200_001} <= set(rows.tolist())
     assert (np.diff(rows) > 0).all()
 
 
 def test_a_short_run_is_shown_whole():
-    assert len(report_plots.kept(np.zeros((5000, 4)), 5000)) == 5000
+    assert len(arrays.kept(np.zeros((5000, 4)), 5000)) == 5000
 
 
 def test_gaps_survive_thinning_out():
     values = np.zeros((100_000, 1))
     values[54_321] = np.nan
-    assert 54_321 in report_plots.kept(values, 1000)
+    assert 54_321 in arrays.kept(values, 1000)
 
 
 @pytest.mark.parametrize(
@@ -272,18 +272,18 @@ def test_gaps_survive_thinning_out():
     ],
 )
 def test_numbers_take_as_few_bytes_as_a_plot_allows(values, kind):
-    arrays = report_plots.Arrays()
-    assert arrays.add(values) == arrays.add(values.copy()) == 0
-    assert arrays.items[0]["type"] == kind
-    back, drawn = unpacked(arrays.items[0]), np.abs(values.astype(float)) <= 1e30
+    packed = arrays.Arrays()
+    assert packed.add(values) == packed.add(values.copy()) == 0
+    assert packed.items[0]["type"] == kind
+    back, drawn = unpacked(packed.items[0]), np.abs(values.astype(float)) <= 1e30
     assert np.isnan(back[~drawn]).all()
     np.testing.assert_allclose(back[drawn], values[drawn].astype(float), rtol=1e-7, atol=1e-30)
 
 
 def test_spans_too_many_to_see_are_joined():
     spans = [(float(i), i + 0.5) for i in range(100_000)]
-    few = report_plots._few(spans)
-    assert len(few) <= report_plots.MARKS + 1
+    few = arrays.few(spans)
+    assert len(few) <= arrays.MARKS + 1
     assert (few[0][0], few[-1][1]) == (0.0, 99_999.5)
 
 

@@ -1,5 +1,5 @@
 "use strict";
-// Draws the plots of report.html from the JSON in its element #data.
+// Draws the plots of a page from the JSON in its element #data.
 (() => {
   const page = JSON.parse(document.getElementById("data").textContent);
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -106,12 +106,13 @@
       series: [
         { label: "time", value: time },
         ...plot.curves.map((curve, i) => ({
-          label: curve.name, stroke: colour(i), width: 1.6, pxAlign: 0, dash: DASHES[Math.floor(i / page.colours.length) % DASHES.length],
+          label: curve.name, stroke: colour(curve.colour), width: curve.pale ? 4 : 1.6, alpha: curve.pale ? 0.4 : 1, pxAlign: 0,
+          dash: curve.pale ? [] : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
           value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
           points: { show: x.length < 40 }, show: before ? before.series[i + 1].show : true,
         })),
       ],
-      legend: { markers: { width: 0, fill: (u, i) => colour(i - 1) } },
+      legend: { markers: { width: 0, fill: (u, i) => (i ? colour(plot.curves[i - 1].colour) : "") } },
       cursor: { drag: { x: true, y: false }, points: { size: 7 },
         sync: plot.linked && !printing ? { key: "time", setSeries: false, scales: ["x", null] } : undefined },
       hooks: { drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)] },

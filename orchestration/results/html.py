@@ -1,0 +1,125 @@
+"""HTML pages that hold all that they show and ask no network for anything: one style, and plots drawn from data.
+
+Markup and prose stand in templates, see `pieces`. What is put into one is escaped unless it is Markup already; data go
+in as JSON in a script element that no browser executes. The page's security policy lets no script run but its own, by
+its hash. Jinja2 would do for the templates, but takes 80 ms to import, and every run writes a page.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from .arrays import Arrays
+from .data import RunData
+from .figures import COLOURS
+from .plots import faulty
+
+_ASSETS = Path(__file__).parent / "assets"
+
+
+@cache
+def pieces(name: str) -> dict[str, Markup]:
+    """The pieces of a template by name. Each stands below a line `<!-- name -->`, and has `{value}` where values go."""
+    _, *parts = re.split(r"^<!-- (\w+) -->\n", asset(name), flags=re.MULTILINE)
+    return {part: Markup(text) for part, text in zip(parts[::2], parts[1::2], strict=True)}
+
+
+def asset(name: str) -> str:
+    """The text of a file beside the templates."""
+    return (_ASSETS / name).read_text("utf-8").replace("\r\n", "\n")
+
+
+def part(template: str, name: str, content: str, **more: object) -> Markup:
+    """A piece of a template with its content; nothing where there is none."""
+    return pieces(template)[name].format(content=content, **more) if content else Markup("")
+
+
+def joined(parts: Iterable[object]) -> Markup:
+    """Parts in a row, escaped where they are not Markup."""
+    return Markup("").join(parts)  # type: ignore[arg-type]
+
+
+def each(piece: Markup, values: Iterable[object]) -> Markup:
+    """A piece filled with each of the values."""
+    return joined(piece.format(value) for value in values)
+
+
+def items(values: Iterable[object]) -> Markup:
+    """Items of a list."""
+    return each(Markup("<li>{}</li>\n"), values)
+
+
+def rows(cells: Iterable[Iterable[object]]) -> Markup:
+    """Rows of a table."""
+    return each(Markup("<tr>{}</tr>\n"), (each(Markup("<td>{}</td>"), row) for row in cells))
+
+
+def verdict(word: str) -> Markup:
+    """A verdict of one word or two, in its colour; a dash where there is none."""
+    kind = "good" if word in ("met", "ok") else "bad" if word else "plain"
+    return Markup('<span class="{}">{}</span>').format(kind, word or "\N{EN DASH}")
+
+
+class Page:
+    """A page in the making: its plots, and the arrays that they draw."""
+
+    def __init__(self, result: RunData) -> None:
+        self.arrays = Arrays()
+        self._plots: list[dict[str, Any]] = []
+        cycle = result.scenario.cycle
+        self._data = {
+            "colours": COLOURS,
+            "cycle": cycle and {"name": cycle.name, "period": cycle.period},
+            "faults": faulty(result) if len(result.time) else [],
+        }
+
+    def figure(
+        self, title: str, plots: Iterable[dict[str, Any]], about: str = "", notes: Iterable[str] = (), kind: str = ""
+    ) -> Markup:
+        """Plots side by side, with a title above and a caption below. `kind` is the class of their frame."""
+        plots, notes = list(plots), list(notes)
+        if any(plot["lines"] for plot in plots):
+            notes.append("dashed: limits")
+        if self._data["faults"]:
+            notes.append("red: injected faults")
+        if any(plot["thinned"] for plot in plots):
+            notes.append("samples thinned out; lowest and highest values are kept")
+        places = [self._place(plot, title) for plot in plots]
+        return pieces("pieces.html")["figure"].format(
+            title=title, about=about, plots=joined(places), kind=kind, caption="; ".join(notes)
+        )
+
+    def _place(self, plot: dict[str, Any], title: str) -> Markup:
+        self._plots.append(plot)
+        return pieces("pieces.html")["plot"].format(number=len(self._plots) - 1, name=f"{title}: {plot['label']}")
+
+    def html(self, title: str, parts: Iterable[Markup]) -> str:
+        """The whole page."""
+        library = asset("uPlot.iife.min.js")
+        # A function of its own gives the library a screen of two pixels to the point at least, for the sake of paper.
+        wrapped = f"const uPlot = ((devicePixelRatio) => {{\n{library}\nreturn uPlot;\n}})(Math.max(2, window.devicePixelRatio || 1));"
+        script = f"{wrapped}\n{asset('plots.js')}"
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        return pieces("pieces.html")["page"].format(
+            script_hash=digest,
+            title=title,
+            style=Markup(f"{asset('uPlot.min.css')}\n{asset('page.css')}"),
+            body=joined(parts),
+            data=embedded({**self._data, "arrays": self.arrays.items, "plots": self._plots}),
+            script=Markup(script),
+        )
+
+
+def embedded(data: object) -> Markup:
+    """JSON that can end no script element. Raises ValueError for a number that JSON does not know."""
+    text = json.dumps(data, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
