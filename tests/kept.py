@@ -1,4 +1,4 @@
-"""What the tests compile, kept in out/tests/ by a hash of all that it is made of. One process compiles, the others wait."""
+"""What takes long to make and is made once for all processes of the tests: one makes it, the others wait."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+import pytest
 from filelock import FileLock
 
 from fmus import places
 
 FOLDER = places.work() / "tests"
+"""What is kept from one run of the tests to the next, by a hash of all that it is made of."""
 
 
 def kept(name: str, made_of: Iterable[str | Path], make: Callable[[Path], object]) -> Path:
@@ -39,3 +41,17 @@ def kept(name: str, made_of: Iterable[str | Path], make: Callable[[Path], object
 
 def _is_folder(part: str | Path) -> bool:
     return isinstance(part, Path) and part.is_dir()
+
+
+def once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
+    """A folder of this run of the tests, which `make` fills in the first process that asks."""
+    root = factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:  # each worker has a folder of its own below that of the run
+        root = root.parent
+    folder = root / name
+    with FileLock(root / f".{name}.lock"):
+        if not (folder / ".made").exists():
+            folder.mkdir()
+            make(folder)
+            (folder / ".made").touch()
+    return folder

@@ -18,7 +18,7 @@ from fmpy.validation import validate_fmu
 from fmus.build import FLAVOURS, blocks_of
 from fmus.kit import has_compiler
 from hatch_build import renamed
-from tests.shared import once
+from tests.kept import once
 
 ROOT = Path(__file__).parents[2]
 NAMES = {"attitude_cosim", "orchestration"}

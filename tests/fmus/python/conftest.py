@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import build
-from tests.shared import once
+from fmus.build import ensure
+from tests.kept import FOLDER
 
 from ..toy import toy
 
 
 @pytest.fixture(scope="session")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return once(tmp_path_factory, "toy", lambda folder: build([toy(folder)], "python", folder)) / "toy.fmu"
+    return ensure(toy(tmp_path_factory.mktemp("toy")), "python", FOLDER)
