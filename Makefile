@@ -1,16 +1,24 @@
-# `make run` and `make test` set up all they need in .venv; nothing but Python 3.11 (or later) and make is asked of the machine.
+# `make run`, `make check` and `make test` set up all they need in .venv; nothing but Python 3.11 (or later) and make is asked of the machine.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run test lint fmus bench figures reproduction flight format docs authorities clean
+.PHONY: run check test lint fmus bench figures reproduction flight format docs authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
 
+# A test that neither compiles, isolates, flies nor needs other tools has none of these markers (tests/conftest.py).
+QUICK := not (compile or isolate or fly or tools)
+PYTEST := $(BIN)/pytest -n auto --dist worksteal
+
+# A minute: what to run after each change.
+check: lint
+	$(PYTEST) -m '$(QUICK)'
+
 test: lint
-	$(BIN)/pytest
+	$(PYTEST)
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .

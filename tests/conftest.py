@@ -1,4 +1,4 @@
-"""Fixtures that several test packages share."""
+"""Fixtures that several test packages share, and the markers that a test has by its folder."""
 
 from __future__ import annotations
 
@@ -7,6 +7,49 @@ from pathlib import Path
 import pytest
 
 from fmus.build import blocks_of, ensure
+
+HERE = Path(__file__).parent
+MARKERS = {
+    "compile": (
+        "controller/planned",
+        "fmus/contents",
+        "fmus/kit",
+        "fmus/python",
+        "fmus/test_build.py",
+        "fmus/test_dependencies.py",
+        "fmus/test_nested.py",
+        "native",
+        "orchestration/acceptance/test_check.py",
+        "orchestration/acceptance/test_compare.py",
+        "orchestration/master/test_compiled.py",
+        "packaging",
+    ),
+    "isolate": (
+        "orchestration/cli",
+        "orchestration/instances",
+        "orchestration/results/test_endings.py",
+        "orchestration/results/test_report.py",
+        "orchestration/system/test_optional.py",
+        "orchestration/test_broken.py",
+        "orchestration/test_wrong_input.py",
+    ),
+    "fly": ("authorities", "studies"),
+    "tools": ("tools",),
+}
+"""What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    missing = [place for places in MARKERS.values() for place in places if not (HERE / place).exists()]
+    if missing:
+        raise pytest.UsageError(
+            f"tests/conftest.py: MARKERS: there is no tests/{missing[0]}; expected a folder or file"
+        )
+    for item in items:
+        place = item.path.relative_to(HERE)
+        for marker, places in MARKERS.items():
+            if any(place.is_relative_to(p) for p in places):
+                item.add_marker(marker)
 
 
 @pytest.fixture(scope="session")
