@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from collections.abc import Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import cache
 from pathlib import Path
@@ -177,5 +176,5 @@ _KINDS: dict[str, tuple[str, Any]] = {
 }
 
 
-def references(*numbers: int) -> Sequence[int]:
+def references(*numbers: int) -> Any:
     return (c_uint * len(numbers))(*numbers)

@@ -78,7 +78,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
 def _record(block: str, causality: str) -> Any:
     """The C structure of a block's ports, from its interface."""
     fields = []
-    for v in load(block).of(causality):  # type: ignore[arg-type]
+    for v in load(block).of(causality):
         kind: Any = {"real": c_double, "boolean": c_bool}.get(v.type, ctypes.c_int32)
         fields.append((v.name, kind * len(v.elements) if v.shape else kind))
     return type(f"{block}_{causality}", (ctypes.Structure,), {"_fields_": fields})
@@ -86,7 +86,7 @@ def _record(block: str, causality: str) -> Any:
 
 def _filled(block: str, causality: str, values: Any) -> Any:
     record = _record(block, causality)()
-    for v in load(block).of(causality):  # type: ignore[arg-type]
+    for v in load(block).of(causality):
         value = getattr(values, v.name)
         if v.shape:
             getattr(record, v.name)[:] = np.ravel(value).tolist()

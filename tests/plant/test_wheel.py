@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal, localcontext
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,8 +89,8 @@ def _by_solve_ivp(start, torque, duration, viscous, coulomb):
         def limit(t, y):
             return MAX - abs(y[0])
 
-        standstill.terminal = limit.terminal = True
-        limit.direction = -1.0
+        standstill.terminal = limit.terminal = True  # type: ignore[attr-defined]
+        limit.direction = -1.0  # type: ignore[attr-defined]
         s = solve_ivp(law, (t, duration), [l_w], method="DOP853", rtol=1e-11, atol=1e-14, events=[standstill, limit])
         if s.status == 0:
             return s.y[0, -1]
@@ -184,6 +185,8 @@ def test_each_substep_is_told_the_wheels_mean_and_end_momentum(order, monkeypatc
 class Case:
     """A step of 8 s in which the wheel's law changes at `event`, s: what the integrator makes of it, against DOP853."""
 
+    after: Any
+    """The law from the last event on."""
     duration = 8.0
     dipole = (400.0, -300.0, 200.0)
 

@@ -76,7 +76,7 @@ def test_both_loops_judge_alike_where_little_is_recorded(loop, fault, monkeypatc
         try:
             result = run(loop, overrides, compiled=compiled)
         except RuntimeError as error:
-            result = error.result
+            result = error.result  # type: ignore[attr-defined]
         told.append((result.outcomes, result.holds, result.highlights, result.samples.tobytes()))
     assert told[0] == told[1]
     assert told[0][0][0].samples == (13 if fault else 21)

@@ -64,7 +64,7 @@ def test_files_get_their_names_only_when_all_of_them_are_complete(loop, monkeypa
         run(loop, out="out")
     assert contents("out") == []
     if info.type is ResultsError:
-        assert len(info.value.result.time) == 21, "what was computed is not lost"
+        assert len(info.value.result.time) == 21, "what was computed is not lost"  # type: ignore[attr-defined]
 
 
 def test_a_failure_in_initialization_replaces_what_an_earlier_run_left(loop):
