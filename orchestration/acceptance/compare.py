@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BlockError, InputError
-from ..expectations.checks import Outcome
+from ..expectations.judge import Outcome
 from ..fmu.model import TYPES, Variable
 from ..quantities import with_unit
 from ..results.result import Result

@@ -10,11 +10,11 @@ import hashlib
 import os
 import platform
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -24,12 +24,9 @@ from fmus import places
 from ..instances.calls import Exchange
 from ..instances.slave import Slave
 from ..interrupt import interruptible
-from ..system.clock import EXACT
+from ..system.clock import EXACT, Clock
 from .bus import Bus
-from .recording import REPORT_EVERY, Progress, Recording, check_finite
-
-if TYPE_CHECKING:
-    from .master import Master
+from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite
 
 _SOURCE = Path(__file__).with_name("loop.c")
 _SET, _STEP, _GET = range(3)
@@ -96,26 +93,36 @@ class _Loop(c.Structure):
     )
 
 
-def compiled_loop(master: Master, bus: Bus, recording: Recording) -> CompiledLoop | None:
+def compiled_loop(
+    bus: Bus, clock: Clock, every: Mapping[str, int], parallel: bool, watch: Watch | None, recording: Recording
+) -> CompiledLoop | None:
     """The loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
     slaves = [seat.block for seat in bus.seats if isinstance(seat.block, Slave)]
-    exact = master.clock.steps * master.clock.numerator < EXACT and master.clock.denominator < EXACT
+    exact = clock.steps * clock.numerator < EXACT and clock.denominator < EXACT
     if len(slaves) != len(bus.seats) or not exact or (library := _library()) is None:
         return None
-    return CompiledLoop(master, bus, slaves, recording, library)
+    return CompiledLoop(library, bus, slaves, clock, every, parallel, watch, recording)
 
 
 class CompiledLoop:
     """A loop in C over blocks that are initialized and wired."""
 
     def __init__(
-        self, master: Master, bus: Bus, slaves: Sequence[Slave], recording: Recording, library: c.CDLL
+        self,
+        library: c.CDLL,
+        bus: Bus,
+        slaves: Sequence[Slave],
+        clock: Clock,
+        rates: Mapping[str, int],
+        parallel: bool,
+        watch: Watch | None,
+        recording: Recording,
     ) -> None:
-        self._clock, self._bus, self._slaves, self._run = master.clock, bus, slaves, library.run_loop
+        self._clock, self._bus, self._slaves, self._run = clock, bus, slaves, library.run_loop
         self._kept: list[Any] = []  # what C has pointers to
         seats = (_Seat * len(slaves))()
         for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
-            every = master.every.get(slave.name, 1)
+            every = rates.get(slave.name, 1)
             into.component = slave.component
             into.do_step = c.cast(slave.step_function, _Pointer)
             into.every, into.step = every, every * self._clock.numerator / self._clock.denominator
@@ -125,14 +132,14 @@ class CompiledLoop:
             into.setters, into.setter_count = self._exchanges(slave.setters), len(slave.setters)
             into.getters, into.getter_count = self._exchanges(slave.getters), len(slave.getters)
             into.outputs, into.output_count = self._floats(seat.view), len(seat.view)
-        loop = self._loop = _Loop(seats, len(seats), master.parallel, self._floats(bus.values))
+        loop = self._loop = _Loop(seats, len(seats), parallel, self._floats(bus.values))
         if bus.delay is not None:
             loop.delayed, loop.delayed_count = self._whole(bus.delay.sources), len(bus.delay.sources)
             loop.held = self._floats(bus.values[bus.delay.first :])
         loop.columns, loop.column_count = self._whole(bus.columns), len(bus.columns)
         loop.rows = self._floats(recording.values)
         loop.interval = self._clock.interval
-        self._watch = master.watch
+        self._watch = watch
         loop.watched, loop.watched_count = self._whole(bus.watched), len(bus.watched)
         loop.watched_rows = self._floats(self._watch.rows if self._watch else recording.values)
         loop.numerator, loop.denominator = self._clock.numerator, self._clock.denominator

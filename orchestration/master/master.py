@@ -65,7 +65,9 @@ class Master:
             if self.watch:
                 bus.values.take(bus.watched, 0, self.watch.row(0), "clip")
             rows = 1
-            loop = compiled_loop(self, bus, recording) if self.compiled and not self.faults else None
+            loop = None
+            if self.compiled and not self.faults:
+                loop = compiled_loop(bus, self.clock, self.every, self.parallel, self.watch, recording)
             if loop is not None:
                 loop.run(recording, progress)
             else:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import BlockError, nearest
-from ..expectations.checks import Highlight, Outcome
 from ..expectations.holds import Hold
+from ..expectations.judge import Highlight, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
 from ..scenario.references import split
 from ..scenario.scenario import Scenario

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import InputError
-from ..expectations import checks as expectations
-from ..expectations import holds
+from ..expectations import checks, holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..fmu.model import Model
@@ -41,20 +40,20 @@ class Plan:
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
     """Checks a scenario against what its blocks offer. Raises InputError; the errors of several checks come together."""
-    (times, remarks), values, (wired, sequence, faults), recorded, (checks, more), drawn, held = _together(
+    (times, remarks), values, (wired, sequence, faults), recorded, (checked, more), drawn, held = _together(
         lambda: clock(scenario),
         lambda: starts.resolve(scenario, models),
         lambda: _wired(scenario, models, feedthrough),
         lambda: signals.recorded(scenario, models),
-        lambda: expectations.prepare(scenario, models),
+        lambda: checks.prepare(scenario, models),
         lambda: panels.check(scenario, models),
         lambda: holds.prepare(scenario, models),
     )
-    needed = [node for look in (*checks, *held) for node in look.needed]
+    needed = [node for look in (*checked, *held) for node in look.needed]
     columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
     notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *faults.notes]
-    return Plan(scenario, models, times, wired, values, sequence, checks, held, columns, notes, faults)
+    return Plan(scenario, models, times, wired, values, sequence, checked, held, columns, notes, faults)
 
 
 def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None) -> tuple[Wiring, Order, Faults]:

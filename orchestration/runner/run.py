@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..expectations import checks as expectations
 from ..expectations import holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
+from ..expectations.judge import Judge, highlights
 from ..fmu.model import Floats
 from ..instances.block import Block
 from ..master.master import Master
@@ -75,7 +75,7 @@ def run_blocks(
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
-    judges = [expectations.Judge(check) for check in ready.checks]
+    judges = [Judge(check) for check in ready.checks]
     watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
     looks: list[Check | Look] = [*ready.checks, *ready.holds]
     watched = list(dict.fromkeys(node for look in looks for node in look.needed))
@@ -105,7 +105,7 @@ def run_blocks(
         columns=recording.columns,
         outcomes=[judge.outcome for judge in judges],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
-        highlights=expectations.highlights(judges),
+        highlights=highlights(judges),
         warnings=ready.notes,
         steps=recording.steps,
         wall=recording.wall,

@@ -9,7 +9,8 @@ import pytest
 from fmpy.util import read_csv
 
 from orchestration import InputError, load, run
-from orchestration.expectations.checks import Judge, prepare
+from orchestration.expectations.checks import prepare
+from orchestration.expectations.judge import Judge
 
 from ..mocks import Mock, model, real
 from ..mocks import run as run_mocks

@@ -1,0 +1,194 @@
+"""A run held against an expectation.
+
+Looked at is every base step, recorded or not, in the window `after` to `before` at which `when` is true.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fmu.model import Floats
+from ..quantities import with_unit
+from ..scenario.expectations import Expectation
+from ..system.wiring import Node
+from .checks import Check
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the run shows of an expectation. `margin` is positive where the bound is met; both are in `unit`."""
+
+    name: str
+    signal: str
+    expected: str
+    passed: bool
+    found: float | None
+    """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample."""
+    unit: str
+    margin: float | None
+    time: float | None
+    """When it has this value, s."""
+    samples: int
+    note: str = ""
+
+    @property
+    def status(self) -> str:
+        """`met`, `failed`, or `not reached` where there was no sample to look at."""
+        return "met" if self.passed else "failed" if self.samples else "not reached"
+
+    @property
+    def text(self) -> str:
+        """The value that decides, and when it occurred."""
+        if self.found is None:
+            return self.note
+        boolean = self.expected.endswith((" true", " false"))
+        value = str(bool(self.found)).lower() if boolean else with_unit(self.found, self.unit)
+        if self.expected.startswith("always") and self.passed and self.margin is None:
+            return value  # at all times
+        return value if self.time is None else f"{value} at {self.time:.5g} s"
+
+
+@dataclass(frozen=True)
+class Highlight:
+    """A signal in two numbers: its value at the end and that of largest magnitude; of a vector, by its largest element."""
+
+    signal: str
+    unit: str
+    final: float
+    peak: float
+    time: float
+    """When the peak is, s."""
+
+    @property
+    def text(self) -> str:
+        """The peak and its time."""
+        return f"{with_unit(self.peak, self.unit)} at {self.time:.5g} s"
+
+
+class Judge:
+    """Takes in an expectation's signal piece by piece, and has its outcome in the end."""
+
+    def __init__(self, check: Check) -> None:
+        self.check = check
+        self._samples = 0
+        self._inside = False
+        """Whether a sample lay in the span of time, whatever `when` says."""
+        self._worst: tuple[float, float, float] | None = None
+        """Of the sample that decides: margin, value and time."""
+        self._sign = 0.0
+        self._changes = 0
+        self._changed: float | None = None
+        self._final = 0.0
+        self._peak: tuple[float, float] | None = None
+        """The value of largest magnitude, and its time."""
+
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before."""
+        if not len(time):
+            return
+        check, expectation = self.check, self.check.expectation
+        values = np.column_stack([columns[node] for node in check.nodes])
+        if expectation.measure == "norm":
+            values = np.sqrt((values * values).sum(axis=1, keepdims=True))
+        if (check.factor, check.offset) != (1.0, 0.0):
+            values = values * check.factor + check.offset
+        self._highlight(time, values)
+        chosen = np.ones(len(time), bool)
+        if expectation.after is not None:
+            chosen &= time >= expectation.after - _slack(expectation.after)
+        if expectation.before is not None:
+            chosen &= time <= expectation.before + _slack(expectation.before)
+        self._inside |= bool(chosen.any())
+        if check.when is not None:
+            chosen &= columns[check.when] != 0.0
+        if chosen.any():
+            self._samples += int(chosen.sum())
+            (self._bound if expectation.zeros is None else self._count)(time[chosen], values[chosen])
+
+    def _bound(self, time: Floats, values: Floats) -> None:
+        check, always = self.check, self.check.expectation.always is not None
+        margins = np.minimum(values - check.low, check.high - values)
+        worst = margins.argmin(axis=1)
+        of_sample = margins[np.arange(len(time)), worst]  # a sample is as good as its worst element
+        sample = int(of_sample.argmin() if always else of_sample.argmax())
+        margin = float(of_sample[sample])
+        if self._worst is None or (margin < self._worst[0] if always else margin > self._worst[0]):
+            self._worst = margin, float(values[sample, worst[sample]]), float(time[sample])
+
+    def _count(self, time: Floats, values: Floats) -> None:
+        signs = np.sign(values[:, 0])
+        some = signs != 0.0
+        signs = np.concatenate(([self._sign or 0.0], signs[some]))
+        changes = np.flatnonzero(signs[1:] * signs[:-1] < 0.0)
+        self._changes += len(changes)
+        if len(changes) and self._changed is None:
+            self._changed = float(time[some][changes[0]])
+        self._sign = float(signs[-1])
+
+    def _highlight(self, time: Floats, values: Floats) -> None:
+        largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
+        peak = int(np.abs(largest).argmax())
+        self._final = float(largest[-1])
+        if self._peak is None or abs(largest[peak]) > abs(self._peak[0]):
+            self._peak = float(largest[peak]), float(time[peak])
+
+    @property
+    def outcome(self) -> Outcome:
+        """The outcome of the samples up to now."""
+        check, expectation, samples = self.check, self.check.expectation, self._samples
+        if not samples:
+            never = self._inside and f"{expectation.when} is never true"
+            return _outcome(check, False, None, None, None, 0, never or "no sample lies in this span of time")
+        if expectation.zeros is not None:
+            if self._sign == 0.0:
+                return _outcome(check, False, None, None, None, samples, "always 0, so it has no sign")
+            passed = self._changes == expectation.zeros
+            return _outcome(check, passed, float(self._changes), None, self._changed, samples)
+        assert self._worst is not None
+        margin, value, time = self._worst
+        passed = margin > 0.0 if check.strict else margin >= 0.0
+        return _outcome(check, passed, value, margin if check.low != check.high else None, time, samples)
+
+    @property
+    def highlight(self) -> Highlight | None:
+        """The signal's final and peak values; None for what is no number."""
+        if self._peak is None or not self.check.number:
+            return None
+        unit = "" if str(self.check.unit) == "1" else str(self.check.unit)
+        return Highlight(_signal(self.check.expectation), unit, self._final, *self._peak)
+
+
+def _slack(time: float) -> float:
+    return 1e-9 * max(1.0, abs(time))
+
+
+def _outcome(
+    check: Check,
+    passed: bool,
+    value: float | None,
+    margin: float | None,
+    time: float | None,
+    samples: int,
+    note: str = "",
+) -> Outcome:
+    expectation = check.expectation
+    unit = "" if expectation.zeros is not None or str(check.unit) == "1" else str(check.unit)
+    return Outcome(
+        expectation.name, _signal(expectation), check.expected, passed, value, unit, margin, time, samples, note
+    )
+
+
+def highlights(judges: Iterable[Judge]) -> list[Highlight]:
+    """Final and peak values of the numbers that the expectations look at, each once."""
+    by_signal: dict[str, Highlight] = {}
+    for judge in judges:
+        if (highlight := judge.highlight) is not None:
+            by_signal.setdefault(highlight.signal, highlight)
+    return list(by_signal.values())
+
+
+def _signal(expectation: Expectation) -> str:
+    return f"|{expectation.signal}|" if expectation.measure == "norm" else expectation.signal
