@@ -1,20 +1,13 @@
 """What the binaries of an FMU export and need, read from their tables without running them.
 
 ELF (Linux) and PE (Windows) are read here, by the layouts of their formats; of Mach-O (macOS) only that
-it is there is known. Needed libraries are looked for as the loader of this machine would, on Linux.
+it is there is known. loader.py looks for the libraries that they need.
 """
 
 from __future__ import annotations
 
-import ctypes.util
-import platform
-import re
 import struct
-import sys
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import lru_cache
-from pathlib import Path
 
 FUNCTIONS = tuple(
     "fmi2" + name
@@ -173,102 +166,3 @@ def _pe(data: bytes) -> Library:
             library.needed.append(_text(data, place(name)))
             at += 20
     return library
-
-
-# ---------------------------------------------------------------- what a library asks for, on Linux
-
-
-@dataclass
-class Unresolved:
-    """What the loader of this machine would not find."""
-
-    libraries: list[str] = field(default_factory=list)
-    symbols: list[str] = field(default_factory=list)
-    versions: list[str] = field(default_factory=list)
-    host: list[str] = field(default_factory=list)
-    """Symbols of Python, which this process has but another may not."""
-
-
-def unresolved(library: Library, beside: dict[str, bytes]) -> Unresolved:
-    """What a library of this machine would not find; `beside` are the files that lie in its folder."""
-    found = Unresolved()
-    if library.kind != "ELF" or not sys.platform.startswith("linux"):
-        return found
-    known, pending, seen = set(library.exported), list(library.needed), set(library.needed)
-    while pending:
-        name = pending.pop()
-        inner = _needed(name, library.search, beside)
-        if inner is None:
-            found.libraries.append(name)
-            continue
-        known |= inner.exported
-        fresh = [n for n in inner.needed if n not in seen]
-        seen.update(fresh)
-        pending += fresh
-    if not found.libraries:  # without one of them nothing can be said of symbols
-        left = sorted(library.undefined - known)
-        found.host = [name for name in left if re.match(r"_?Py[A-Z_]", name)]
-        found.symbols = [name for name in left if name not in found.host and name not in _OF_THE_LOADER]
-    have = _version(platform.libc_ver()[1]) if platform.libc_ver()[0] == "glibc" else None
-    for name in sorted(library.versions):
-        if have and name.startswith("GLIBC_") and (wanted := _version(name[6:])) and wanted > have:
-            found.versions.append(name)
-    return found
-
-
-_OF_THE_LOADER = {"__tls_get_addr", "_dl_find_object", "__gmon_start__"}
-
-
-def _version(text: str) -> tuple[int, ...]:
-    return tuple(map(int, re.findall(r"\d+", text))) if re.fullmatch(r"\d+(\.\d+)*", text) else ()
-
-
-def _needed(name: str, search: list[str], beside: dict[str, bytes]) -> Library | None:
-    if any("$ORIGIN" in folder or "${ORIGIN}" in folder for folder in search) and name in beside:
-        return _read_or_empty(beside[name])
-    for folder in [f for f in search if f.startswith("/")]:
-        if (Path(folder) / name).exists():
-            return _library_at(Path(folder) / name)
-    path = _system_library(name)
-    return None if path is None else _library_at(path)
-
-
-def _read_or_empty(data: bytes) -> Library:
-    try:
-        return read(data)
-    except Unreadable:
-        return Library("", "")
-
-
-@lru_cache(maxsize=64)
-def _library_at(path: Path) -> Library:
-    return _read_or_empty(path.read_bytes())
-
-
-@lru_cache(maxsize=64)
-def _system_library(name: str) -> Path | None:
-    for folder in _folders():
-        if (folder / name).exists():
-            return folder / name
-    short = re.fullmatch(r"lib(.+?)\.so.*", name)
-    other = ctypes.util.find_library(short[1]) if short else None
-    return Path(other) if other and Path(other).is_absolute() else None
-
-
-def _folders() -> Iterator[Path]:
-    import os
-
-    yield from (Path(f) for f in os.environ.get("LD_LIBRARY_PATH", "").split(":") if f)
-    for file in [Path("/etc/ld.so.conf"), *sorted(Path("/etc/ld.so.conf.d").glob("*.conf"))]:
-        if file.exists():
-            yield from (Path(line.strip()) for line in file.read_text().splitlines() if line.startswith("/"))
-    machine = platform.machine()
-    for folder in (
-        f"/lib/{machine}-linux-gnu",
-        f"/usr/lib/{machine}-linux-gnu",
-        "/lib64",
-        "/usr/lib64",
-        "/lib",
-        "/usr/lib",
-    ):
-        yield Path(folder)

@@ -14,6 +14,7 @@ from typing import Any
 from ..errors import InputError, as_written, hint
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, parse
+from ..scenario.source import read
 
 DEFAULT = 1e-6
 
@@ -48,8 +49,6 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
     found: dict[str, Tolerance] = {}
     for text in texts:
         if text.endswith((".yaml", ".yml")):
-            from ..scenario.source import read
-
             source = read(Path(text))
             if not isinstance(source.data, dict):
                 raise InputError(source.error((), f"expected output: tolerance, found {as_written(source.data)}"))

@@ -14,10 +14,15 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmu.archive import shown
+from ..fmu.interfaces import reference
 from ..fmu.model import Element, Model, Variable
+from ..runner.read import load
+from ..runner.run import execute
 from ..scenario.scenario import Scenario
 from ..swap.fit import Finding, Fit
 from ..system.starts import values_of
+from ..system.wiring import fed
+from . import playback
 
 ROUNDING = 1e-15
 """A difference this small is rounding, however small the output itself."""
@@ -27,9 +32,6 @@ ROWS_MAX = 400
 
 def record(scenario: Path, block: str, folder: Path) -> int:
     """Runs a scenario and writes what `block` was given and what it gave. Returns the number of instants."""
-    from ..runner.read import load
-    from ..runner.run import execute
-
     loaded = load(scenario)
     name = name_of(loaded, block)
     if name is None:
@@ -72,17 +74,12 @@ def name_of(scenario: Scenario, block: str) -> str | None:
 
 def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
     """Outputs, and the inputs that the scenario feeds."""
-    from ..fmu.interfaces import reference
-    from ..system.wiring import fed
-
     model = reference(block, Path.cwd()).model
     return [v.name for v in (*fed(scenario, name, model.of("input")), *model.of("output")) if v.type != "string"]
 
 
 def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]:
     """What an FMU makes of a test vector, output by output."""
-    from . import playback
-
     model = found.reference.model
     header, table = _table(folder / "vector.csv")
     columns = _columns(model, header, folder)

@@ -1,0 +1,113 @@
+"""The libraries of an FMU and what it asks of its host: findings from their tables, without running them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import fmpy
+
+from ..swap.fit import Finding
+from ..swap.prepare import sample_time
+from . import binaries
+from .loader import Unresolved, unresolved
+
+
+def look(description: Any, files: Mapping[str, bytes], findings: list[Finding]) -> None:
+    """Its libraries and what it asks of its host."""
+    flags = description.coSimulation
+    offered: dict[str, str] = {}
+    for name in sorted(files):
+        platform, _, file = name.removeprefix("binaries/").partition("/")
+        if file.rpartition(".")[0] == flags.modelIdentifier:
+            offered[platform] = name
+    listed = ", ".join(offered) or "none"
+    if fmpy.platform in offered:
+        others = ", ".join(name for name in offered if name != fmpy.platform)
+        text = f"{fmpy.platform}, this platform" + (f"; also {others}" if others else "; no other")
+        findings.append(Finding("ok", "binary", text))
+    else:
+        wanted = f"binaries/{fmpy.platform}/{flags.modelIdentifier}{fmpy.sharedLibraryExtension}"
+        text = f"none for this platform: expected {wanted}, found binaries for {listed}"
+        findings.append(
+            Finding("fault", "binary", text, f"build it for {fmpy.platform}, or run on one of its platforms")
+        )
+    for platform, name in offered.items():
+        _library(platform, files[name], files, findings)
+    if flags.needsExecutionTool:
+        text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
+        findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
+    if flags.canBeInstantiatedOnlyOncePerProcess:
+        findings.append(Finding("note", "host", "one instance in a process only; in a process of its own it is alone"))
+    if not flags.canHandleVariableCommunicationStepSize:
+        try:
+            step = sample_time(description)
+        except ValueError as error:
+            text, _, remedy = str(error).partition("; remedy: ")
+            findings.append(Finding("fault", "step", text, remedy))
+            return
+        if step is not None:
+            text = f"it cannot vary its step of {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
+            findings.append(Finding("note", "step", text))
+        else:
+            text = "it cannot vary its step, and does not say which it is; the scenario's is taken"
+            findings.append(Finding("warning", "step", text, "declare DefaultExperiment.stepSize in the FMU"))
+
+
+def _library(platform: str, data: bytes, files: Mapping[str, bytes], findings: list[Finding]) -> None:
+    here = platform == fmpy.platform
+    try:
+        library = binaries.read(data)
+    except binaries.Unreadable as error:
+        level, remedy = (
+            ("fault", "build it anew for this platform")
+            if here
+            else ("warning", "build it anew, if that platform is used")
+        )
+        findings.append(Finding(level, "binary", f"{platform}: {error}", remedy))  # type: ignore[arg-type]
+        return
+    if library.kind == "Mach-O":
+        findings.append(Finding("note", "binary", f"{platform}: a Mach-O library, whose functions are not looked at"))
+        return
+    missing = [name for name in binaries.FUNCTIONS if name not in library.exported]
+    needed = [name for name in missing if name in binaries.CALLED]
+    if needed:
+        level = "fault" if here else "warning"
+        text = f"{platform}: the library lacks {_some(needed)}"
+        findings.append(Finding(level, "functions", text, "export every function of FMI 2.0, by its plain name"))  # type: ignore[arg-type]
+    elif missing:
+        text = f"{platform}: the library lacks {_some(missing)}, which are not called here, but which FMI demands"
+        findings.append(Finding("warning", "functions", text, "export them; they may return fmi2Error"))
+    else:
+        findings.append(Finding("ok", "functions", f"{platform}: all of FMI 2.0 are there"))
+    if here:
+        beside = {n.rpartition("/")[2]: d for n, d in files.items() if n.startswith(f"binaries/{platform}/")}
+        _loader(platform, unresolved(library, beside), findings)
+
+
+def _loader(platform: str, left: Unresolved, findings: list[Finding]) -> None:
+    if left.libraries:
+        text = f"{platform}: needs libraries that this machine has not: {', '.join(left.libraries)}"
+        findings.append(
+            Finding(
+                "fault",
+                "symbols",
+                text,
+                "link them statically, or put them beside the library with an rpath of $ORIGIN",
+            )
+        )
+    if left.symbols:
+        text = f"{platform}: needs symbols that no library gives it: {_some(left.symbols)}"
+        findings.append(Finding("fault", "symbols", text, "link the library that defines them, or add the source"))
+    if left.versions:
+        text = f"{platform}: needs a newer C library than this machine has: {', '.join(left.versions)}"
+        findings.append(Finding("fault", "symbols", text, "build it on an older system, or link statically"))
+    if left.host:
+        text = f"{platform}: takes {len(left.host)} functions of Python from the process that loads it"
+        findings.append(Finding("warning", "symbols", text, "run it in a process that holds Python, as is done here"))
+    if not (left.libraries or left.symbols or left.versions or left.host):
+        findings.append(Finding("ok", "symbols", f"{platform}: all that it needs is found"))
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
