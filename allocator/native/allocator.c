@@ -18,7 +18,7 @@ bool allocator_check(const AllocatorParameters *p, Fault *f)
                             {"wheel_torque_max", p->wheel_torque_max},
                             {"wheel_momentum_max", p->wheel_momentum_max}};
     if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
-        !all_positive(limits, sizeof limits / sizeof limits[0], f)) {
+        !all_positive(limits, COUNT(limits), f)) {
         return false;
     }
     if (!(p->hold_fraction > 0.0 && p->hold_fraction <= 1.0)) {
@@ -29,11 +29,8 @@ bool allocator_check(const AllocatorParameters *p, Fault *f)
 
 void allocator_prepare(const AllocatorParameters *p, AllocatorLaw *law)
 {
-    const Matrix U = matrix(p->rod_axes);
     law->p = *p;
-    store(scale(1.0 / norm(U.a), U.a), law->U[0]);
-    store(scale(1.0 / norm(U.b), U.b), law->U[1]);
-    store(scale(1.0 / norm(U.c), U.c), law->U[2]);
+    store_matrix(with_unit_rows(matrix(p->rod_axes)), law->U);
 }
 
 /* tau_RW = -(dl_w/dt e1 + l_w Omega x e1) [14], N m on the body. */
@@ -105,18 +102,14 @@ static double demand_fraction(const Commands *wanted, const AllocatorParameters 
     return smaller(fraction, FRACTION_CAP);
 }
 
-static double clip(double x, double limit)
-{
-    return larger(smaller(x, limit), -limit);
-}
-
 /* Torque on the body once each actuator has met its limits; the motor gives nothing past wheel_momentum_max. */
 static Vector achieved(const AllocatorLaw *law, const AllocatorInputs *u, const Commands *given)
 {
     const AllocatorParameters *p = &law->p;
-    const Vector dipole = {clip(given->dipole.x, p->dipole_max), clip(given->dipole.y, p->dipole_max),
-                           clip(given->dipole.z, p->dipole_max)};
-    double dh_w = clip(given->dh_w, p->wheel_torque_max);
+    const double limit = p->dipole_max;
+    const Vector dipole = {clip(given->dipole.x, -limit, limit), clip(given->dipole.y, -limit, limit),
+                           clip(given->dipole.z, -limit, limit)};
+    double dh_w = clip(given->dh_w, -p->wheel_torque_max, p->wheel_torque_max);
     if (fabs(u->h_w) >= p->wheel_momentum_max && dh_w * u->h_w > 0.0) {
         dh_w = 0.0;
     }
@@ -126,17 +119,10 @@ static Vector achieved(const AllocatorLaw *law, const AllocatorInputs *u, const 
 
 bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y, Fault *f)
 {
-    const struct {
-        const char *name;
-        Vector value;
-    } inputs[] = {{"tau_cmd_B", vector(u->tau_cmd_B)}, {"b_B", vector(u->b_B)}, {"omega_B", vector(u->omega_B)}};
-    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; ++i) {
-        if (!is_finite(inputs[i].value)) {
-            return fault(f, inputs[i].name, NAN, "finite numbers");
-        }
-    }
-    if (!isfinite(u->h_w)) {
-        return fault(f, "h_w", u->h_w, "a finite number");
+    const NamedVector inputs[] = {
+        {"tau_cmd_B", vector(u->tau_cmd_B)}, {"b_B", vector(u->b_B)}, {"omega_B", vector(u->omega_B)}};
+    if (!all_finite_vectors(inputs, COUNT(inputs), f) || !all_finite(&(Named){"h_w", u->h_w}, 1, f)) {
+        return false;
     }
 
     Commands wanted = {{0.0, 0.0, 0.0}, 0.0};

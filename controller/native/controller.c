@@ -33,7 +33,7 @@ bool controller_check(const ControllerParameters *p, Fault *f)
         {"a1", p->a1},               {"a2", p->a2},
         {"c1", p->c1},               {"c2", p->c2},
     };
-    if (!all_positive(positive, sizeof positive / sizeof positive[0], f)) {
+    if (!all_positive(positive, COUNT(positive), f)) {
         return false;
     }
     if (p->phi < CONTROLLER_PHI_LINEAR || p->phi > CONTROLLER_PHI_SQUARE_ROOT) {
@@ -48,10 +48,8 @@ bool controller_check(const ControllerParameters *p, Fault *f)
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f) || !is_ascending(p->K0, f)) {
         return false;
     }
-    if (!is_finite(vector(p->Omega_d0))) {
-        return fault(f, "Omega_d0", NAN, "finite numbers");
-    }
-    return is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
+    return all_finite_vectors(&(NamedVector){"Omega_d0", vector(p->Omega_d0)}, 1, f) &&
+           is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
 }
 
 void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
@@ -65,20 +63,16 @@ void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
 static bool lvlh(Vector r_N, Vector v_N, Reference *reference, Fault *f)
 {
     const double r = norm(r_N);
-    const Vector h_N = cross(r_N, v_N);
-    const double h = norm(h_N);
+    const double h = norm(cross(r_N, v_N));
     if (r < R_MIN) {
         return fault(f, "r_N", r, "at least 1 m from the Earth's centre, for the reference 'lvlh'");
     }
     if (!(h > COLLINEAR * r * norm(v_N))) {
         return fault(f, "v_N", h, "a velocity that spans the orbit's plane with r_N, |r x v| above 0, for the reference 'lvlh'");
     }
-    const Vector z_N = scale(-1.0 / r, r_N);
-    const Vector y_N = scale(-1.0 / h, h_N);
-    const Vector x_N = cross(y_N, z_N);
     const double n = h / (r * r);
     const double dn = -2.0 * n * dot(r_N, v_N) / (r * r);
-    reference->R_d = transposed((Matrix){x_N, y_N, z_N});
+    reference->R_d = lvlh_axes(r_N, v_N);
     reference->Omega_d = (Vector){0.0, -n, 0.0};
     reference->dOmega_d = (Vector){0.0, -dn, 0.0};
     return true;
@@ -103,14 +97,9 @@ static bool desired(const ControllerLaw *law, double t, const ControllerInputs *
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
 static bool tracking_errors(const ControllerLaw *law, double t, const ControllerInputs *u, Errors *e, Fault *f)
 {
-    const struct {
-        const char *name;
-        Vector value;
-    } inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
-    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; ++i) {
-        if (!is_finite(inputs[i].value)) {
-            return fault(f, inputs[i].name, NAN, "finite numbers");
-        }
+    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
+    if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
+        return false;
     }
     const Matrix R = matrix(u->R_NB);
     Reference reference;

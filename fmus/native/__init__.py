@@ -66,12 +66,22 @@ def lay_out(
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
     files = {"block.h": block_header(interface, guid), "table.c": table(interface)}
     files |= _generated(folder) if generated is None else generated
-    for name, text in files.items():
-        (generated_into / name).write_text(text, "utf-8", newline="\n")
-    written = [generated_into / name for name in sorted(files) if name.endswith(".c")]
+    written = _written(files, generated_into)
     native = folder / "native"
     compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.glob("*.c")), *written]
     return compiled, [SHELL, COMMON, generated_into, native]
+
+
+def flight_code(folder: Path, generated_into: Path) -> list[Path]:
+    """The C sources of a block without the FMI shell: its own, and the tables that the build writes."""
+    return [*sorted((folder / "native").glob("*.c")), *_written(_generated(folder), generated_into)]
+
+
+def _written(files: dict[str, str], into: Path) -> list[Path]:
+    """Writes generated files; returns the C sources among them."""
+    for name, text in files.items():
+        (into / name).write_text(text, "utf-8", newline="\n")
+    return [into / name for name in sorted(files) if name.endswith(".c")]
 
 
 def sources(folder: Path) -> list[Path]:

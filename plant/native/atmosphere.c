@@ -10,12 +10,12 @@ static const double GAS_CONSTANT = 831.4; /* 1e-4 J/(mol K): NRLMSISE-00 counts 
 static const double BASE = 120.0;         /* km */
 static const double HOT_TEMPERATURE = 4000.0, HOT_BASE = 550.0, HOT_SCALE = 76.0; /* K, km, km */
 
-Activity activity_of(double f107, double f107_average, double ap)
+Activity plant_activity_of(double f107, double f107_average, double ap)
 {
     const double x = (f107 - f107_average) / 100.0, y = (f107_average - 150.0) / 100.0, d = ap - 4.0;
     Activity activity;
     for (int q = 0; q < QUANTITIES; ++q) {
-        const double a = density_ap_shape[0][q], b = density_ap_shape[1][q];
+        const double a = plant_density_ap_shape[0][q], b = plant_density_ap_shape[1][q];
         const double factors[ACTIVITIES] = {1.0, x, x * x, y, y * y, x * y, d + (b - 1.0) * (d + expm1(-a * d) / a)};
         for (int k = 0; k < ACTIVITIES; ++k) {
             activity.factors[k][q] = factors[k];
@@ -60,8 +60,8 @@ static void quantities(const Activity *activity, Place place, double day, double
     for (int q = 0; q < QUANTITIES; ++q) {
         values[q] = 0.0;
     }
-    for (int k = 0; k < density_term_count; ++k) {
-        const DensityTerm *term = &density_terms[k];
+    for (int k = 0; k < plant_density_term_count; ++k) {
+        const DensityTerm *term = &plant_density_terms[k];
         const double weight = P[term->n][term->m] * waves[term->wave] * seasons[term->season];
         const double *factors = activity->factors[term->activity];
         for (int q = 0; q < QUANTITIES; ++q) {
@@ -70,7 +70,7 @@ static void quantities(const Activity *activity, Place place, double day, double
     }
 }
 
-double log_density(const Activity *activity, Place place, double day)
+double plant_log_density(const Activity *activity, Place place, double day)
 {
     double values[QUANTITIES];
     quantities(activity, place, day, values);

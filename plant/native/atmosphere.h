@@ -5,8 +5,8 @@
  * densities at 120 km. Each is a sum over the table's terms of P_nm(sin latitude), a wave in local time, longitude and
  * universal time, a season and a power of solar or geomagnetic activity. Picone, Hedin, Drob and Aikin, J. Geophys.
  * Res. 107(A12), 2002. */
-#ifndef ATMOSPHERE_H
-#define ATMOSPHERE_H
+#ifndef PLANT_ATMOSPHERE_H
+#define PLANT_ATMOSPHERE_H
 
 #include <stdint.h>
 
@@ -24,18 +24,18 @@ typedef struct {
 } DensityTerm;
 
 /* Written by the build from plant/tables. */
-extern const DensityTerm density_terms[];
-extern const int density_term_count;
-extern const double density_ap_shape[2][QUANTITIES]; /* a and b of d + (b - 1)(d + (exp(-a d) - 1)/a), d = Ap - 4 */
+extern const DensityTerm plant_density_terms[];
+extern const int plant_density_term_count;
+extern const double plant_density_ap_shape[2][QUANTITIES]; /* a and b of d + (b - 1)(d + (exp(-a d) - 1)/a), d = Ap - 4 */
 
 typedef struct {
     double factors[ACTIVITIES][QUANTITIES];
 } Activity;
 
 /* f107 of the day before, its mean over 81 days, both 1e-22 W/(m2 Hz), and the day's mean Ap. */
-Activity activity_of(double f107, double f107_average, double ap);
+Activity plant_activity_of(double f107, double f107_average, double ap);
 
 /* ln of the mass density, kg/m3, hot oxygen included; day of the year, UTC, 1.0 at the start of 1 January. */
-double log_density(const Activity *activity, Place place, double day);
+double plant_log_density(const Activity *activity, Place place, double day);
 
 #endif

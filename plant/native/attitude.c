@@ -53,7 +53,7 @@ static Matrix cayley(Vector f)
                     {c * (f.x * f.z - f.y), c * (f.y * f.z + f.x), 1.0 - c * (f.x * f.x + f.y * f.y)}};
 }
 
-bool advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f)
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double s = 0.0;
@@ -61,7 +61,7 @@ bool advance(const Body *body, int order, const Segment *wheel, Moment *moment, 
     for (int i = 0; i < composition->stages; ++i) {
         const double h = composition->shares[i] * wheel->duration;
         const Vector kicked = add(x->Pi, scale(0.5 * h, tau));
-        const double p = h * segment_mean(wheel, s, h);
+        const double p = h * plant_segment_mean(wheel, s, h);
         Vector turn;
         if (!solve_cayley(body, scale(h, kicked), p, &turn)) {
             const Vector a = scale(h, kicked);

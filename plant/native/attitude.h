@@ -5,8 +5,8 @@
  *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h lm e1,   and then   Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
  * The wheel's torque is internal: R Pi is kept to rounding whatever the wheel does. R is never reprojected.
  * Unforced: Lee, Leok and McClamroch, IEEE CCA 2005. Order 4: Suzuki 1990; order 6: Yoshida 1990, solution A. */
-#ifndef ATTITUDE_H
-#define ATTITUDE_H
+#ifndef PLANT_ATTITUDE_H
+#define PLANT_ATTITUDE_H
 
 #include "fault.h"
 #include "vector.h"
@@ -25,6 +25,6 @@ typedef struct {
 } Attitude;
 
 /* From t over a part of a step in which the wheel moves smoothly. order: 2, 4 or 6. */
-bool advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f);
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f);
 
 #endif

@@ -9,10 +9,10 @@ static const double INTERVAL = 10.0; /* s */
 static Along evaluate(const Environment *environment, double t)
 {
     const double sidereal = environment->gmst0 + EARTH_RATE * t;
-    const Motion motion = motion_at(&environment->orbit, t);
-    const Vector r_earth = turned(-sidereal, motion.r);
+    const OrbitState motion = plant_motion_at(&environment->orbit, t);
+    const Vector r_earth = plant_turned(-sidereal, motion.r);
     const double r = norm(motion.r);
-    Along along = {turned(sidereal, field_at(&environment->field, r_earth)),
+    Along along = {plant_turned(sidereal, plant_field_at(&environment->field, r_earth)),
                    scale(sqrt(3.0 * environment->mu / r) / (r * r), motion.r),
                    {0.0, 0.0, 0.0},
                    0.0};
@@ -20,7 +20,7 @@ static Along evaluate(const Environment *environment, double t)
         /* The air turns with the Earth. */
         const Vector v = motion.v;
         along.flow_N = (Vector){v.x + EARTH_RATE * motion.r.y, v.y - EARTH_RATE * motion.r.x, v.z};
-        along.log_density = log_density(&environment->activity, geodetic(r_earth), environment->day0 + t / 86400.0);
+        along.log_density = plant_log_density(&environment->activity, plant_geodetic(r_earth), environment->day0 + t / 86400.0);
     }
     return along;
 }
@@ -59,7 +59,7 @@ static const Stretch *stretch_of(Environment *environment, int64_t number)
     return stretch;
 }
 
-void forget_surroundings(Environment *environment)
+void plant_forget_surroundings(Environment *environment)
 {
     for (int i = 0; i < NODES; ++i) {
         environment->nodes[i].known = false;
@@ -68,7 +68,7 @@ void forget_surroundings(Environment *environment)
     environment->last.known = false;
 }
 
-const Surroundings *surroundings_at(Environment *environment, double t)
+const Surroundings *plant_surroundings_at(Environment *environment, double t)
 {
     Surroundings *around = &environment->last;
     if (around->known && around->t == t) {

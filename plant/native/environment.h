@@ -2,8 +2,8 @@
  *
  * All are evaluated at nodes 10 s apart and interpolated by degree 5 through the six nearest, which errs by less than
  * 1e-3 nT. Nodes and polynomials follow from the parameters alone, so keeping some of them is no memory of the block. */
-#ifndef ENVIRONMENT_H
-#define ENVIRONMENT_H
+#ifndef PLANT_ENVIRONMENT_H
+#define PLANT_ENVIRONMENT_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -59,9 +59,9 @@ typedef struct {
 } Environment;
 
 /* Forgets what was kept; to be called when anything above `nodes` has been set. */
-void forget_surroundings(Environment *environment);
+void plant_forget_surroundings(Environment *environment);
 
 /* Valid until the next call. */
-const Surroundings *surroundings_at(Environment *environment, double t);
+const Surroundings *plant_surroundings_at(Environment *environment, double t);
 
 #endif

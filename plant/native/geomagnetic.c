@@ -4,7 +4,7 @@
 
 static const double RADIUS = 6371200.0; /* m, of every WMM and IGRF model */
 
-Field field_of(const FieldModel *model, double year, int degree)
+Field plant_field_of(const FieldModel *model, double year, int degree)
 {
     const int last = model->epochs - 1;
     int i = last;
@@ -39,7 +39,7 @@ Field field_of(const FieldModel *model, double year, int degree)
     return field;
 }
 
-Vector field_at(const Field *field, Vector r)
+Vector plant_field_at(const Field *field, Vector r)
 {
     enum { SIZE = FIELD_DEGREE_MAX + 2 };
     double V[SIZE][SIZE], W[SIZE][SIZE];

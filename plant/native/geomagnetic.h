@@ -1,6 +1,6 @@
 /* The geomagnetic field of a spherical-harmonic model at one date. */
-#ifndef GEOMAGNETIC_H
-#define GEOMAGNETIC_H
+#ifndef PLANT_GEOMAGNETIC_H
+#define PLANT_GEOMAGNETIC_H
 
 #include "vector.h"
 
@@ -18,7 +18,7 @@ typedef struct {
 } FieldModel;
 
 /* In the order of the parameter field_model. */
-extern const FieldModel field_models[];
+extern const FieldModel plant_field_models[];
 
 /* [n][m], T, for the recursion's unnormalised harmonics. */
 typedef struct {
@@ -26,9 +26,9 @@ typedef struct {
     double g[FIELD_DEGREE_MAX + 1][FIELD_DEGREE_MAX + 1], h[FIELD_DEGREE_MAX + 1][FIELD_DEGREE_MAX + 1];
 } Field;
 
-Field field_of(const FieldModel *model, double year, int degree);
+Field plant_field_of(const FieldModel *model, double year, int degree);
 
 /* B, T, at a position, m, not at the Earth's centre; both Earth-fixed, geocentric, Cartesian. */
-Vector field_at(const Field *field, Vector r);
+Vector plant_field_at(const Field *field, Vector r);
 
 #endif

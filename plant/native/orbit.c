@@ -2,14 +2,14 @@
 
 static const double J2 = 1.082629821313e-3; /* of the WGS 84 ellipsoid */
 
-Orbit circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu)
+Orbit plant_circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu)
 {
     const double ci = cos(inclination), si = sin(inclination), cn = cos(raan), sn = sin(raan);
     return (Orbit){radius,          0.0, sqrt(mu / (radius * radius * radius)), argument_of_latitude, {cn, sn, 0.0},
                    {-sn * ci, cn * ci, si}, 0.0};
 }
 
-bool orbit_through(Vector r, Vector v, double mu, Orbit *orbit)
+bool plant_orbit_through(Vector r, Vector v, double mu, Orbit *orbit)
 {
     const double radius = norm(r);
     const Vector h = cross(r, v);
@@ -29,7 +29,7 @@ bool orbit_through(Vector r, Vector v, double mu, Orbit *orbit)
     return energy < 0.0;
 }
 
-double j2_node_rate(const Orbit *orbit, double mu)
+double plant_j2_node_rate(const Orbit *orbit, double mu)
 {
     const double a = orbit->semi_major_axis, e = orbit->eccentricity;
     const double share = WGS84_RADIUS / (a * (1.0 - e * e));
@@ -51,7 +51,7 @@ static double eccentric_anomaly(double M, double e)
     return E;
 }
 
-Motion motion_at(const Orbit *orbit, double t)
+OrbitState plant_motion_at(const Orbit *orbit, double t)
 {
     const double a = orbit->semi_major_axis, e = orbit->eccentricity;
     const double M = orbit->mean_anomaly + orbit->mean_motion * t;
@@ -60,32 +60,24 @@ Motion motion_at(const Orbit *orbit, double t)
     const double minor = sqrt(1.0 - e * e);
     const double E_rate = orbit->mean_motion / (1.0 - e * c);
     const Vector p = orbit->towards_perigee, q = orbit->along_perigee;
-    Motion motion = {add(scale(a * (c - e), p), scale(a * minor * s, q)),
+    OrbitState motion = {add(scale(a * (c - e), p), scale(a * minor * s, q)),
                      add(scale(-a * E_rate * s, p), scale(a * minor * E_rate * c, q))};
     if (orbit->node_rate != 0.0) {
         const double angle = orbit->node_rate * t;
-        motion.r = turned(angle, motion.r);
-        motion.v = add(turned(angle, motion.v), scale(orbit->node_rate, (Vector){-motion.r.y, motion.r.x, 0.0}));
+        motion.r = plant_turned(angle, motion.r);
+        motion.v = add(plant_turned(angle, motion.v), scale(orbit->node_rate, (Vector){-motion.r.y, motion.r.x, 0.0}));
     }
     return motion;
 }
 
-Matrix lvlh(Motion motion)
-{
-    const Vector h = cross(motion.r, motion.v);
-    const Vector z = scale(-1.0 / norm(motion.r), motion.r);
-    const Vector y = scale(-1.0 / norm(h), h);
-    return transposed((Matrix){cross(y, z), y, z});
-}
-
-Vector turned(double angle, Vector x)
+Vector plant_turned(double angle, Vector x)
 {
     const double c = cos(angle), s = sin(angle);
     return (Vector){c * x.x - s * x.y, s * x.x + c * x.y, x.z};
 }
 
 /* Bowring's formula, iterated. */
-Place geodetic(Vector r)
+Place plant_geodetic(Vector r)
 {
     const double e2 = WGS84_FLATTENING * (2.0 - WGS84_FLATTENING);
     const double b = WGS84_RADIUS * (1.0 - WGS84_FLATTENING);

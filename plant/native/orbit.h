@@ -1,7 +1,7 @@
 /* The orbit: Keplerian, circular or from a given r and v, its node drifting with J2 on request.
  * N is true of date: its Z axis is the Earth's, and the Earth is turned in it by GMST. */
-#ifndef ORBIT_H
-#define ORBIT_H
+#ifndef PLANT_ORBIT_H
+#define PLANT_ORBIT_H
 
 #include "vector.h"
 
@@ -20,29 +20,26 @@ typedef struct {
 
 typedef struct {
     Vector r, v; /* m, m/s, N */
-} Motion;
+} OrbitState;
 
-Orbit circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu);
+Orbit plant_circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu);
 
 /* False where r and v are parallel or zero. */
-bool orbit_through(Vector r, Vector v, double mu, Orbit *orbit);
+bool plant_orbit_through(Vector r, Vector v, double mu, Orbit *orbit);
 
 /* Secular drift of the node by J2: -3/2 n J2 (R_E/p)^2 cos i (Vallado, 4th ed., 9-37). */
-double j2_node_rate(const Orbit *orbit, double mu);
+double plant_j2_node_rate(const Orbit *orbit, double mu);
 
 /* v is the derivative of r, the node's drift included. */
-Motion motion_at(const Orbit *orbit, double t);
-
-/* Columns in N: X along the velocity's horizontal part, Y = -orbit normal, Z to nadir. */
-Matrix lvlh(Motion motion);
+OrbitState plant_motion_at(const Orbit *orbit, double t);
 
 /* x turned by an angle about Z. */
-Vector turned(double angle, Vector x);
+Vector plant_turned(double angle, Vector x);
 
 typedef struct {
     double latitude, longitude, height; /* rad, rad, m; geodetic on WGS 84 */
 } Place;
 
-Place geodetic(Vector r_earth);
+Place plant_geodetic(Vector r_earth);
 
 #endif

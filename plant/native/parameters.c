@@ -20,8 +20,8 @@ static bool drifting_orbit_through(const PlantParameters *p, Orbit *orbit)
     const double mu = p->gravitational_parameter;
     double rate = 0.0;
     for (int pass = 0; pass < DRIFT_PASSES; ++pass) {
-        rate = j2_node_rate(orbit, mu);
-        if (!orbit_through(r, subtract(v, scale(rate, (Vector){-r.y, r.x, 0.0})), mu, orbit)) {
+        rate = plant_j2_node_rate(orbit, mu);
+        if (!plant_orbit_through(r, subtract(v, scale(rate, (Vector){-r.y, r.x, 0.0})), mu, orbit)) {
             return false;
         }
     }
@@ -37,11 +37,11 @@ static bool orbit_of(const PlantParameters *p, const Epoch *date, Orbit *orbit, 
         if (norm(r) == 0.0) {
             return fault(f, "r_N0", 0.0, "a position away from the Earth's centre");
         }
-        return (orbit_through(r, v, mu, orbit) && (!p->j2_node_drift || drifting_orbit_through(p, orbit))) ||
+        return (plant_orbit_through(r, v, mu, orbit) && (!p->j2_node_drift || drifting_orbit_through(p, orbit))) ||
                fault(f, "v_N0", norm(v), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
     }
-    *orbit = circular_orbit(p->orbit_radius, p->inclination, gmst(date) + p->node_longitude, p->argument_of_latitude, mu);
-    orbit->node_rate = p->j2_node_drift ? j2_node_rate(orbit, mu) : 0.0;
+    *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, plant_gmst(date) + p->node_longitude, p->argument_of_latitude, mu);
+    orbit->node_rate = p->j2_node_drift ? plant_j2_node_rate(orbit, mu) : 0.0;
     return true;
 }
 
@@ -95,8 +95,8 @@ static bool covers(const FieldModel *model, double year)
 
 static bool check_field(const PlantParameters *p, const Epoch *date, Fault *f)
 {
-    const FieldModel *model = &field_models[p->field_model - 1];
-    const double year = decimal_year(date);
+    const FieldModel *model = &plant_field_models[p->field_model - 1];
+    const double year = plant_decimal_year(date);
     if (p->field_degree < 1 || p->field_degree > FIELD_DEGREE_MAX) {
         return fault(f, "field_degree", p->field_degree, "1 to 13");
     }
@@ -173,30 +173,29 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     Epoch date = {0, 0, 0, 1};
     Fault unused;
     Environment *environment = &plant->environment;
-    const Matrix U = matrix(p->rod_axes);
 
     plant->p = *p;
     plant->body.J = inertia(p);
     plant->body.J_inverse = inverse(plant->body.J);
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
-    plant->rods_to_body =
-        transposed((Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)});
+    plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));
     lay_plates(p, plant->plates);
 
     (void)epoch_read(p->epoch, &date);
     (void)orbit_of(p, &date, &environment->orbit, &unused);
     environment->mu = p->gravitational_parameter;
-    environment->gmst0 = gmst(&date);
-    environment->day0 = day_of_year(&date);
-    const FieldModel *model = &field_models[p->field_model - 1];
-    environment->field = field_of(model, decimal_year(&date), p->field_degree);
-    plant->field_extrapolated = !covers(model, decimal_year(&date));
+    environment->gmst0 = plant_gmst(&date);
+    environment->day0 = plant_day_of_year(&date);
+    const FieldModel *model = &plant_field_models[p->field_model - 1];
+    environment->field = plant_field_of(model, plant_decimal_year(&date), p->field_degree);
+    plant->field_extrapolated = !covers(model, plant_decimal_year(&date));
     environment->has_air = p->drag;
-    environment->activity = activity_of(p->f107, p->f107_average, p->ap);
-    forget_surroundings(environment);
+    environment->activity = plant_activity_of(p->f107, p->f107_average, p->ap);
+    plant_forget_surroundings(environment);
 
+    const OrbitState start = plant_motion_at(&environment->orbit, 0.0);
     plant->R_NB0 = p->initial_attitude == PLANT_INITIAL_ATTITUDE_Q_NB0
                        ? from_quaternion(p->q_NB0)
-                       : multiply(lvlh(motion_at(&environment->orbit, 0.0)), nearest_rotation(matrix(p->Q0)));
+                       : multiply(lvlh_axes(start.r, start.v), nearest_rotation(matrix(p->Q0)));
 }

@@ -49,7 +49,7 @@ static Vector external_moment(void *context, const Matrix *R, double t)
 {
     const Acting *acting = context;
     PlantLaw *plant = acting->plant;
-    const Surroundings *around = surroundings_at(&plant->environment, t);
+    const Surroundings *around = plant_surroundings_at(&plant->environment, t);
     Vector tau = add(cross(acting->dipole_B, apply_transposed(*R, around->along.b_N)), vector(plant->p.disturbance_torque_B));
     if (plant->p.gravity_gradient) {
         tau = add(tau, gravity_gradient(plant, apply_transposed(*R, around->along.pull_N)));
@@ -72,7 +72,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     int n = (int)ratio;
     n += (double)n < ratio || n == 0 ? 1 : 0;
 
-    const Vector with_rods = dipole_B(plant, rod_dipoles(&plant->p, u, true));
+    const Vector with_rods = dipole_B(plant, plant_rod_dipoles(&plant->p, u, true));
     const Vector without = vector(plant->p.residual_dipole_B);
     Acting acting = {plant, with_rods};
     const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
@@ -80,13 +80,13 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     double l_w = now->l_w;
     for (int i = 0; i < n; ++i) {
         double t = x->t + i * (h / n), left = h / n;
-        for (Turn turn = turn_at(&plant->p, t); left > 0.0; turn = next_turn(turn)) {
-            const double duration = turn_part(&plant->p, turn, t, left);
+        for (Turn turn = plant_turn_at(&plant->p, t); left > 0.0; turn = plant_next_turn(turn)) {
+            const double duration = plant_turn_part(&plant->p, turn, t, left);
             Segment parts[SEGMENTS_MAX];
-            const int count = wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
+            const int count = plant_wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
             acting.dipole_B = turn.on ? with_rods : without;
             for (int k = 0; k < count; ++k) {
-                if (!advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
+                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
                     return false;
                 }
                 t += parts[k].duration;
@@ -134,9 +134,9 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
     const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
-    const Surroundings *around = surroundings_at(&plant->environment, x->t);
-    const Motion motion = motion_at(&plant->environment.orbit, x->t);
-    const Vector dipole = rod_dipoles(p, u, turn_at(p, x->t).on), H_N = apply(R, Pi);
+    const Surroundings *around = plant_surroundings_at(&plant->environment, x->t);
+    const OrbitState motion = plant_motion_at(&plant->environment.orbit, x->t);
+    const Vector dipole = plant_rod_dipoles(p, u, plant_turn_at(p, x->t).on), H_N = apply(R, Pi);
     const Vector b_B = apply_transposed(R, around->along.b_N), flow_B = apply_transposed(R, around->along.flow_N);
 
     store_matrix(R, y->R_NB);
@@ -162,7 +162,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     store(p->drag ? drag(plant, flow_B, around->density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
     store(cross(dipole_B(plant, dipole), b_B), y->tau_mag_B);
     store(dipole, y->dipole);
-    y->wheel_torque = wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
+    y->wheel_torque = plant_wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
     y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
     y->wheel_speed = x->l_w / p->wheel_inertia;
     y->field_extrapolated = plant->field_extrapolated;

@@ -9,7 +9,7 @@ static bool take_turns(const PlantParameters *p)
     return p->rod_period > 0.0 && p->rod_duty > 0.0 && p->rod_duty < 1.0;
 }
 
-Turn turn_at(const PlantParameters *p, double t)
+Turn plant_turn_at(const PlantParameters *p, double t)
 {
     if (!take_turns(p)) {
         return (Turn){0.0, !(p->rod_period > 0.0) || p->rod_duty > 0.0};
@@ -24,7 +24,7 @@ Turn turn_at(const PlantParameters *p, double t)
     return (Turn){k, periods - k < p->rod_duty - SNAP};
 }
 
-double turn_part(const PlantParameters *p, Turn turn, double t, double left)
+double plant_turn_part(const PlantParameters *p, Turn turn, double t, double left)
 {
     if (!take_turns(p)) {
         return left;
@@ -33,20 +33,18 @@ double turn_part(const PlantParameters *p, Turn turn, double t, double left)
     return duration < left - SNAP * p->rod_period ? larger(duration, 0.0) : left;
 }
 
-Turn next_turn(Turn turn)
+Turn plant_next_turn(Turn turn)
 {
     return (Turn){turn.on ? turn.period : turn.period + 1.0, !turn.on};
 }
 
-static double clip(double x, double limit)
-{
-    return larger(smaller(x, limit), -limit);
-}
-
-Vector rod_dipoles(const PlantParameters *p, const PlantInputs *u, bool on)
+Vector plant_rod_dipoles(const PlantParameters *p, const PlantInputs *u, bool on)
 {
     const double limit = p->dipole_max;
     const double *cmd = u->dipole_cmd, *gain = p->rod_gain;
-    return on ? (Vector){gain[0] * clip(cmd[0], limit), gain[1] * clip(cmd[1], limit), gain[2] * clip(cmd[2], limit)}
-              : (Vector){0.0, 0.0, 0.0};
+    if (!on) {
+        return (Vector){0.0, 0.0, 0.0};
+    }
+    return (Vector){gain[0] * clip(cmd[0], -limit, limit), gain[1] * clip(cmd[1], -limit, limit),
+                    gain[2] * clip(cmd[2], -limit, limit)};
 }

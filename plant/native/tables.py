@@ -29,7 +29,7 @@ def _field_models() -> str:
             parts.append(f"static const double {name}_{key}[][FIELD_TERMS] = {{\n{sets}}};")
             parts.append(f"static const double {name}_{key}_rate[] = {_list(_terms(getattr(model, key + '_dot')))};")
         rows.append(_model(name, model))
-    parts.append("const FieldModel field_models[] = {\n" + ",\n".join(rows) + "\n};\n")
+    parts.append("const FieldModel plant_field_models[] = {\n" + ",\n".join(rows) + "\n};\n")
     return "\n".join(parts)
 
 
@@ -52,9 +52,9 @@ def _density_terms() -> str:
     )
     shape = ", ".join(_list(row) for row in model.ap_shape)
     return (
-        f'{_HEADER}#include "atmosphere.h"\n\nconst int density_term_count = {len(model.terms)};\n'
-        f"const double density_ap_shape[2][QUANTITIES] = {{{shape}}};\n"
-        f"const DensityTerm density_terms[] = {{\n{rows}\n}};\n"
+        f'{_HEADER}#include "atmosphere.h"\n\nconst int plant_density_term_count = {len(model.terms)};\n'
+        f"const double plant_density_ap_shape[2][QUANTITIES] = {{{shape}}};\n"
+        f"const DensityTerm plant_density_terms[] = {{\n{rows}\n}};\n"
     )
 
 

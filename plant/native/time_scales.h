@@ -1,6 +1,6 @@
 /* Sidereal time and years of a date. UT1 is taken as UTC. */
-#ifndef TIME_SCALES_H
-#define TIME_SCALES_H
+#ifndef PLANT_TIME_SCALES_H
+#define PLANT_TIME_SCALES_H
 
 #include "epoch.h"
 
@@ -8,11 +8,11 @@
 #define EARTH_RATE 7.2921158553e-5
 
 /* Greenwich mean sidereal time, rad in [0, 2 pi): IAU 1982. */
-double gmst(const Epoch *date);
+double plant_gmst(const Epoch *date);
 
 /* Day of the year, 1.0 at the start of 1 January. */
-double day_of_year(const Epoch *date);
+double plant_day_of_year(const Epoch *date);
 
-double decimal_year(const Epoch *date);
+double plant_decimal_year(const Epoch *date);
 
 #endif

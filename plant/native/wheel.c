@@ -19,7 +19,7 @@ static double phi2(double x)
     return (x + expm1(-x)) / (x * x);
 }
 
-double segment_momentum(const Segment *part, double s)
+double plant_segment_momentum(const Segment *part, double s)
 {
     if (part->decay == 0.0) {
         return part->l_start + part->drive * s;
@@ -27,20 +27,20 @@ double segment_momentum(const Segment *part, double s)
     return part->l_start + (part->drive - part->decay * part->l_start) * s * phi1(part->decay * s);
 }
 
-double segment_mean(const Segment *part, double s, double duration)
+double plant_segment_mean(const Segment *part, double s, double duration)
 {
     if (part->decay == 0.0) {
         return part->l_start + part->drive * (s + 0.5 * duration);
     }
     /* The rate at s from that at the start: drive - decay * l_w(s) would cancel where friction is strong. */
     const double rate = (part->drive - part->decay * part->l_start) * exp(-part->decay * s);
-    return segment_momentum(part, s) + rate * duration * phi2(part->decay * duration);
+    return plant_segment_momentum(part, s) + rate * duration * phi2(part->decay * duration);
 }
 
 /* `drive` on this side of standstill. */
 static double drive_of(const Wheel *wheel, double momentum, double command)
 {
-    const double torque = larger(smaller(command, wheel->torque_max), -wheel->torque_max);
+    const double torque = clip(command, -wheel->torque_max, wheel->torque_max);
     if (wheel->coulomb == 0.0) {
         return torque;
     }
@@ -55,7 +55,7 @@ static bool is_at_limit(const Wheel *wheel, double momentum, double rate)
     return fabs(momentum) >= wheel->momentum_max && rate * momentum >= 0.0;
 }
 
-double wheel_net_torque(const Wheel *wheel, double momentum, double command, bool *at_limit)
+double plant_wheel_net_torque(const Wheel *wheel, double momentum, double command, bool *at_limit)
 {
     const double rate = drive_of(wheel, momentum, command) - wheel->decay * momentum;
     const bool stopped = is_at_limit(wheel, momentum, rate);
@@ -73,7 +73,7 @@ static double time_to(double target, double momentum, double rate, double decay)
     return decay * share < 1.0 ? -log1p(-decay * share) / decay : INFINITY;
 }
 
-int wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX])
+int plant_wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX])
 {
     double left = h, now = momentum;
     int n = 0;
@@ -89,7 +89,7 @@ int wheel_segments(const Wheel *wheel, double momentum, double command, double h
         const double until = time_to(target, now, rate, decay);
         if (until >= left) {
             parts[n] = (Segment){left, now, 0.0, drive, decay};
-            parts[n].l_end = segment_momentum(&parts[n], left);
+            parts[n].l_end = plant_segment_momentum(&parts[n], left);
             ++n;
             break;
         }

@@ -4,8 +4,8 @@
  *     dl_w/dt = tau - (c/I_w) l_w - d sign(l_w).
  * A step is divided where the wheel reaches its limit or, with Coulomb friction, stands still, so that l_w is smooth in
  * each part. Friction and limit are not in the paper, which takes the wheel as ideal. */
-#ifndef WHEEL_H
-#define WHEEL_H
+#ifndef PLANT_WHEEL_H
+#define PLANT_WHEEL_H
 
 #include <stdbool.h>
 
@@ -24,15 +24,15 @@ typedef struct {
 /* Standstill, then the limit, then rest: no more parts than these, and one to spare. */
 enum { SEGMENTS_MAX = 4 };
 
-int wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX]);
+int plant_wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX]);
 
 /* l_w at time s after the segment's start, which may lie outside it. */
-double segment_momentum(const Segment *part, double s);
+double plant_segment_momentum(const Segment *part, double s);
 
 /* Mean of l_w over [s, s + duration]; the duration may be negative. */
-double segment_mean(const Segment *part, double s, double duration);
+double plant_segment_mean(const Segment *part, double s, double duration);
 
 /* dl_w/dt: motor and friction; zero where it would pass the limit, and then *at_limit where something drives it. */
-double wheel_net_torque(const Wheel *wheel, double momentum, double command, bool *at_limit);
+double plant_wheel_net_torque(const Wheel *wheel, double momentum, double command, bool *at_limit);
 
 #endif

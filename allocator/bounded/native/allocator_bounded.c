@@ -21,33 +21,20 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
     if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
-        !all_positive(positive, sizeof positive / sizeof positive[0], f)) {
+        !all_positive(positive, COUNT(positive), f)) {
         return false;
     }
     if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
         return fault(f, "rod_weight", p->rod_weight, "a finite number of at least 1e-08");
     }
     const Named weights[] = {{"wheel_weight", p->wheel_weight}, {"wheel_weight_ff", p->wheel_weight_ff}};
-    for (size_t i = 0; i < sizeof weights / sizeof weights[0]; ++i) {
-        if (!(weights[i].value >= 0.0 && isfinite(weights[i].value))) {
-            return fault(f, weights[i].name, weights[i].value, "a finite number of at least 0");
-        }
-    }
-    return true;
+    return all_not_negative(weights, COUNT(weights), f);
 }
 
 void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law)
 {
-    const Matrix U = matrix(p->rod_axes);
     law->p = *p;
-    store(scale(1.0 / norm(U.a), U.a), law->U[0]);
-    store(scale(1.0 / norm(U.b), U.b), law->U[1]);
-    store(scale(1.0 / norm(U.c), U.c), law->U[2]);
-}
-
-static double clip(double x, double low, double high)
-{
-    return larger(smaller(x, high), low);
+    store_matrix(with_unit_rows(matrix(p->rod_axes)), law->U);
 }
 
 /* The commands that give r, N m, as nearly as the limits and the preference let them: in shares of the limits,
@@ -81,7 +68,7 @@ static Commands allocate(const AllocatorBoundedParameters *p, const AllocatorBou
     }
 
     double x[BOX_N], unbounded[BOX_N];
-    if (!box_minimum(&box, x, unbounded)) {
+    if (!allocator_bounded_box_minimum(&box, x, unbounded)) {
         return (Commands){{0.0, 0.0, 0.0}, 0.0, FRACTION_CAP};
     }
     double fraction = 0.0;
@@ -96,20 +83,10 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
 {
     (void)x;
     const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B), dipole_ff = vector(u->dipole_ff);
-    const struct {
-        const char *name;
-        Vector value;
-    } vectors[] = {{"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}};
-    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) {
-        if (!is_finite(vectors[i].value)) {
-            return fault(f, vectors[i].name, NAN, "finite numbers");
-        }
-    }
+    const NamedVector vectors[] = {{"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}};
     const Named numbers[] = {{"h_w", u->h_w}, {"wheel_torque_ff", u->wheel_torque_ff}};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
-        if (!isfinite(numbers[i].value)) {
-            return fault(f, numbers[i].name, numbers[i].value, "a finite number");
-        }
+    if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
+        return false;
     }
 
     const Matrix U = matrix(law->U);

@@ -68,7 +68,7 @@ static double violation(const Box *box, const int side[BOX_N], const double x[BO
     return largest_one;
 }
 
-bool box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
+bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
 {
     double least = INFINITY;
     for (int face = 0; face < FACES && least > 0.0; ++face) {

@@ -14,6 +14,6 @@ typedef struct {
 
 /* The minimum in the box, exact to rounding, and the one that there is without the box, `unbounded`.
  * Tries the 81 faces of the box at most. False where a number overflowed; x is then not set. */
-bool box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N]);
+bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N]);
 
 #endif

@@ -2,12 +2,16 @@
 
 #include "vector.h"
 
+static const double GAIN_MIN = 1e-12;   /* of the value: a step that gains less is the last */
+static const double PIVOT_MIN = 1e-300; /* keeps a pivot of zero from dividing */
+enum { HALVINGS = 8 };
+
 static double inside(double x, double low, double high)
 {
     return x < low ? low : x > high ? high : x;
 }
 
-void solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns, double *y)
+void controller_planned_solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns, double *y)
 {
     double L[CONTROLS][CONTROLS];
     int index[CONTROLS], n = 0;
@@ -26,7 +30,7 @@ void solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], i
             for (int k = 0; k < j; ++k) {
                 sum -= L[i][k] * L[j][k];
             }
-            L[i][j] = i == j ? sqrt(larger(sum, 1e-300)) : sum / L[j][j];
+            L[i][j] = i == j ? sqrt(larger(sum, PIVOT_MIN)) : sum / L[j][j];
         }
     }
     for (int c = 0; c < columns; ++c) {
@@ -60,7 +64,39 @@ static double value(const double H[CONTROLS][CONTROLS], const double g[CONTROLS]
     return sum;
 }
 
-void box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
+/* Half of Newton's step until the value falls: the trial of the last, and its value. */
+static double search_along(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
+                           const double high[CONTROLS], const double u[CONTROLS], const double step[CONTROLS], double best,
+                           double trial[CONTROLS])
+{
+    double share = 1.0, now = best;
+    for (int k = 0; k < HALVINGS && !(now < best); ++k, share *= 0.5) {
+        for (int i = 0; i < CONTROLS; ++i) {
+            trial[i] = inside(u[i] + share * step[i], low[i], high[i]);
+        }
+        now = value(H, g, trial);
+    }
+    return now;
+}
+
+/* Each variable's own minimum, one after the other, which always descends. */
+static double descend_one_by_one(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
+                                 const double high[CONTROLS], const double u[CONTROLS], double trial[CONTROLS])
+{
+    for (int i = 0; i < CONTROLS; ++i) {
+        trial[i] = u[i];
+    }
+    for (int i = 0; i < CONTROLS; ++i) {
+        double sum = g[i];
+        for (int j = 0; j < CONTROLS; ++j) {
+            sum += H[i][j] * trial[j];
+        }
+        trial[i] = inside(trial[i] - sum / H[i][i], low[i], high[i]);
+    }
+    return value(H, g, trial);
+}
+
+void controller_planned_box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
             const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS])
 {
     for (int i = 0; i < CONTROLS; ++i) {
@@ -68,7 +104,7 @@ void box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const 
     }
     double best = value(H, g, u);
     for (int pass = 0;; ++pass) {
-        double step[CONTROLS], slope[CONTROLS];
+        double step[CONTROLS], slope[CONTROLS], trial[CONTROLS], expected = 0.0;
         for (int i = 0; i < CONTROLS; ++i) {
             slope[i] = g[i];
             for (int j = 0; j < CONTROLS; ++j) {
@@ -80,42 +116,21 @@ void box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const 
         if (pass == passes) {
             return;
         }
-        solve_free(H, free, 1, step);
-        double expected = 0.0;
+        controller_planned_solve_free(H, free, 1, step);
         for (int i = 0; i < CONTROLS; ++i) {
             expected += slope[i] * step[i];
         }
         if (!(expected < 0.0)) {
             return;
         }
-        double share = 1.0, trial[CONTROLS], now = best;
-        for (int k = 0; k < 8; ++k, share *= 0.5) {
-            for (int i = 0; i < CONTROLS; ++i) {
-                trial[i] = inside(u[i] + share * step[i], low[i], high[i]);
-            }
-            now = value(H, g, trial);
-            if (now < best) {
-                break;
-            }
-        }
-        if (!(now < best)) {
-            /* The bounds bend Newton's step too far: each variable's own minimum, one after the other, always descends. */
-            for (int i = 0; i < CONTROLS; ++i) {
-                trial[i] = u[i];
-            }
-            for (int i = 0; i < CONTROLS; ++i) {
-                double sum = g[i];
-                for (int j = 0; j < CONTROLS; ++j) {
-                    sum += H[i][j] * trial[j];
-                }
-                trial[i] = inside(trial[i] - sum / H[i][i], low[i], high[i]);
-            }
-            now = value(H, g, trial);
+        double now = search_along(H, g, low, high, u, step, best, trial);
+        if (!(now < best)) { /* the bounds bend Newton's step too far */
+            now = descend_one_by_one(H, g, low, high, u, trial);
             if (!(now < best)) {
                 return;
             }
         }
-        const bool done = best - now < 1e-12 * (fabs(best) + fabs(now));
+        const bool done = best - now < GAIN_MIN * (fabs(best) + fabs(now));
         best = now;
         for (int i = 0; i < CONTROLS; ++i) {
             u[i] = trial[i];

@@ -1,6 +1,6 @@
 /* min 1/2 u.H u + g.u over a box, in four variables. */
-#ifndef BOX_QP_H
-#define BOX_QP_H
+#ifndef CONTROLLER_PLANNED_BOX_QP_H
+#define CONTROLLER_PLANNED_BOX_QP_H
 
 #include <stdbool.h>
 
@@ -8,10 +8,10 @@ enum { CONTROLS = 4 };
 
 /* `H` symmetric and positive definite. Starts from `u`, which is moved into the box; at most `passes` projected Newton
  * steps. `free` tells which variables stand off their bounds at the end, or may leave them. */
-void box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
+void controller_planned_box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
             const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS]);
 
 /* x of H x = y in the free variables, by Cholesky; the others are zero. `columns` right sides stand one beside the other. */
-void solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns, double *y);
+void controller_planned_solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns, double *y);
 
 #endif

@@ -10,49 +10,7 @@
 #define CONTROLLER_PLANNED_H
 
 #include "fault.h"
-#include "identification.h"
-#include "plan.h"
-#include "ports.h"
-#include "steering.h"
-
-typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3 } Phase;
-
-typedef struct {
-    double t;              /* s */
-    double until_sample;   /* s, until the control acts next */
-    double next_plan;      /* s */
-    double next_challenge; /* s */
-    double settled_since;  /* s; beyond t while not settled */
-    int32_t phase;
-    bool sampled;          /* whether the control has acted at t */
-    Steering steering;
-    Plan plan;
-    Search search;
-    Motion reference;      /* of the plan, at t_sample */
-    Vector field_bias_N;   /* measured field less that of the onboard model */
-    double l_own;          /* wheel momentum by the controller's own account */
-    Identification identification;
-    /* The last sample. */
-    double t_sample;
-    Motion measured;
-    /* The estimate at the sample: before the measurement, how far the measurement moved it, after it. */
-    Motion predicted, estimate;
-    double attitude_gain, rate_gain;
-    Vector B_B;
-    double u[CONTROLS];    /* asked for since */
-    ControllerPlannedOutputs held;
-} ControllerPlannedState;
-
-/* Parameters and what follows from them alone. */
-typedef struct {
-    ControllerPlannedParameters p;
-    Matrix R_d0;        /* projected onto SO(3) */
-    Vector rod_axes[3]; /* unit */
-    OnboardField field;
-    Workspace workspace;
-    Plan trial;
-    Vector steering_field[STEERING_NODES];
-} ControllerPlannedLaw;
+#include "state.h"
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f);
 

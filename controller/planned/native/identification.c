@@ -12,7 +12,7 @@ static const double KNOWN_MIN = 1e-3;      /* N m s, of a known impulse from whi
 static const double EXPECTED = 0.25;       /* of the largest disturbance: its standard deviation before the flight */
 static const double TRUST = 0.4;           /* largest change of what is identified, relative */
 
-void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
+void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
                           double dipole_max, double rate_noise, Identification *id)
 {
     memset(id, 0, sizeof *id);
@@ -117,7 +117,7 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
     keep_within(id->p + DIPOLE, id->dipole_max);
 }
 
-void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
+void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
               Vector B_B, bool inertia, Identification *id)
 {
     if (id->elapsed == 0.0) {

@@ -1,8 +1,8 @@
 /* Disturbance torque, own dipole, inertia and rod gain, from what was commanded and what was measured. */
-#ifndef IDENTIFICATION_H
-#define IDENTIFICATION_H
+#ifndef CONTROLLER_PLANNED_IDENTIFICATION_H
+#define CONTROLLER_PLANNED_IDENTIFICATION_H
 
-#include "plan.h"
+#include "vector.h"
 
 enum { UNKNOWNS = 10, GAIN = 3, TORQUE = 4, DIPOLE = 7 };
 
@@ -26,13 +26,13 @@ typedef struct {
 /* `spread`: standard deviation of inertias and gain, relative; `disturbance_max`, N m; `disturbance_time`, s, over
  * which the disturbance is forgotten; `dipole_max`, A m2, of the satellite itself;
  * `rate_noise`, rad/s, of the measured rates. */
-void identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
+void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
                           double dipole_max, double rate_noise, Identification *id);
 
 /* Adds a sample of dt: the rates and wheel momenta at its ends, the rods' torque at gain 1 and the other known torque
  * over it (gravity gradient, products of inertia), the field. A window that is full is used; it tells of disturbance and dipole alone
  * where `inertia` is false. */
-void identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
+void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
               Vector B_B, bool inertia, Identification *id);
 
 #endif

@@ -6,19 +6,7 @@ static const double PI = 3.14159265358979323846;
 static const double EARTH_RADIUS = 6371200.0;       /* m, of the field models */
 static const double EARTH_RATE = 7.292115855e-5;    /* rad/s, of Greenwich relative to N */
 
-double days_of_epoch(const Epoch *epoch)
-{
-    const int64_t time = epoch->in_year % EPOCH_DAY;
-    const int64_t days = (epoch->since_j2000 + EPOCH_DAY / 2 - time) / EPOCH_DAY;
-    return (double)days - 0.5 + (double)time / (double)EPOCH_SECOND / 86400.0;
-}
-
-double year_of_days(double days)
-{
-    return 2000.0 + (days + 0.5) / 365.25;
-}
-
-void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
+void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
 {
     const double year = year_of_days(days);
     const int last = model->epochs - 1;
@@ -61,7 +49,7 @@ void onboard_field(const GaussModel *model, double days, int degree, const doubl
 }
 
 /* The gradient of the potential in spherical components, by recursion of the Schmidt functions and their derivatives. */
-Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
+Vector controller_planned_onboard_field_at(const OnboardField *field, double t, Vector r_N)
 {
     const double angle = field->sidereal_angle + EARTH_RATE * t;
     const double ca = cos(angle), sa = sin(angle);
@@ -108,7 +96,7 @@ Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
 }
 
 /* Lagrange's coefficients of the change in eccentric anomaly. */
-void onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N)
+void controller_planned_onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N)
 {
     const double mu = orbit->mu, dt = t - orbit->t;
     const double r0 = norm(orbit->r);
@@ -134,35 +122,11 @@ void onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *
     *v_N = add(scale(df, orbit->r), scale(dg, orbit->v));
 }
 
-Target target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N)
+Target controller_planned_target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N)
 {
     if (kind == ONBOARD_TARGET_INERTIAL) {
         return (Target){R_d0, {0.0, 0.0, 0.0}};
     }
     const double r = norm(r_N);
-    const Vector h = cross(r_N, v_N);
-    const Vector z = scale(-1.0 / r, r_N), y = scale(-1.0 / norm(h), h);
-    return (Target){transposed((Matrix){cross(y, z), y, z}), {0.0, -norm(h) / (r * r), 0.0}};
-}
-
-Vector rotation_log(Matrix R)
-{
-    const Vector twice = {R.c.y - R.b.z, R.a.z - R.c.x, R.b.x - R.a.y}; /* 2 sin(angle) axis */
-    const double s = 0.5 * norm(twice), c = 0.5 * (R.a.x + R.b.y + R.c.z - 1.0);
-    const double angle = atan2(s, c);
-    if (s > 1e-4) {
-        return scale(0.5 * angle / s, twice);
-    }
-    if (c > 0.0) {
-        return scale(0.5, twice);
-    }
-    /* Near a half turn the axis comes from (R + R^T)/2 - c I = (1 - c) axis axis^T, by its largest column. */
-    const double xy = 0.5 * (R.a.y + R.b.x), yz = 0.5 * (R.b.z + R.c.y), zx = 0.5 * (R.c.x + R.a.z);
-    const Vector columns[3] = {{R.a.x - c, xy, zx}, {xy, R.b.y - c, yz}, {zx, yz, R.c.z - c}};
-    Vector axis = columns[0];
-    for (int i = 1; i < 3; ++i) {
-        axis = dot(columns[i], columns[i]) > dot(axis, axis) ? columns[i] : axis;
-    }
-    const double sign = dot(axis, twice) < 0.0 ? -1.0 : 1.0;
-    return scale(sign * angle / norm(axis), axis);
+    return (Target){lvlh_axes(r_N, v_N), {0.0, -norm(cross(r_N, v_N)) / (r * r), 0.0}};
 }

@@ -1,6 +1,6 @@
 /* What the controller knows of orbit, target and field ahead of it: models of its own, so that they may be wrong. */
-#ifndef ONBOARD_H
-#define ONBOARD_H
+#ifndef CONTROLLER_PLANNED_ONBOARD_H
+#define CONTROLLER_PLANNED_ONBOARD_H
 
 #include <stdint.h>
 
@@ -22,7 +22,7 @@ typedef struct {
 } GaussModel;
 
 /* In the order of the parameter field_model. */
-extern const GaussModel gauss_models[];
+extern const GaussModel controller_planned_gauss_models[];
 
 /* At one date, T, and the factors of the Legendre functions' recursion. */
 typedef struct {
@@ -46,24 +46,29 @@ typedef struct {
 } Target;
 
 /* Days of 86400 s from 2000-01-01T12:00. */
-double days_of_epoch(const Epoch *epoch);
+static inline double days_of_epoch(const Epoch *epoch)
+{
+    const int64_t time = epoch->in_year % EPOCH_DAY;
+    const int64_t days = (epoch->since_j2000 + EPOCH_DAY / 2 - time) / EPOCH_DAY;
+    return (double)days - 0.5 + (double)time / (double)EPOCH_SECOND / 86400.0;
+}
 
 /* The decimal year of days from 2000-01-01T12:00. */
-double year_of_days(double days);
+static inline double year_of_days(double days)
+{
+    return 2000.0 + (days + 0.5) / 365.25;
+}
 
 /* `error` (T) is added to g10, g11, h11. */
-void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);
+void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);
 
 /* B_N, T, at a time after the epoch, s, and a position in N, m. */
-Vector onboard_field_at(const OnboardField *field, double t, Vector r_N);
+Vector controller_planned_onboard_field_at(const OnboardField *field, double t, Vector r_N);
 
 /* Position and velocity at t. */
-void onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N);
+void controller_planned_onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N);
 
 /* LVLH of a position and a velocity: Z to nadir, Y against the orbit's normal; or R_d0 at rest. */
-Target target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N);
-
-/* zeta with R = exp(zeta^), |zeta| at most pi. */
-Vector rotation_log(Matrix R);
+Target controller_planned_target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N);
 
 #endif

@@ -7,7 +7,8 @@ static const double ALIGNED_MIN = 0.03;  /* |B x lambda| counts at least as this
 static const double EXACT = 60.0;        /* s before the end from which the direction is kept exactly */
 static const double ALIGNED_FULL = 0.2;  /* cosine of a rod to the wanted dipole from which it is at its limit */
 static const double TAPER = 20.0;        /* s before the end from which the dipole is lessened */
-enum { ITERATIONS = 5 };
+static const double TINY = 1e-300;       /* keeps a length of zero from dividing */
+enum { ITERATIONS = 5, HALVINGS = 12 };
 
 static Matrix across(Vector B, Vector lambda)
 {
@@ -23,50 +24,52 @@ static Matrix mixed(Matrix m, double s, Matrix n)
     return (Matrix){add(m.a, scale(s, n.a)), add(m.b, scale(s, n.b)), add(m.c, scale(s, n.c))};
 }
 
-void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering)
+/* The least time in which dipoles across lambda give D_N, s, and ell = M^-1 D_N at its end, of the length of the dipole. */
+static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vector D_N, double dipole, Vector *ell)
+{
+    Matrix M = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, before = M, last = across(field[0], lambda);
+    int i = 1;
+    for (*ell = D_N; i < STEERING_NODES; ++i) {
+        const Matrix here = across(field[i], lambda);
+        before = M;
+        M = mixed(mixed(M, 0.5 * SPACING, last), 0.5 * SPACING, here);
+        last = here;
+        *ell = solve(M, D_N);
+        if (norm(*ell) <= dipole) {
+            break;
+        }
+    }
+    if (i == STEERING_NODES) {
+        return SPACING * (STEERING_NODES - 1);
+    }
+    /* The instant within the last interval, by halving; before the first node all is proportional. */
+    double low = 0.0, high = 1.0;
+    for (int k = 0; k < HALVINGS; ++k) {
+        const double share = 0.5 * (low + high);
+        const Vector trial = solve(mixed(mixed(before, -share, before), share, M), D_N);
+        if (norm(trial) <= dipole) {
+            high = share;
+            *ell = trial;
+        } else {
+            low = share;
+        }
+    }
+    return SPACING * (i - 1 + high);
+}
+
+void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering)
 {
     const double needed = norm(D_N);
     if (!(needed > 0.0)) {
         return;
     }
     for (int i = 0; i < STEERING_NODES; ++i) {
-        field[i] = around_at(ahead, t + SPACING * i).B_N;
+        field[i] = controller_planned_around_at(ahead, t + SPACING * i).B_N;
     }
-    Vector lambda = norm(steering->lambda_N) > 0.0 ? steering->lambda_N : scale(1.0 / needed, D_N);
+    Vector lambda = norm(steering->lambda_N) > 0.0 ? steering->lambda_N : scale(1.0 / needed, D_N), ell;
     double time = 0.0;
     for (int iteration = 0; iteration < ITERATIONS; ++iteration) {
-        Matrix M = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, before = M;
-        Matrix last = across(field[0], lambda);
-        Vector ell = D_N;
-        int i = 0;
-        for (i = 1; i < STEERING_NODES; ++i) {
-            const Matrix here = across(field[i], lambda);
-            before = M;
-            M = mixed(mixed(M, 0.5 * SPACING, last), 0.5 * SPACING, here);
-            last = here;
-            ell = solve(M, D_N);
-            if (norm(ell) <= dipole) {
-                break;
-            }
-        }
-        if (i == STEERING_NODES) {
-            time = SPACING * (STEERING_NODES - 1);
-        } else {
-            /* The instant within the last interval, by halving; before the first node all is proportional. */
-            double low = 0.0, high = 1.0;
-            for (int k = 0; k < 12; ++k) {
-                const double share = 0.5 * (low + high);
-                const Matrix between = mixed(mixed(before, -share, before), share, M);
-                const Vector trial = solve(between, D_N);
-                if (norm(trial) <= dipole) {
-                    high = share;
-                    ell = trial;
-                } else {
-                    low = share;
-                }
-            }
-            time = SPACING * (i - 1 + high);
-        }
+        time = least_time(field, lambda, D_N, dipole, &ell);
         if (!(norm(ell) > 0.0 && is_finite(ell))) {
             return; /* a field whose direction does not change gives nothing along it */
         }
@@ -76,15 +79,15 @@ void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field
     steering->time = time;
 }
 
-void steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3])
+void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3])
 {
     const Vector w = cross(B_B, apply_transposed(R, steering->lambda_N));
     if (steering->time > EXACT) {
         /* What gives most along lambda: each rod at its limit, smoothly where it changes sign. What it gives besides
          * averages out as the satellite turns. */
         for (int i = 0; i < 3; ++i) {
-            const double along = dot(rods[i], w) / larger(norm(rods[i]) * norm(w), 1e-300);
-            u[i] = larger(smaller(along / ALIGNED_FULL, 1.0), -1.0);
+            const double along = dot(rods[i], w) / larger(norm(rods[i]) * norm(w), TINY);
+            u[i] = clip(along / ALIGNED_FULL, -1.0, 1.0);
         }
         return;
     }

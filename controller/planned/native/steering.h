@@ -1,8 +1,8 @@
 /* The total momentum led to the target's in least time, whatever the attitude does. */
-#ifndef STEERING_H
-#define STEERING_H
+#ifndef CONTROLLER_PLANNED_STEERING_H
+#define CONTROLLER_PLANNED_STEERING_H
 
-#include "plan.h"
+#include "motion.h"
 
 enum { STEERING_NODES = 161 };
 
@@ -14,9 +14,9 @@ typedef struct {
 
 /* Improves the costate for the momentum D_N that is still to be given, by dipoles of at most `dipole`, A m2, in the
  * field ahead; `field` is scratch. A zero costate is started anew. */
-void steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering);
+void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering);
 
 /* Controls of the rods, -1 to 1: across the field B_B in the costate's direction, at full strength but at the very end. */
-void steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3]);
+void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3]);
 
 #endif

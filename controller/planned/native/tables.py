@@ -42,7 +42,7 @@ def generated() -> dict[str, str]:
         covered = f"a date that {name} covers, {years[0]:.1f} to {valid_until:.1f}"
         arrays = ", ".join(f"{name}_{part}" for part in ("g", "h", "g_rate", "h_rate"))
         rows.append(f'    {{{len(years)}, {name}_years, "{covered}", {valid_until!r}, {arrays}}}')
-    parts.append("const GaussModel gauss_models[] = {\n" + ",\n".join(rows) + "\n};\n")
+    parts.append("const GaussModel controller_planned_gauss_models[] = {\n" + ",\n".join(rows) + "\n};\n")
     return {"gauss_models.c": "\n".join(parts)}
 
 

@@ -39,4 +39,29 @@ static inline bool all_positive(const Named *values, size_t n, Fault *f)
     return true;
 }
 
+/* Whether each value is a finite number of at least 0. */
+static inline bool all_not_negative(const Named *values, size_t n, Fault *f)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!(values[i].value >= 0.0 && isfinite(values[i].value))) {
+            return fault(f, values[i].name, values[i].value, "a finite number of at least 0");
+        }
+    }
+    return true;
+}
+
+/* Whether each value is a finite number. */
+static inline bool all_finite(const Named *values, size_t n, Fault *f)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(values[i].value)) {
+            return fault(f, values[i].name, values[i].value, "a finite number");
+        }
+    }
+    return true;
+}
+
+/* The number of an array's elements. */
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
 #endif

@@ -5,6 +5,22 @@
 #include "fault.h"
 #include "vector.h"
 
+typedef struct {
+    const char *name;
+    Vector value;
+} NamedVector;
+
+/* Whether each vector has finite components. */
+static inline bool all_finite_vectors(const NamedVector *vectors, size_t n, Fault *f)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!is_finite(vectors[i].value)) {
+            return fault(f, vectors[i].name, NAN, "finite numbers");
+        }
+    }
+    return true;
+}
+
 static const Matrix identity = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
 
 /* exp(x^), the turn by |x| about x: cos(a) I + sin(a)/a x^ + (1 - cos a)/a^2 x x^T.
@@ -26,6 +42,29 @@ static inline double principal_angle(Matrix Q)
 {
     const Vector axis = {Q.c.y - Q.b.z, Q.a.z - Q.c.x, Q.b.x - Q.a.y};
     return atan2(0.5 * norm(axis), 0.5 * (Q.a.x + Q.b.y + Q.c.z - 1.0));
+}
+
+/* zeta with R = exp(zeta^), |zeta| at most pi. */
+static inline Vector rotation_log(Matrix R)
+{
+    const Vector twice = {R.c.y - R.b.z, R.a.z - R.c.x, R.b.x - R.a.y}; /* 2 sin(angle) axis */
+    const double s = 0.5 * norm(twice), c = 0.5 * (R.a.x + R.b.y + R.c.z - 1.0);
+    const double angle = atan2(s, c);
+    if (s > 1e-4) { /* neither near 0 nor near pi */
+        return scale(0.5 * angle / s, twice);
+    }
+    if (c > 0.0) {
+        return scale(0.5, twice);
+    }
+    /* Near a half turn the axis comes from (R + R^T)/2 - c I = (1 - c) axis axis^T, by its largest column. */
+    const double xy = 0.5 * (R.a.y + R.b.x), yz = 0.5 * (R.b.z + R.c.y), zx = 0.5 * (R.c.x + R.a.z);
+    const Vector columns[3] = {{R.a.x - c, xy, zx}, {xy, R.b.y - c, yz}, {zx, yz, R.c.z - c}};
+    Vector axis = columns[0];
+    for (int i = 1; i < 3; ++i) {
+        axis = dot(columns[i], columns[i]) > dot(axis, axis) ? columns[i] : axis;
+    }
+    const double sign = dot(axis, twice) < 0.0 ? -1.0 : 1.0;
+    return scale(sign * angle / norm(axis), axis);
 }
 
 /* The rotation nearest to a matrix that is_rotation to 1e-3: its polar factor, by Newton's X <- (X + X^-T)/2. */
@@ -99,6 +138,20 @@ static inline bool is_inertia(Matrix J, const char *name, Fault *f)
         }
     }
     return true;
+}
+
+/* The matrix with its rows scaled to unit length. */
+static inline Matrix with_unit_rows(Matrix U)
+{
+    return (Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)};
+}
+
+/* LVLH of a position and a velocity in N, as columns: Z to nadir, Y = -orbit normal, X = Y x Z. */
+static inline Matrix lvlh_axes(Vector r_N, Vector v_N)
+{
+    const Vector h = cross(r_N, v_N);
+    const Vector z = scale(-1.0 / norm(r_N), r_N), y = scale(-1.0 / norm(h), h);
+    return transposed((Matrix){cross(y, z), y, z});
 }
 
 /* Whether the rows are unit vectors, to 1e-6. */

@@ -133,6 +133,12 @@ static inline double smaller(double x, double y)
     return x < y ? x : y;
 }
 
+/* x within [low, high]. */
+static inline double clip(double x, double low, double high)
+{
+    return larger(smaller(x, high), low);
+}
+
 /* The largest |component|. */
 static inline double largest(Vector v)
 {

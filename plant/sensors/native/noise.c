@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-Words philox(Words counter, uint32_t key_low, uint32_t key_high)
+Words plant_sensors_philox(Words counter, uint32_t key_low, uint32_t key_high)
 {
     for (int i = 0; i < 10; ++i) {
         const uint64_t x = (uint64_t)counter.word[0] * 0xD2511F53u, y = (uint64_t)counter.word[2] * 0xCD9E8D57u;
@@ -21,11 +21,11 @@ static double uniform(uint32_t high, uint32_t low)
     return ((double)part + 0.5) * 0x1p-52;
 }
 
-void normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2])
+void plant_sensors_normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2])
 {
     const uint64_t number = (uint64_t)sample;
     const Words counter = {{(uint32_t)number, (uint32_t)(number >> 32), sensor, pair}};
-    const Words random = philox(counter, (uint32_t)seed, 0u);
+    const Words random = plant_sensors_philox(counter, (uint32_t)seed, 0u);
     const double radius = sqrt(-2.0 * log(uniform(random.word[0], random.word[1])));
     const double angle = 6.28318530717958647693 * uniform(random.word[2], random.word[3]);
     out[0] = radius * cos(angle);

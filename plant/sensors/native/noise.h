@@ -1,6 +1,6 @@
 /* Standard normal numbers as a function of where they are used. */
-#ifndef NOISE_H
-#define NOISE_H
+#ifndef PLANT_SENSORS_NOISE_H
+#define PLANT_SENSORS_NOISE_H
 
 #include <stdint.h>
 
@@ -9,9 +9,9 @@ typedef struct {
 } Words;
 
 /* Philox 4x32-10 (Salmon, Moraes, Dror and Shaw, SC11, 2011): the random words of a counter under a key. */
-Words philox(Words counter, uint32_t key_low, uint32_t key_high);
+Words plant_sensors_philox(Words counter, uint32_t key_low, uint32_t key_high);
 
 /* Two independent standard normal numbers by Box and Muller (1958), of one pair of axes of a sensor's measurement. */
-void normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2]);
+void plant_sensors_normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2]);
 
 #endif

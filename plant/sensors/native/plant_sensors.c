@@ -12,27 +12,14 @@ enum { ATTITUDE, RATE, FIELD, WHEEL, POSITION, VELOCITY };
 
 bool plant_sensors_check(const PlantSensorsParameters *p, Fault *f)
 {
-    const struct {
-        const char *name;
-        double value;
-    } noises[] = {{"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},
+    const Named noises[] = {{"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},
                   {"field_noise", p->field_noise},       {"wheel_momentum_noise", p->wheel_momentum_noise},
                   {"position_noise", p->position_noise}, {"velocity_noise", p->velocity_noise}};
-    const struct {
-        const char *name;
-        Vector value;
-    } biases[] = {{"attitude_bias_B", vector(p->attitude_bias_B)},
+    const NamedVector biases[] = {{"attitude_bias_B", vector(p->attitude_bias_B)},
                   {"rate_bias_B", vector(p->rate_bias_B)},
                   {"field_bias_B", vector(p->field_bias_B)}};
-    for (size_t i = 0; i < sizeof biases / sizeof biases[0]; ++i) {
-        if (!is_finite(biases[i].value)) {
-            return fault(f, biases[i].name, NAN, "finite numbers");
-        }
-    }
-    for (size_t i = 0; i < sizeof noises / sizeof noises[0]; ++i) {
-        if (!(noises[i].value >= 0.0 && isfinite(noises[i].value))) {
-            return fault(f, noises[i].name, noises[i].value, "a finite number, at least 0");
-        }
+    if (!all_finite_vectors(biases, COUNT(biases), f) || !all_not_negative(noises, COUNT(noises), f)) {
+        return false;
     }
     if (!(p->sample_period == 0.0 || (p->sample_period >= PERIOD_MIN && isfinite(p->sample_period)))) {
         return fault(f, "sample_period", p->sample_period, "0 (every step) or at least 1e-06 s");
@@ -52,8 +39,8 @@ static Vector noise(const PlantSensorsParameters *p, int64_t sample, uint32_t se
     if (!(sigma > 0.0)) {
         return (Vector){0.0, 0.0, 0.0};
     }
-    normal_pair(p->seed, sample, sensor, 0, xy);
-    normal_pair(p->seed, sample, sensor, 1, z);
+    plant_sensors_normal_pair(p->seed, sample, sensor, 0, xy);
+    plant_sensors_normal_pair(p->seed, sample, sensor, 1, z);
     return scale(sigma, (Vector){xy[0], xy[1], z[0]});
 }
 

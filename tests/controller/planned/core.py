@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = tables.generated()
-    sources = [path for path in sorted(NATIVE.glob("*.c")) if path.name != "plan.c"]
+    sources = sorted(NATIVE.glob("*.c"))
     probe = Path(__file__).with_name("probe.c")
     includes = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()

@@ -1,10 +1,7 @@
-/* The planned controller's inner functions, for tests: flat arrays of doubles in, flat arrays out.
- * plan.c is included, so that what is static in it can be looked at. */
-#include "../../../controller/planned/native/plan.c"
+/* The planned controller's inner functions, for tests: flat arrays of doubles in, flat arrays out. */
+#include <string.h>
 
 #include "controller_planned.h"
-#include "identification.h"
-#include "steering.h"
 
 #if defined _WIN32
 #define PROBE __declspec(dllexport)
@@ -110,7 +107,7 @@ static void flatten(const Motion *x, FlatMotion *f)
 static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
 {
     const double none[3] = {0.0, 0.0, 0.0};
-    onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
+    controller_planned_onboard_field(&controller_planned_gauss_models[f->model - 1], f->days, f->degree, none, field);
     const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
     return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0)};
 }
@@ -131,9 +128,9 @@ double probe_year(double days)
 void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B)
 {
     OnboardField field;
-    onboard_field(&gauss_models[model - 1], days, degree, error, &field);
+    controller_planned_onboard_field(&controller_planned_gauss_models[model - 1], days, degree, error, &field);
     for (int i = 0; i < n; ++i) {
-        store(onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
+        store(controller_planned_onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
     }
 }
 
@@ -141,7 +138,7 @@ double probe_sidereal(double days)
 {
     OnboardField field;
     const double none[3] = {0.0, 0.0, 0.0};
-    onboard_field(&gauss_models[0], days, 1, none, &field);
+    controller_planned_onboard_field(&controller_planned_gauss_models[0], days, 1, none, &field);
     return field.sidereal_angle;
 }
 
@@ -149,7 +146,7 @@ void probe_orbit(double mu, const double r[3], const double v[3], double dt, dou
 {
     const OnboardOrbit orbit = {5.0, mu, vector(r), vector(v)};
     Vector r_N, v_N;
-    onboard_orbit_at(&orbit, 5.0 + dt, &r_N, &v_N);
+    controller_planned_onboard_orbit_at(&orbit, 5.0 + dt, &r_N, &v_N);
     store(r_N, out);
     store(v_N, out + 3);
 }
@@ -163,7 +160,7 @@ void probe_log(int n, const double *R, double *zeta)
 
 void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
 {
-    const Target target = target_of(ONBOARD_TARGET_LVLH, identity, vector(r), vector(v));
+    const Target target = controller_planned_target_of(ONBOARD_TARGET_LVLH, identity, vector(r), vector(v));
     nine_of(target.R, R);
     store(target.Omega, Omega);
 }
@@ -175,7 +172,7 @@ void probe_box_qp(int n, const double *H, const double *g, const double *low, co
         double h[CONTROLS][CONTROLS];
         bool f[CONTROLS];
         memcpy(h, H + 16 * i, sizeof h);
-        box_qp((const double(*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
+        controller_planned_box_qp((const double(*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
         for (int k = 0; k < CONTROLS; ++k) {
             free[4 * i + k] = f[k];
         }
@@ -187,14 +184,14 @@ void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotio
     const Model model = model_of(m);
     const Around around = around_of(a);
     const Motion motion = motion_of(x);
-    store(acceleration(&model, &around, &motion, u), out);
+    store(controller_planned_acceleration(&model, &around, &motion, u), out);
 }
 
 void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, FlatMotion *y)
 {
     const Model model = model_of(m);
     const Around around = around_of(a);
-    const Motion motion = motion_of(x), next = advanced(&model, &around, &motion, u, h);
+    const Motion motion = motion_of(x), next = controller_planned_advanced(&model, &around, &motion, u, h);
     flatten(&next, y);
 }
 
@@ -203,10 +200,10 @@ void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion 
 {
     const Model model = model_of(m);
     const Around around = around_of(a);
-    const Motion motion = motion_of(x), next = advanced(&model, &around, &motion, u, h);
+    const Motion motion = motion_of(x), next = controller_planned_advanced(&model, &around, &motion, u, h);
     Square square;
     double columns[ERRORS][CONTROLS];
-    linearise(&model, &around, &motion, &next, u, h, square, columns);
+    controller_planned_linearise(&model, &around, &motion, &next, u, h, square, columns);
     memcpy(A, square, sizeof square);
     memcpy(G, columns, sizeof columns);
 }
@@ -217,13 +214,13 @@ double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Ome
     const Target target = {nine(R_d), vector(Omega_d)};
     const Motion motion = motion_of(x);
     double hessian[ERRORS];
-    return cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian);
+    return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian);
 }
 
 void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])
 {
     const Model model = model_of(m);
-    controls_for(&model, vector(tau), vector(B), l, u);
+    controller_planned_controls_for(&model, vector(tau), vector(B), l, u);
 }
 
 /* Lays stages, fills them by the cascade where `rate` is above 0, improves; returns the number of stages. */
@@ -235,16 +232,16 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
     const Ahead ahead = ahead_of_flat(a, &field);
     Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    lay_stages(&model, &ahead, &now, t, NULL, plan, &workspace);
+    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage);
     if (rate > 0.0) {
-        cascade(&model, &now, rate, plan, &workspace);
+        controller_planned_cascade(&model, &now, rate, plan, workspace.stage);
     }
-    improve(&model, &now, iterations, plan, &workspace);
+    controller_planned_improve(&model, &now, iterations, plan, &workspace);
     for (int i = 0; i < plan->stages; ++i) {
         flatten(&now, &path[i]);
         h[i] = plan->h[i];
         memcpy(u + 4 * i, plan->u[i], sizeof plan->u[i]);
-        now = advanced(&model, &workspace.stage[i].around, &now, plan->u[i], plan->h[i]);
+        now = controller_planned_advanced(&model, &workspace.stage[i].around, &now, plan->u[i], plan->h[i]);
     }
     flatten(&now, &path[plan->stages]);
     *cost = plan->cost;
@@ -259,9 +256,9 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
     const Ahead ahead = ahead_of_flat(a, &field);
     const Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    lay_stages(&model, &ahead, &now, t, NULL, plan, &workspace);
+    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage);
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
-    improve(&model, &now, 0, plan, &workspace);
+    controller_planned_improve(&model, &now, 0, plan, &workspace);
     return plan->cost;
 }
 
@@ -278,7 +275,7 @@ int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
     plans[0].stages = n;
     memcpy(plans[0].h, h, (size_t)n * sizeof h[0]);
     memcpy(plans[0].u, u, (size_t)n * sizeof plans[0].u[0]);
-    lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], &workspace);
+    controller_planned_lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], workspace.stage);
     memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
     memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
     return plans[1].stages;
@@ -288,8 +285,8 @@ void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], 
 {
     OnboardField field;
     const Ahead ahead = ahead_of_flat(a, &field);
-    const Around around = around_at(&ahead, t);
-    const Target target = target_at(&ahead, t);
+    const Around around = controller_planned_around_at(&ahead, t);
+    const Target target = controller_planned_target_at(&ahead, t);
     store(around.B_N, out->B_N);
     store(around.r_hat_N, out->r_hat_N);
     out->rate_squared = around.rate_squared;
@@ -303,7 +300,7 @@ double probe_steer(const FlatAhead *a, double t, const double D[3], double dipol
     OnboardField field;
     const Ahead ahead = ahead_of_flat(a, &field);
     Steering steering = {vector(lambda), 0.0};
-    steer(&ahead, t, vector(D), dipole, nodes, &steering);
+    controller_planned_steer(&ahead, t, vector(D), dipole, nodes, &steering);
     store(steering.lambda_N, lambda);
     return steering.time;
 }
@@ -312,7 +309,7 @@ void probe_steering_rods(const double lambda[3], double time, const double R[9],
 {
     const Steering steering = {vector(lambda), time};
     const Vector axes[3] = {vector(rods), vector(rods + 3), vector(rods + 6)};
-    steering_rods(&steering, nine(R), vector(B), axes, u);
+    controller_planned_steering_rods(&steering, nine(R), vector(B), axes, u);
 }
 
 void probe_sizes(size_t sizes[2])

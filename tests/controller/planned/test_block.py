@@ -341,7 +341,7 @@ def test_what_is_no_number_is_refused_where_it_comes_in(name, value):
         ({"J_B": [[2, 0.1, 0], [0, 2, 0], [0, 0, 2]]}, r"J_B: expected a symmetric matrix"),
         ({"K0": [1e-3, 1e-3, 2e-3]}, r"K0\[2\]: expected 0 < K0\[1\] < K0\[2\] < K0\[3\], finite, found 0.001"),
         ({"L0": np.diag([0.1, -0.1, 0.1])}, r"L0: expected a positive definite matrix"),
-        ({"rod_axes": np.eye(3) * 0.99}, r"rod_axes: expected rows of unit length to 1e-06, found 0.99"),
+        ({"rod_axes": np.eye(3) * 0.99}, r"rod_axes: expected rows of unit length, to 1e-06, found 0.99"),
         ({"rod_axes": [[1, 0, 0], [0, 1, 0], [0.6, 0.8, 0]]}, r"rod_axes: expected linearly independent axes"),
         ({"R_d0": np.diag([1.0, 1.0, 0.9])}, r"R_d0: expected a rotation matrix"),
     ],

@@ -8,7 +8,7 @@ import pytest
 from . import core
 
 TEXT = (core.ROOT / "docs" / "planned.md").read_text("utf-8")
-SOURCE = "\n".join(path.read_text("utf-8") for path in sorted(core.NATIVE.glob("*.c")))
+SOURCE = "\n".join(path.read_text("utf-8") for path in sorted(core.NATIVE.glob("*.[ch]")))
 
 
 def test_the_sizes_are_those_of_the_structures():

@@ -9,9 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import lsq_linear, minimize
 from scipy.spatial.transform import Rotation
 
-from controller.planned import motion
-
-from . import core
+from . import core, motion
 
 RNG = np.random.default_rng(15)
 R0, V0 = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])

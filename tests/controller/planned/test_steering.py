@@ -8,12 +8,11 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from controller.planned import steering
 from studies.momentum_bound import MomentumBalance, Tolerance, farthest
 from tests.blocks import parameters
 from tests.plant.motion import checked
 
-from . import core
+from . import core, steering
 
 RNG = np.random.default_rng(28)
 RHO = 28.0

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from controller.planned import motion
-
-from . import core
+from . import core, motion
 
 Array = NDArray[np.float64]
 RADIUS = 6.971e6

@@ -1,0 +1,20 @@
+/* What a plan costs: errors of the motion from the target, the wheel's momentum, the controls. */
+#ifndef CONTROLLER_PLANNED_COST_H
+#define CONTROLLER_PLANNED_COST_H
+
+#include "motion.h"
+
+/* Gradient and diagonal of the (Gauss-Newton) Hessian of a motion's cost rate, where `gradient` is not NULL; returns the cost
+ * rate, 1/s. The errors' part and the wheel's are scaled by two factors. */
+double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors, double scale_wheel,
+               double gradient[ERRORS], double hessian[ERRORS]);
+
+static const double WEIGHT_CONTROL = 0.005;
+
+/* Cost rate of the controls. */
+static inline double control_cost(const double u[CONTROLS])
+{
+    return WEIGHT_CONTROL * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
+}
+
+#endif

@@ -1,0 +1,161 @@
+#include "motion.h"
+
+#include <string.h>
+
+static const double BIAS_FADES = 600.0; /* s, over which the measured bias of the field loses its say */
+
+Around controller_planned_around_at(const Ahead *ahead, double t)
+{
+    Vector r_N, v_N;
+    controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
+    const double r = norm(r_N);
+    const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
+    return (Around){add(controller_planned_onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
+                    ahead->orbit.mu / (r * r * r)};
+}
+
+Target controller_planned_target_at(const Ahead *ahead, double t)
+{
+    Vector r_N, v_N;
+    controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
+    return controller_planned_target_of(ahead->target_kind, ahead->R_d0, r_N, v_N);
+}
+
+/* Of the rods and of the satellite itself. */
+static Vector dipole(const Model *model, const double u[CONTROLS])
+{
+    return add(model->residual_B, rods_dipole(model, u));
+}
+
+Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
+{
+    const Vector B = apply_transposed(x->R, around->B_N);
+    Vector Pi = apply(model->J, x->Omega);
+    Pi.x += x->l;
+    Vector tau = add(cross(Pi, x->Omega), cross(dipole(model, u), B));
+    tau = add(tau, gravity_gradient(model->J, around, x->R));
+    tau = add(tau, model->disturbance_B);
+    tau.x -= model->wheel_torque_max * u[3];
+    return apply(model->J_inverse, tau);
+}
+
+double controller_planned_wheel_within(const Model *model, double l, double u, double h)
+{
+    const double room = 1.0 / (model->wheel_torque_max * h);
+    const double v = larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
+    return clip(v, -1.0, 1.0); /* a wheel beyond its limit is brought back as fast as it can be */
+}
+
+Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
+{
+    const Vector first = controller_planned_acceleration(model, around, x, u);
+    const double dl = h * model->wheel_torque_max * u[3];
+    const Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), add(x->Omega, scale(0.5 * h, first)),
+                           x->l + 0.5 * dl};
+    const Vector second = controller_planned_acceleration(model, around, &middle, u);
+    return (Motion){multiply(x->R, rotation_exp(scale(h, middle.Omega))), add(x->Omega, scale(h, second)), x->l + dl};
+}
+
+Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
+{
+    const double v[CONTROLS] = {u[0], u[1], u[2], controller_planned_wheel_within(model, x->l, u[3], h)};
+    return controller_planned_moved(model, around, x, v, h);
+}
+
+/* F += factor m in the block from row and column on. */
+static void put_block(Square F, int row, int column, double factor, Matrix m)
+{
+    const Vector rows[3] = {m.a, m.b, m.c};
+    for (int i = 0; i < 3; ++i) {
+        F[row + i][column] += factor * rows[i].x;
+        F[row + i][column + 1] += factor * rows[i].y;
+        F[row + i][column + 2] += factor * rows[i].z;
+    }
+}
+
+static Matrix hat(Vector v)
+{
+    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
+}
+
+static Matrix sum(Matrix m, Matrix n)
+{
+    return (Matrix){add(m.a, n.a), add(m.b, n.b), add(m.c, n.c)};
+}
+
+static Matrix times(double s, Matrix m)
+{
+    return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
+}
+
+/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x e1 dl + m x (B x dtheta) + dM_g. */
+typedef struct {
+    Matrix turn, angle, rate;
+    Vector wheel;
+} Jacobian;
+
+static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l, Vector m)
+{
+    const Matrix J = model->J;
+    const Vector rho = apply_transposed(R, around->r_hat_N);
+    Vector Pi = apply(J, Omega);
+    Pi.x += l;
+    const Matrix magnetic = multiply(hat(m), hat(B));
+    const Matrix gravity = times(3.0 * around->rate_squared,
+                                 sum(multiply(hat(rho), multiply(J, hat(rho))), times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
+    return (Jacobian){
+        .turn = times(-1.0, hat(Omega)),
+        .angle = multiply(model->J_inverse, sum(magnetic, gravity)),
+        .rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, multiply(hat(Omega), J)))),
+        .wheel = apply(model->J_inverse, (Vector){0.0, -Omega.z, Omega.y}),
+    };
+}
+
+/* F = [turn I 0; angle rate wheel; 0 0 0], A = I + h F + h^2/2 F^2. */
+static void state_transition(const Jacobian *F, double h, Square A)
+{
+    const double s = 0.5 * h * h;
+    memset(A, 0, sizeof(Square));
+    put_block(A, 0, 0, 1.0, identity);
+    put_block(A, 0, 0, h, F->turn);
+    put_block(A, 0, 0, s, sum(multiply(F->turn, F->turn), F->angle));
+    put_block(A, 0, 3, h, identity);
+    put_block(A, 0, 3, s, sum(F->turn, F->rate));
+    put_block(A, 3, 0, h, F->angle);
+    put_block(A, 3, 0, s, sum(multiply(F->angle, F->turn), multiply(F->rate, F->angle)));
+    put_block(A, 3, 3, 1.0, identity);
+    put_block(A, 3, 3, h, F->rate);
+    put_block(A, 3, 3, s, sum(F->angle, multiply(F->rate, F->rate)));
+    double top[3], middle[3];
+    store(scale(s, F->wheel), top);
+    store(add(scale(h, F->wheel), scale(s, apply(F->rate, F->wheel))), middle);
+    for (int i = 0; i < 3; ++i) {
+        A[i][6] = top[i];
+        A[3 + i][6] = middle[i];
+    }
+    A[6][6] = 1.0;
+}
+
+void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next, const double u[CONTROLS],
+               double h, Square A, double G[ERRORS][CONTROLS])
+{
+    const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
+    const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
+    const Vector B = apply_transposed(R, around->B_N);
+    const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u));
+    const double s = 0.5 * h * h;
+    state_transition(&F, h, A);
+    for (int j = 0; j < CONTROLS; ++j) {
+        const Vector tau = j < 3 ? cross(model->rods[j], B) : (Vector){-model->wheel_torque_max, 0.0, 0.0};
+        const Vector g = apply(model->J_inverse, tau);
+        const double l = j < 3 ? 0.0 : model->wheel_torque_max;
+        double top[3], middle[3];
+        store(scale(s, g), top);
+        store(add(scale(h, g), scale(s, add(apply(F.rate, g), scale(l, F.wheel)))), middle);
+        for (int i = 0; i < 3; ++i) {
+            G[i][j] = top[i];
+            G[3 + i][j] = middle[i];
+        }
+        G[6][j] = h * l;
+    }
+}

@@ -1,0 +1,77 @@
+/* The satellite's motion as the planner predicts it: attitude, rate and wheel under constant controls. */
+#ifndef CONTROLLER_PLANNED_MOTION_H
+#define CONTROLLER_PLANNED_MOTION_H
+
+#include "box_qp.h"
+#include "onboard.h"
+
+enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
+
+/* The satellite as the planner believes it is. */
+typedef struct {
+    Matrix J, J_inverse;
+    Vector rods[3];          /* dipole of each rod at its limit, body axes, A m2, with the estimated gain */
+    double wheel_torque_max; /* N m */
+    double wheel_momentum_max;
+    Vector disturbance_B; /* N m */
+    Vector residual_B;    /* dipole of the satellite itself, A m2 */
+} Model;
+
+typedef struct {
+    Matrix R;
+    Vector Omega;
+    double l; /* wheel momentum, N m s */
+} Motion;
+
+/* What surrounds the satellite at one time. */
+typedef struct {
+    Vector B_N;          /* T */
+    Vector r_hat_N;      /* unit position */
+    double rate_squared; /* mu/r^3, 1/s^2 */
+} Around;
+
+/* Where the plan's environment comes from. */
+typedef struct {
+    const OnboardField *field;
+    OnboardOrbit orbit;
+    Vector bias_N; /* T, added to the field, fading over BIAS_FADES */
+    double bias_t; /* when it was measured, s */
+    int target_kind;
+    Matrix R_d0;
+} Ahead;
+
+typedef double Square[ERRORS][ERRORS];
+
+/* Dipole of the rods under the controls, A m2, body axes. */
+static inline Vector rods_dipole(const Model *model, const double u[CONTROLS])
+{
+    return add(scale(u[0], model->rods[0]), add(scale(u[1], model->rods[1]), scale(u[2], model->rods[2])));
+}
+
+/* M_g = 3 mu/r^3 r_hat x J r_hat [2], N m, body axes. */
+static inline Vector gravity_gradient(Matrix J, const Around *around, Matrix R)
+{
+    const Vector rho = apply_transposed(R, around->r_hat_N);
+    return scale(3.0 * around->rate_squared, cross(rho, apply(J, rho)));
+}
+
+Around controller_planned_around_at(const Ahead *ahead, double t);
+Target controller_planned_target_at(const Ahead *ahead, double t);
+
+/* The change of the rate, rad/s^2, under the controls. */
+Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS]);
+
+/* The wheel's control, -1 to 1, within what its momentum l, N m s, leaves room for over h, s. */
+double controller_planned_wheel_within(const Model *model, double l, double u, double h);
+
+/* The motion after h under constant controls, by the midpoint rule. */
+Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
+
+/* The same with the wheel's control within its limit. */
+Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
+
+/* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its middle. */
+void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next, const double u[CONTROLS],
+               double h, Square A, double G[ERRORS][CONTROLS]);
+
+#endif

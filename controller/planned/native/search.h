@@ -1,0 +1,28 @@
+/* The search for a plan from nothing: three starts, each improved, the best kept; a few iterations in each call. */
+#ifndef CONTROLLER_PLANNED_SEARCH_H
+#define CONTROLLER_PLANNED_SEARCH_H
+
+#include "ilqr.h"
+
+enum { STARTS = 3 };
+
+typedef struct {
+    bool active, ready;
+    int32_t start, left; /* iterations of this start */
+    Motion x;
+    double t;
+    Plan trial, best;
+} Search;
+
+void controller_planned_search_begin(const Motion *x, double t, Search *search);
+
+/* Goes on by at most `iterations`. */
+void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w);
+
+/* The controls nearest to a demanded torque of rods and wheel in the field B_B. */
+void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
+
+/* Controls of a cascade through the limits, to start from: turns to the target at no more than `rate`, rad/s. */
+void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stage[STAGES + 1]);
+
+#endif

@@ -1,0 +1,55 @@
+/* What the controller remembers, and what follows from its parameters. */
+#ifndef CONTROLLER_PLANNED_STATE_H
+#define CONTROLLER_PLANNED_STATE_H
+
+#include "identification.h"
+#include "ports.h"
+#include "search.h"
+#include "steering.h"
+
+typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3 } Phase;
+
+typedef struct {
+    double t;              /* s */
+    double until_sample;   /* s, until the control acts next */
+    double next_plan;      /* s */
+    double next_challenge; /* s */
+    double settled_since;  /* s; beyond t while not settled */
+    int32_t phase;
+    bool sampled;          /* whether the control has acted at t */
+    Steering steering;
+    Plan plan;
+    Search search;
+    Motion reference;      /* of the plan, at t_sample */
+    Vector field_bias_N;   /* measured field less that of the onboard model */
+    double l_own;          /* wheel momentum by the controller's own account */
+    Identification identification;
+    /* The last sample. */
+    double t_sample;
+    Motion measured;
+    /* The estimate at the sample: before the measurement, how far the measurement moved it, after it. */
+    Motion predicted, estimate;
+    double attitude_gain, rate_gain;
+    Vector B_B;
+    double u[CONTROLS];    /* asked for since */
+    ControllerPlannedOutputs held;
+} ControllerPlannedState;
+
+/* Parameters and what follows from them alone. */
+typedef struct {
+    ControllerPlannedParameters p;
+    Matrix R_d0;        /* projected onto SO(3) */
+    Matrix rod_axes;    /* rows, unit */
+    OnboardField field;
+    Workspace workspace;
+    Plan trial;
+    Vector steering_field[STEERING_NODES];
+} ControllerPlannedLaw;
+
+/* Whether the field is measured; no orbit has one of exactly zero. */
+static inline bool has_field(const ControllerPlannedInputs *u)
+{
+    return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
+}
+
+#endif
