@@ -2,10 +2,10 @@
 
 #include "rotation.h"
 
-static const double FIELD_MIN = 1e-12;       /* T; a weaker field has no direction to allocate by */
-static const double B_WHEEL_MIN = 1e-9;      /* |b1| below which [20] divides by rounding errors */
-static const double RANK_MIN = 1e-12;        /* det(A^T A) below which the rods span only a line across the field */
-static const double FRACTION_CAP = 1e6;      /* largest demand over limit that is reported */
+static const double FIELD_MIN = 1e-12;  /* T; a weaker field has no direction to allocate by */
+static const double B_WHEEL_MIN = 1e-9; /* |b1| below which [20] divides by rounding errors */
+static const double RANK_MIN = 1e-12;   /* det(A^T A) below which the rods span only a line across the field */
+static const double FRACTION_CAP = 1e6; /* largest demand over limit that is reported */
 
 typedef struct {
     Vector dipole; /* A m2 along the rods */
@@ -17,8 +17,7 @@ bool allocator_check(const AllocatorParameters *p, Fault *f)
     const Named limits[] = {{"dipole_max", p->dipole_max},
                             {"wheel_torque_max", p->wheel_torque_max},
                             {"wheel_momentum_max", p->wheel_momentum_max}};
-    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
-        !all_positive(limits, COUNT(limits), f)) {
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !all_positive(limits, COUNT(limits), f)) {
         return false;
     }
     if (!(p->hold_fraction > 0.0 && p->hold_fraction <= 1.0)) {
@@ -48,9 +47,7 @@ static Vector across_field(Vector tau, Vector b)
         return across;
     }
     const double x = fabs(b.x), y = fabs(b.y), z = fabs(b.z);
-    const Vector axis = x <= y && x <= z ? (Vector){1.0, 0.0, 0.0}
-                        : y <= z         ? (Vector){0.0, 1.0, 0.0}
-                                         : (Vector){0.0, 0.0, 1.0};
+    const Vector axis = x <= y && x <= z ? (Vector){1.0, 0.0, 0.0} : y <= z ? (Vector){0.0, 1.0, 0.0} : (Vector){0.0, 0.0, 1.0};
     return subtract(axis, scale(dot(axis, b), b));
 }
 
@@ -117,7 +114,8 @@ static Vector achieved(const AllocatorLaw *law, const AllocatorInputs *u, const 
     return add(rods, wheel_reaction(dh_w, u->h_w, vector(u->omega_B)));
 }
 
-bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y, Fault *f)
+bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y,
+                       Fault *f)
 {
     const NamedVector inputs[] = {
         {"tau_cmd_B", vector(u->tau_cmd_B)}, {"b_B", vector(u->b_B)}, {"omega_B", vector(u->omega_B)}};
@@ -159,7 +157,8 @@ bool allocator_start(const AllocatorLaw *law, const AllocatorInputs *u, Allocato
     return true;
 }
 
-bool allocator_step(const AllocatorLaw *law, AllocatorState *x, const AllocatorInputs *u, double h, AllocatorOutputs *y, Fault *f)
+bool allocator_step(const AllocatorLaw *law, AllocatorState *x, const AllocatorInputs *u, double h, AllocatorOutputs *y,
+                    Fault *f)
 {
     if (!allocator_outputs(law, x, u, y, f)) {
         return false;

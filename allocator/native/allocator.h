@@ -33,9 +33,11 @@ void allocator_prepare(const AllocatorParameters *p, AllocatorLaw *law);
 bool allocator_start(const AllocatorLaw *law, const AllocatorInputs *u, AllocatorState *x, Fault *f);
 
 /* The allocation of the demand, or what x remembers while it is held. */
-bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y, Fault *f);
+bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y,
+                       Fault *f);
 
 /* From t to t + h: u are the inputs at t + h, and the commands given then are remembered. */
-bool allocator_step(const AllocatorLaw *law, AllocatorState *x, const AllocatorInputs *u, double h, AllocatorOutputs *y, Fault *f);
+bool allocator_step(const AllocatorLaw *law, AllocatorState *x, const AllocatorInputs *u, double h, AllocatorOutputs *y,
+                    Fault *f);
 
 #endif

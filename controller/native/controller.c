@@ -2,10 +2,10 @@
 
 #include "rotation.h"
 
-static const double R_MIN = 1.0;                   /* m; nearer to the Earth's centre a position has no direction */
-static const double COLLINEAR = 1e-9;              /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double ATTITUDE_TOLERANCE = 1e-4;     /* of R_NB: a single-precision plant stays well below it */
-static const double REFERENCE_TOLERANCE = 1e-3;    /* of R_d0, which may be typed from four printed decimals */
+static const double R_MIN = 1.0;                /* m; nearer to the Earth's centre a position has no direction */
+static const double COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
+static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision plant stays well below it */
+static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
 static const Vector zero = {0.0, 0.0, 0.0};
 
 /* The desired motion: attitude (N from desired body), rate and its derivative in desired body axes [3]. */
@@ -16,7 +16,7 @@ typedef struct {
 
 typedef struct {
     Matrix Q;
-    double angle;                 /* |zeta| */
+    double angle; /* |zeta| */
     Vector omega;
     Vector Omega_d_B, dOmega_d_B; /* Q^T Omega_d and Q^T dOmega_d/dt */
 } Errors;
@@ -28,10 +28,14 @@ typedef struct {
 bool controller_check(const ControllerParameters *p, Fault *f)
 {
     const Named positive[] = {
-        {"phi_scale", p->phi_scale}, {"gravitational_parameter", p->gravitational_parameter},
-        {"kappa0", p->kappa0},       {"lambda0", p->lambda0},
-        {"a1", p->a1},               {"a2", p->a2},
-        {"c1", p->c1},               {"c2", p->c2},
+        {"phi_scale", p->phi_scale},
+        {"gravitational_parameter", p->gravitational_parameter},
+        {"kappa0", p->kappa0},
+        {"lambda0", p->lambda0},
+        {"a1", p->a1},
+        {"a2", p->a2},
+        {"c1", p->c1},
+        {"c2", p->c2},
     };
     if (!all_positive(positive, COUNT(positive), f)) {
         return false;
@@ -49,7 +53,8 @@ bool controller_check(const ControllerParameters *p, Fault *f)
         return false;
     }
     return all_finite_vectors(&(NamedVector){"Omega_d0", vector(p->Omega_d0)}, 1, f) &&
-           is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
+           is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001",
+                       f);
 }
 
 void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
@@ -68,7 +73,8 @@ static bool lvlh(Vector r_N, Vector v_N, Reference *reference, Fault *f)
         return fault(f, "r_N", r, "at least 1 m from the Earth's centre, for the reference 'lvlh'");
     }
     if (!(h > COLLINEAR * r * norm(v_N))) {
-        return fault(f, "v_N", h, "a velocity that spans the orbit's plane with r_N, |r x v| above 0, for the reference 'lvlh'");
+        return fault(f, "v_N", h,
+                     "a velocity that spans the orbit's plane with r_N, |r x v| above 0, for the reference 'lvlh'");
     }
     const double n = h / (r * r);
     const double dn = -2.0 * n * dot(r_N, v_N) / (r * r);

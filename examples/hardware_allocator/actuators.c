@@ -78,7 +78,8 @@ static void dipoles(Vector across, Vector field, double m[3])
     }
 }
 
-bool actuators_outputs(const ActuatorsLaw *law, const ActuatorsState *x, const ActuatorsInputs *u, ActuatorsOutputs *y, Fault *f)
+bool actuators_outputs(const ActuatorsLaw *law, const ActuatorsState *x, const ActuatorsInputs *u, ActuatorsOutputs *y,
+                       Fault *f)
 {
     const ActuatorsParameters *p = &law->p;
     const double PI = 3.14159265358979323846;
@@ -118,7 +119,8 @@ bool actuators_outputs(const ActuatorsLaw *law, const ActuatorsState *x, const A
     return true;
 }
 
-bool actuators_step(const ActuatorsLaw *law, ActuatorsState *x, const ActuatorsInputs *u, double h, ActuatorsOutputs *y, Fault *f)
+bool actuators_step(const ActuatorsLaw *law, ActuatorsState *x, const ActuatorsInputs *u, double h, ActuatorsOutputs *y,
+                    Fault *f)
 {
     ActuatorsState after = {x->t + h};
     *y = (ActuatorsOutputs){0};

@@ -70,41 +70,34 @@ static unsigned char *read_all(const char *path, size_t *n)
     return data;
 }
 
-int main(int argc, char **argv)
+/* Appends the file of an argument NAME=FILE; 0 where it cannot be read. */
+static int put_file(FILE *out, char *argument, Entry *e)
 {
-    static Entry entries[FILES_MAX];
-    if (argc < 3 || argc - 2 > FILES_MAX) {
-        fprintf(stderr, "use: pack OUT.fmu NAME_IN_ARCHIVE=FILE ...\n");
-        return 2;
+    const char *equals = strchr(argument, '=');
+    size_t n = 0;
+    unsigned char *data = equals == NULL ? NULL : read_all(equals + 1, &n);
+    if (data == NULL) {
+        fprintf(stderr, "pack: cannot read %s\n", equals == NULL ? argument : equals + 1);
+        return 0;
     }
-    FILE *out = fopen(argv[1], "wb");
-    if (out == NULL) {
-        perror(argv[1]);
-        return 1;
-    }
-    for (int i = 2; i < argc; ++i) {
-        Entry *e = &entries[i - 2];
-        const char *equals = strchr(argv[i], '=');
-        size_t n = 0;
-        unsigned char *data = equals == NULL ? NULL : read_all(equals + 1, &n);
-        if (data == NULL) {
-            fprintf(stderr, "pack: cannot read %s\n", equals == NULL ? argv[i] : equals + 1);
-            return 1;
-        }
-        e->name = argv[i];
-        e->name_length = (size_t)(equals - argv[i]);
-        e->crc = crc32_of(data, n);
-        e->size = (uint32_t)n;
-        e->offset = (uint32_t)ftell(out);
-        put(out, 0x04034B50u, 4);
-        put(out, 20, 2);
-        put_common(out, e);
-        fwrite(e->name, 1, e->name_length, out);
-        fwrite(data, 1, n, out);
-        free(data);
-    }
+    e->name = argument;
+    e->name_length = (size_t)(equals - argument);
+    e->crc = crc32_of(data, n);
+    e->size = (uint32_t)n;
+    e->offset = (uint32_t)ftell(out);
+    put(out, 0x04034B50u, 4);
+    put(out, 20, 2);
+    put_common(out, e);
+    fwrite(e->name, 1, e->name_length, out);
+    fwrite(data, 1, n, out);
+    free(data);
+    return 1;
+}
+
+static void put_directory(FILE *out, const Entry *entries, int count)
+{
     const uint32_t directory = (uint32_t)ftell(out);
-    for (int i = 0; i < argc - 2; ++i) {
+    for (int i = 0; i < count; ++i) {
         const Entry *e = &entries[i];
         put(out, 0x02014B50u, 4);
         put(out, (3 << 8) | 20, 2); /* made under Unix */
@@ -120,11 +113,31 @@ int main(int argc, char **argv)
     const uint32_t end = (uint32_t)ftell(out);
     put(out, 0x06054B50u, 4);
     put(out, 0, 4);
-    put(out, (uint32_t)(argc - 2), 2);
-    put(out, (uint32_t)(argc - 2), 2);
+    put(out, (uint32_t)count, 2);
+    put(out, (uint32_t)count, 2);
     put(out, end - directory, 4);
     put(out, directory, 4);
     put(out, 0, 2);
+}
+
+int main(int argc, char **argv)
+{
+    static Entry entries[FILES_MAX];
+    if (argc < 3 || argc - 2 > FILES_MAX) {
+        fprintf(stderr, "use: pack OUT.fmu NAME_IN_ARCHIVE=FILE ...\n");
+        return 2;
+    }
+    FILE *out = fopen(argv[1], "wb");
+    if (out == NULL) {
+        perror(argv[1]);
+        return 1;
+    }
+    for (int i = 2; i < argc; ++i) {
+        if (!put_file(out, argv[i], &entries[i - 2])) {
+            return 1;
+        }
+    }
+    put_directory(out, entries, argc - 2);
     if (fclose(out) != 0) {
         perror(argv[1]);
         return 1;

@@ -140,38 +140,49 @@ static FILE *open_table(const char *folder, const char *name)
     return in;
 }
 
-int main(int argc, char **argv)
+/* What is compared of each column. */
+static char line[LINE_SIZE];
+static char *cells[COLUMNS_MAX];
+static fmi2ValueReference references[COLUMNS_MAX];
+static double largest[COLUMNS_MAX], peak[COLUMNS_MAX], when[COLUMNS_MAX];
+
+static void set_parameters(fmi2Component c, const char *folder)
 {
-    static char line[LINE_SIZE];
-    static char *cells[COLUMNS_MAX];
-    static fmi2ValueReference references[COLUMNS_MAX];
-    static double largest[COLUMNS_MAX], peak[COLUMNS_MAX], when[COLUMNS_MAX];
-    const fmi2CallbackFunctions callbacks = {log_message, allocate, free, NULL, NULL};
-    if (argc < 2) {
-        give_up("use: vector FOLDER [TOLERANCE]");
-    }
-    const double tolerance = argc > 2 ? strtod(argv[2], NULL) : 1e-6;
-    fmi2Component c = fmi2Instantiate("vector", fmi2CoSimulation, BLOCK_GUID, "", &callbacks, fmi2False, fmi2False);
-    if (c == NULL || fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) != fmi2OK) {
-        give_up("the block could not be instantiated");
-    }
-    FILE *table = open_table(argv[1], "parameters.csv");
+    FILE *table = open_table(folder, "parameters.csv");
     read_row(table, line, cells); /* name,value */
     while (read_row(table, line, cells) == 2) {
         set(c, reference_of(cells[0]), cells[1]);
     }
     fclose(table);
+}
 
-    table = open_table(argv[1], "vector.csv");
+/* Compares the row's outputs at a time. */
+static void compare(fmi2Component c, int columns, double time)
+{
+    for (int i = 1; i < columns; ++i) {
+        if (variables[references[i]].causality == CAUSALITY_OUTPUT) {
+            const double expected = strtod(cells[i], NULL), difference = fabs(get(c, references[i]) - expected);
+            peak[i] = fmax(peak[i], fabs(expected));
+            if (difference > largest[i] || isnan(difference)) {
+                largest[i] = isnan(difference) ? INFINITY : difference;
+                when[i] = time;
+            }
+        }
+    }
+}
+
+/* Plays vector.csv through the block; returns the number of its columns. */
+static int play(fmi2Component c, const char *folder, int *rows)
+{
+    FILE *table = open_table(folder, "vector.csv");
     const int n = read_row(table, line, cells);
     for (int i = 1; i < n; ++i) {
         references[i] = reference_of(cells[i]);
     }
     double last = 0.0;
-    int rows = 0;
-    for (; read_row(table, line, cells) == n; ++rows) {
+    for (*rows = 0; read_row(table, line, cells) == n; ++*rows) {
         const double time = strtod(cells[0], NULL);
-        if (rows == 0 && fmi2EnterInitializationMode(c) != fmi2OK) {
+        if (*rows == 0 && fmi2EnterInitializationMode(c) != fmi2OK) {
             give_up("initialization failed");
         }
         for (int i = 1; i < n; ++i) {
@@ -179,29 +190,23 @@ int main(int argc, char **argv)
                 set(c, references[i], cells[i]);
             }
         }
-        if ((rows == 0 ? fmi2ExitInitializationMode(c) : fmi2DoStep(c, last, time - last, fmi2True)) != fmi2OK) {
-            give_up(rows == 0 ? "initialization failed" : "a step failed");
+        if ((*rows == 0 ? fmi2ExitInitializationMode(c) : fmi2DoStep(c, last, time - last, fmi2True)) != fmi2OK) {
+            give_up(*rows == 0 ? "initialization failed" : "a step failed");
         }
         last = time;
-        for (int i = 1; i < n; ++i) {
-            if (variables[references[i]].causality == CAUSALITY_OUTPUT) {
-                const double expected = strtod(cells[i], NULL), difference = fabs(get(c, references[i]) - expected);
-                peak[i] = fmax(peak[i], fabs(expected));
-                if (difference > largest[i] || isnan(difference)) {
-                    largest[i] = isnan(difference) ? INFINITY : difference;
-                    when[i] = time;
-                }
-            }
-        }
+        compare(c, n, time);
     }
     fclose(table);
-    fmi2Terminate(c);
-    fmi2FreeInstance(c);
+    return n;
+}
 
+/* Prints the differences; returns how many outputs differ by more than the tolerance. */
+static int report(int columns, int rows, double tolerance)
+{
     int wrong = 0;
     printf("%d rows, tolerance %g of the largest value\n\n        %-24s %12s %10s  %s\n", rows, tolerance, "output",
            "difference", "relative", "at");
-    for (int i = 1; i < n; ++i) {
+    for (int i = 1; i < columns; ++i) {
         const Variable *v = &variables[references[i]];
         if (v->causality == CAUSALITY_OUTPUT) {
             const double relative = peak[i] > 0.0 ? largest[i] / peak[i] : largest[i];
@@ -215,5 +220,24 @@ int main(int argc, char **argv)
         }
     }
     printf("\n%s\n", wrong == 0 ? "all outputs are as expected" : "outputs differ from what is expected");
-    return wrong == 0 ? 0 : 1;
+    return wrong;
+}
+
+int main(int argc, char **argv)
+{
+    const fmi2CallbackFunctions callbacks = {log_message, allocate, free, NULL, NULL};
+    if (argc < 2) {
+        give_up("use: vector FOLDER [TOLERANCE]");
+    }
+    const double tolerance = argc > 2 ? strtod(argv[2], NULL) : 1e-6;
+    fmi2Component c = fmi2Instantiate("vector", fmi2CoSimulation, BLOCK_GUID, "", &callbacks, fmi2False, fmi2False);
+    if (c == NULL || fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) != fmi2OK) {
+        give_up("the block could not be instantiated");
+    }
+    int rows;
+    set_parameters(c, argv[1]);
+    const int columns = play(c, argv[1], &rows);
+    fmi2Terminate(c);
+    fmi2FreeInstance(c);
+    return report(columns, rows, tolerance) == 0 ? 0 : 1;
 }

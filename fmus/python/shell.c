@@ -173,38 +173,41 @@ static void release(void *memory)
 #endif
 
 /* Every function that is handed through: its name, its parameters, and the arguments behind the component. */
-#define HANDED_THROUGH(X) \
-    X(fmi2SetupExperiment, (fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e, fmi2Real f), (I, a, b, d, e, f)) \
-    X(fmi2EnterInitializationMode, (fmi2Component c), (I)) \
-    X(fmi2ExitInitializationMode, (fmi2Component c), (I)) \
-    X(fmi2Terminate, (fmi2Component c), (I)) \
-    X(fmi2Reset, (fmi2Component c), (I)) \
-    X(fmi2GetReal, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]), (I, r, n, v)) \
-    X(fmi2GetInteger, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Integer v[]), (I, r, n, v)) \
-    X(fmi2GetBoolean, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Boolean v[]), (I, r, n, v)) \
-    X(fmi2GetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]), (I, r, n, v)) \
-    X(fmi2SetReal, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Real v[]), (I, r, n, v)) \
-    X(fmi2SetInteger, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer v[]), (I, r, n, v)) \
-    X(fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[]), (I, r, n, v)) \
-    X(fmi2SetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[]), (I, r, n, v)) \
-    X(fmi2GetFMUstate, (fmi2Component c, fmi2FMUstate *s), (I, s)) \
-    X(fmi2SetFMUstate, (fmi2Component c, fmi2FMUstate s), (I, s)) \
-    X(fmi2SerializedFMUstateSize, (fmi2Component c, fmi2FMUstate s, size_t *n), (I, s, n)) \
-    X(fmi2SerializeFMUstate, (fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n), (I, s, b, n)) \
-    X(fmi2DeSerializeFMUstate, (fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s), (I, b, n, s)) \
-    X(fmi2GetDirectionalDerivative, (fmi2Component c, const fmi2ValueReference u[], size_t n, const fmi2ValueReference k[], \
-                                     size_t m, const fmi2Real x[], fmi2Real y[]), (I, u, n, k, m, x, y)) \
-    X(fmi2SetRealInputDerivatives, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer o[], \
-                                    const fmi2Real v[]), (I, r, n, o, v)) \
-    X(fmi2GetRealOutputDerivatives, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer o[], \
-                                     fmi2Real v[]), (I, r, n, o, v)) \
-    X(fmi2DoStep, (fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean b), (I, t, h, b)) \
-    X(fmi2CancelStep, (fmi2Component c), (I)) \
-    X(fmi2GetStatus, (fmi2Component c, fmi2StatusKind k, fmi2Status *v), (I, k, v)) \
-    X(fmi2GetRealStatus, (fmi2Component c, fmi2StatusKind k, fmi2Real *v), (I, k, v)) \
-    X(fmi2GetIntegerStatus, (fmi2Component c, fmi2StatusKind k, fmi2Integer *v), (I, k, v)) \
-    X(fmi2GetBooleanStatus, (fmi2Component c, fmi2StatusKind k, fmi2Boolean *v), (I, k, v)) \
-    X(fmi2GetStringStatus, (fmi2Component c, fmi2StatusKind k, fmi2String *v), (I, k, v))
+#define HANDED_THROUGH(X)                                                                                                      \
+    X(fmi2SetupExperiment, (fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e, fmi2Real f),                \
+      (I, a, b, d, e, f))                                                                                                      \
+    X(fmi2EnterInitializationMode, (fmi2Component c), (I))                                                                     \
+    X(fmi2ExitInitializationMode, (fmi2Component c), (I))                                                                      \
+    X(fmi2Terminate, (fmi2Component c), (I))                                                                                   \
+    X(fmi2Reset, (fmi2Component c), (I))                                                                                       \
+    X(fmi2GetReal, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]), (I, r, n, v))                      \
+    X(fmi2GetInteger, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Integer v[]), (I, r, n, v))                \
+    X(fmi2GetBoolean, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Boolean v[]), (I, r, n, v))                \
+    X(fmi2GetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]), (I, r, n, v))                  \
+    X(fmi2SetReal, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Real v[]), (I, r, n, v))                \
+    X(fmi2SetInteger, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer v[]), (I, r, n, v))          \
+    X(fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[]), (I, r, n, v))          \
+    X(fmi2SetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[]), (I, r, n, v))            \
+    X(fmi2GetFMUstate, (fmi2Component c, fmi2FMUstate * s), (I, s))                                                            \
+    X(fmi2SetFMUstate, (fmi2Component c, fmi2FMUstate s), (I, s))                                                              \
+    X(fmi2SerializedFMUstateSize, (fmi2Component c, fmi2FMUstate s, size_t *n), (I, s, n))                                     \
+    X(fmi2SerializeFMUstate, (fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n), (I, s, b, n))                          \
+    X(fmi2DeSerializeFMUstate, (fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s), (I, b, n, s))                 \
+    X(fmi2GetDirectionalDerivative,                                                                                            \
+      (fmi2Component c, const fmi2ValueReference u[], size_t n, const fmi2ValueReference k[], size_t m, const fmi2Real x[],    \
+       fmi2Real y[]),                                                                                                          \
+      (I, u, n, k, m, x, y))                                                                                                   \
+    X(fmi2SetRealInputDerivatives,                                                                                             \
+      (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer o[], const fmi2Real v[]), (I, r, n, o, v))   \
+    X(fmi2GetRealOutputDerivatives,                                                                                            \
+      (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer o[], fmi2Real v[]), (I, r, n, o, v))         \
+    X(fmi2DoStep, (fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean b), (I, t, h, b))                                      \
+    X(fmi2CancelStep, (fmi2Component c), (I))                                                                                  \
+    X(fmi2GetStatus, (fmi2Component c, fmi2StatusKind k, fmi2Status * v), (I, k, v))                                           \
+    X(fmi2GetRealStatus, (fmi2Component c, fmi2StatusKind k, fmi2Real * v), (I, k, v))                                         \
+    X(fmi2GetIntegerStatus, (fmi2Component c, fmi2StatusKind k, fmi2Integer * v), (I, k, v))                                   \
+    X(fmi2GetBooleanStatus, (fmi2Component c, fmi2StatusKind k, fmi2Boolean * v), (I, k, v))                                   \
+    X(fmi2GetStringStatus, (fmi2Component c, fmi2StatusKind k, fmi2String * v), (I, k, v))
 
 #define POINTER(name, parameters, arguments) fmi2Status(*name) parameters;
 
@@ -217,14 +220,14 @@ static struct {
 } inner;
 
 /* Fetches a function's address; ISO C has no cast between pointers to data and to functions. */
-#define FETCH(member, name) \
-    { \
-        union { \
-            void *pointer; \
-            __typeof__(inner.member) function; \
-        } address = {.pointer = find(library, name)}; \
-        inner.member = address.function; \
-        complete = complete && address.pointer != NULL; \
+#define FETCH(member, name)                                                                                                    \
+    {                                                                                                                          \
+        union {                                                                                                                \
+            void *pointer;                                                                                                     \
+            __typeof__(inner.member) function;                                                                                 \
+        } address = {.pointer = find(library, name)};                                                                          \
+        inner.member = address.function;                                                                                       \
+        complete = complete && address.pointer != NULL;                                                                        \
     }
 #define FETCH_NAMED(name, parameters, arguments) FETCH(name, #name)
 
@@ -302,7 +305,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     } else if (resources == NULL) {
         (void)append(text, sizeof text, 0, "the location of the resources is missing");
     } else {
-        static const char about[] = "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is the native flavour of this block, "
+        static const char about[] = "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is "
+                                    "the native flavour of this block, "
                                     "which needs nothing. PythonFMU's library cannot be loaded: ";
         const size_t used = append(text, sizeof text, 0, about);
         if (connect_inner(text + used, sizeof text - used)) {
@@ -364,10 +368,10 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 }
 
 #define I ((Shell *)c)->inner
-#define HAND_THROUGH(name, parameters, arguments) \
-    fmi2Status name parameters \
-    { \
-        return c == NULL ? fmi2Error : truthful(inner.name arguments); \
+#define HAND_THROUGH(name, parameters, arguments)                                                                              \
+    fmi2Status name parameters                                                                                                 \
+    {                                                                                                                          \
+        return c == NULL ? fmi2Error : truthful(inner.name arguments);                                                         \
     }
 
 HANDED_THROUGH(HAND_THROUGH)

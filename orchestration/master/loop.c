@@ -153,8 +153,8 @@ static int sequential_step(Loop *loop, int64_t count)
             continue;
         }
         const int64_t begun = count - every;
-        if (set_inputs(loop, i, begun) || do_step(loop, i, begun) ||
-            get_outputs(loop, i, begun, recorded || every > 1) || check(loop, i, begun)) {
+        if (set_inputs(loop, i, begun) || do_step(loop, i, begun) || get_outputs(loop, i, begun, recorded || every > 1) ||
+            check(loop, i, begun)) {
             return 1;
         }
     }

@@ -76,8 +76,8 @@ double plant_log_density(const Activity *activity, Place place, double day)
     quantities(activity, place, day, values);
     const double T_inf = values[0], T_base = values[1], gradient = values[2];
     const double z = 1e-3 * place.height, cos_2 = cos(2.0 * place.latitude);
-    const double surface_gravity = 980.616 * (1.0 - 0.0026373 * cos_2);                  /* cm/s2 */
-    const double radius = 2e-5 * surface_gravity / (3.085462e-6 + 2.27e-9 * cos_2);      /* km */
+    const double surface_gravity = 980.616 * (1.0 - 0.0026373 * cos_2);             /* cm/s2 */
+    const double radius = 2e-5 * surface_gravity / (3.085462e-6 + 2.27e-9 * cos_2); /* km */
     const double relative = 1.0 + BASE / radius, relative_hot = 1.0 + HOT_BASE / radius;
     const double gravity = surface_gravity / (relative * relative);
     const double zeta = (z - BASE) * (radius + BASE) / (radius + z); /* geopotential height above 120 km */

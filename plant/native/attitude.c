@@ -24,8 +24,7 @@ static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
     *f = scale(0.5, apply(body->J_inverse, difference));
     for (int i = 0; i < 20; ++i) {
         const double along = dot(total, *f);
-        const Vector residual =
-            add(add(difference, cross(a, *f)), subtract(scale(along, *f), scale(2.0, apply(J, *f))));
+        const Vector residual = add(add(difference, cross(a, *f)), subtract(scale(along, *f), scale(2.0, apply(J, *f))));
         /* a^ + (a + p).f I + f (a + p)^T - 2 J */
         const Matrix jacobian = {
             {along + f->x * total.x - 2.0 * J.a.x, -a.z + f->x * total.y - 2.0 * J.a.y, a.y + f->x * total.z - 2.0 * J.a.z},
@@ -53,7 +52,8 @@ static Matrix cayley(Vector f)
                     {c * (f.x * f.z - f.y), c * (f.y * f.z + f.x), 1.0 - c * (f.x * f.x + f.y * f.y)}};
 }
 
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f)
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x,
+                   Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double s = 0.0;

@@ -25,6 +25,7 @@ typedef struct {
 } Attitude;
 
 /* From t over a part of a step in which the wheel moves smoothly. order: 2, 4 or 6. */
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x, Fault *f);
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x,
+                   Fault *f);
 
 #endif

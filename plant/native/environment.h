@@ -16,9 +16,9 @@ enum { NODES = 16 };
 
 /* What is interpolated. */
 typedef struct {
-    Vector b_N;         /* T */
-    Vector pull_N;      /* sqrt(3 mu/r^3) r_hat, 1/s: the gravity gradient's moment is pull x J pull [2] */
-    Vector flow_N;      /* velocity relative to the air, m/s */
+    Vector b_N;    /* T */
+    Vector pull_N; /* sqrt(3 mu/r^3) r_hat, 1/s: the gravity gradient's moment is pull x J pull [2] */
+    Vector flow_N; /* velocity relative to the air, m/s */
     double log_density;
 } Along;
 
@@ -52,10 +52,10 @@ typedef struct {
     Field field;
     bool has_air;
     Activity activity;
-    double mu;          /* m3/s2 */
-    Node nodes[NODES];  /* that of a number in the place number mod NODES */
-    Stretch stretch;    /* the last one asked for */
-    Surroundings last;  /* a step ends where the next one starts */
+    double mu;         /* m3/s2 */
+    Node nodes[NODES]; /* that of a number in the place number mod NODES */
+    Stretch stretch;   /* the last one asked for */
+    Surroundings last; /* a step ends where the next one starts */
 } Environment;
 
 /* Forgets what was kept; to be called when anything above `nodes` has been set. */

@@ -12,7 +12,7 @@ typedef struct {
     int epochs;
     const double *years;
     double valid_until;
-    const char *covered; /* in words, for a refusal */
+    const char *covered;                               /* in words, for a refusal */
     const double (*g)[FIELD_TERMS], (*h)[FIELD_TERMS]; /* one row for each epoch */
     const double *g_rate, *h_rate;                     /* nT/year */
 } FieldModel;

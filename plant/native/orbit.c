@@ -5,8 +5,8 @@ static const double J2 = 1.082629821313e-3; /* of the WGS 84 ellipsoid */
 Orbit plant_circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu)
 {
     const double ci = cos(inclination), si = sin(inclination), cn = cos(raan), sn = sin(raan);
-    return (Orbit){radius,          0.0, sqrt(mu / (radius * radius * radius)), argument_of_latitude, {cn, sn, 0.0},
-                   {-sn * ci, cn * ci, si}, 0.0};
+    return (Orbit){
+        radius, 0.0, sqrt(mu / (radius * radius * radius)), argument_of_latitude, {cn, sn, 0.0}, {-sn * ci, cn * ci, si}, 0.0};
 }
 
 bool plant_orbit_through(Vector r, Vector v, double mu, Orbit *orbit)
@@ -61,7 +61,7 @@ OrbitState plant_motion_at(const Orbit *orbit, double t)
     const double E_rate = orbit->mean_motion / (1.0 - e * c);
     const Vector p = orbit->towards_perigee, q = orbit->along_perigee;
     OrbitState motion = {add(scale(a * (c - e), p), scale(a * minor * s, q)),
-                     add(scale(-a * E_rate * s, p), scale(a * minor * E_rate * c, q))};
+                         add(scale(-a * E_rate * s, p), scale(a * minor * E_rate * c, q))};
     if (orbit->node_rate != 0.0) {
         const double angle = orbit->node_rate * t;
         motion.r = plant_turned(angle, motion.r);

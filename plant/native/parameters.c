@@ -40,7 +40,8 @@ static bool orbit_of(const PlantParameters *p, const Epoch *date, Orbit *orbit, 
         return (plant_orbit_through(r, v, mu, orbit) && (!p->j2_node_drift || drifting_orbit_through(p, orbit))) ||
                fault(f, "v_N0", norm(v), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
     }
-    *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, plant_gmst(date) + p->node_longitude, p->argument_of_latitude, mu);
+    *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, plant_gmst(date) + p->node_longitude,
+                                  p->argument_of_latitude, mu);
     orbit->node_rate = p->j2_node_drift ? plant_j2_node_rate(orbit, mu) : 0.0;
     return true;
 }
@@ -132,8 +133,8 @@ bool plant_check(const PlantParameters *p, Fault *f)
     if (p->integrator_order != 2 && p->integrator_order != 4 && p->integrator_order != 6) {
         return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
     }
-    return is_attitude(p, f) && is_epoch(p->epoch, &date, f) && orbit_of(p, &date, &orbit, f) && is_above_ground(p, &orbit, f) &&
-           (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
+    return is_attitude(p, f) && is_epoch(p->epoch, &date, f) && orbit_of(p, &date, &orbit, f) &&
+           is_above_ground(p, &orbit, f) && (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
 }
 
 /* An octagonal cylinder: eight sides and two ends, width across the flats. The normals of four sides lie along the two

@@ -86,7 +86,8 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
             const int count = plant_wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
             acting.dipole_B = turn.on ? with_rods : without;
             for (int k = 0; k < count; ++k) {
-                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude, f)) {
+                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude,
+                                   f)) {
                     return false;
                 }
                 t += parts[k].duration;

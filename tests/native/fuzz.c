@@ -86,8 +86,13 @@ static int expect(fmi2Status status)
 
 static void variables_of(fmi2Component c)
 {
-    static const fmi2String texts[] = {"2009-08-10T00:00:00Z", "", "nonsense %s %n #", "2009-02-29", NULL,
-                                       "a text of far more than sixty-three bytes, which no string of this FMU can hold in its buffer"};
+    static const fmi2String texts[] = {
+        "2009-08-10T00:00:00Z",
+        "",
+        "nonsense %s %n #",
+        "2009-02-29",
+        NULL,
+        "a text of far more than sixty-three bytes, which no string of this FMU can hold in its buffer"};
     fmi2ValueReference references[MANY];
     fmi2Real reals[MANY];
     fmi2Integer integers[MANY];
@@ -156,7 +161,8 @@ static void saved_states(fmi2Component c, fmi2FMUstate states[STATES])
                 if (pick(2) == 0) {
                     bytes[pick((unsigned)size)] ^= (char)(1u << pick(8));
                 }
-                expect(fmi2DeSerializeFMUstate(c, bytes, size - (pick(8) == 0 ? pick((unsigned)size) : 0), &states[pick(STATES)]));
+                expect(
+                    fmi2DeSerializeFMUstate(c, bytes, size - (pick(8) == 0 ? pick((unsigned)size) : 0), &states[pick(STATES)]));
             }
             free(bytes);
         }

@@ -31,57 +31,119 @@ static const double FROM = 1.0;
 extern int vendor_runtime_start(void);
 #endif
 
-static int say(Block *b, int status, const char *text, double value) {
+static int say(Block *b, int status, const char *text, double value)
+{
     b->callbacks->logger(b->callbacks->environment, "block", status, "logStatus", "%s %g", text, value);
     return status;
 }
-static void crash(void) { *(volatile int *)8 = 1; }
-static int overflow(volatile char *caller) {
+static void crash(void)
+{
+    *(volatile int *)8 = 1;
+}
+static int overflow(volatile char *caller)
+{
     volatile char frame[1 << 16];
     frame[0] = caller[0];
     return overflow(frame) + frame[0];
 }
-static void leave_a_child(void) {
+static void leave_a_child(void)
+{
 #if !defined(_WIN32)
-    if (fork() == 0) for (;;) pause();
+    if (fork() == 0)
+        for (;;)
+            pause();
 #endif
 }
 
-static int is(const Block *b, const char *how) { return !strcmp(b->how, how); }
-static int broken(Block *b, double t) {
-    if (is(b, "segfault")) crash();
-    if (is(b, "abort")) abort();
-    if (is(b, "exit")) exit(0);
-    if (is(b, "overflow")) return overflow(b->how);
-    if (is(b, "child")) { leave_a_child(); crash(); }
-    if (is(b, "assert")) { fprintf(stderr, "driver.c:17: assertion failed: ready\n"); abort(); }
-    if (is(b, "print")) { printf("no end of line after this"); return ERROR; }
-    if (is(b, "deaf")) for (int i = 0; i < 64; i++) close(i);
-    if (is(b, "hang") || is(b, "deaf")) for (volatile int i = 0;; i = 1) {}
-    while (is(b, "memory")) memset(malloc(1 << 20), 1, 1 << 20);
-    while (is(b, "log")) say(b, OK, "and on from", t);
-    while (is(b, "chatter")) puts("and on");
-    if (is(b, "litter")) { FILE *f = fopen("litter.txt", "w"); if (f) fclose(f); return say(b, ERROR, f ? "left a file at" : "left none at", t); }
-    if (is(b, "nan")) b->y = NAN;
-    if (is(b, "infinity")) b->y = INFINITY;
-    if (is(b, "error")) return say(b, ERROR, "cannot go on from", t);
-    if (is(b, "discard")) return say(b, DISCARD, "step too long at", t);
-    if (is(b, "fatal")) return say(b, FATAL, "broken at", t);
-    if (is(b, "pending")) return PENDING;
+static int is(const Block *b, const char *how)
+{
+    return !strcmp(b->how, how);
+}
+static int broken(Block *b, double t)
+{
+    if (is(b, "segfault"))
+        crash();
+    if (is(b, "abort"))
+        abort();
+    if (is(b, "exit"))
+        exit(0);
+    if (is(b, "overflow"))
+        return overflow(b->how);
+    if (is(b, "child")) {
+        leave_a_child();
+        crash();
+    }
+    if (is(b, "assert")) {
+        fprintf(stderr, "driver.c:17: assertion failed: ready\n");
+        abort();
+    }
+    if (is(b, "print")) {
+        printf("no end of line after this");
+        return ERROR;
+    }
+    if (is(b, "deaf"))
+        for (int i = 0; i < 64; i++)
+            close(i);
+    if (is(b, "hang") || is(b, "deaf"))
+        for (volatile int i = 0;; i = 1) {
+        }
+    while (is(b, "memory"))
+        memset(malloc(1 << 20), 1, 1 << 20);
+    while (is(b, "log"))
+        say(b, OK, "and on from", t);
+    while (is(b, "chatter"))
+        puts("and on");
+    if (is(b, "litter")) {
+        FILE *f = fopen("litter.txt", "w");
+        if (f)
+            fclose(f);
+        return say(b, ERROR, f ? "left a file at" : "left none at", t);
+    }
+    if (is(b, "nan"))
+        b->y = NAN;
+    if (is(b, "infinity"))
+        b->y = INFINITY;
+    if (is(b, "error"))
+        return say(b, ERROR, "cannot go on from", t);
+    if (is(b, "discard"))
+        return say(b, DISCARD, "step too long at", t);
+    if (is(b, "fatal"))
+        return say(b, FATAL, "broken at", t);
+    if (is(b, "pending"))
+        return PENDING;
     return OK;
 }
-#define BREAK(where, t) if (!strcmp(b->place, where)) { int status = broken(b, t); if (status) return status; }
+#define BREAK(where, t)                                                                                                        \
+    if (!strcmp(b->place, where)) {                                                                                            \
+        int status = broken(b, t);                                                                                             \
+        if (status)                                                                                                            \
+            return status;                                                                                                     \
+    }
 
 #ifdef LOADING
-__attribute__((constructor)) static void loaded(void) { crash(); }
+__attribute__((constructor)) static void loaded(void)
+{
+    crash();
+}
 #endif
 
-API const char *fmi2GetTypesPlatform(void) { return "default"; }
-API const char *fmi2GetVersion(void) { return "2.0"; }
-API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[]) { (void)c, (void)on, (void)n, (void)names; return OK; }
+API const char *fmi2GetTypesPlatform(void)
+{
+    return "default";
+}
+API const char *fmi2GetVersion(void)
+{
+    return "2.0";
+}
+API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[])
+{
+    (void)c, (void)on, (void)n, (void)names;
+    return OK;
+}
 
 API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
-                          int visible, int logging) {
+                          int visible, int logging)
+{
     (void)name, (void)type, (void)resources, (void)visible, (void)logging;
     Block *b = calloc(1, sizeof *b);
     b->callbacks = callbacks;
@@ -89,47 +151,111 @@ API void *fmi2Instantiate(const char *name, int type, const char *guid, const ch
         say(b, ERROR, "the GUID says nothing to", 0);
         return NULL;
     }
-    if (!strcmp(b->place, "instantiate") && broken(b, 0)) return NULL;
+    if (!strcmp(b->place, "instantiate") && broken(b, 0))
+        return NULL;
 #ifdef MISSING
     vendor_runtime_start();
 #endif
     return b;
 }
-API int fmi2SetupExperiment(void *c, int a, double tolerance, double start, int d, double stop) {
+API int fmi2SetupExperiment(void *c, int a, double tolerance, double start, int d, double stop)
+{
     (void)a, (void)tolerance, (void)start, (void)d, (void)stop;
     Block *b = c;
     BREAK("setup", 0)
     return OK;
 }
-API int fmi2EnterInitializationMode(void *c) { Block *b = c; BREAK("enter", 0) return OK; }
-API int fmi2ExitInitializationMode(void *c) { Block *b = c; BREAK("leave", 0) return OK; }
-API int fmi2Terminate(void *c) { Block *b = c; BREAK("terminate", 0) return OK; }
-API int fmi2Reset(void *c) { (void)c; return OK; }
-API void fmi2FreeInstance(void *c) { Block *b = c; if (!strcmp(b->place, "free")) broken(b, 0); free(b); }
+API int fmi2EnterInitializationMode(void *c)
+{
+    Block *b = c;
+    BREAK("enter", 0) return OK;
+}
+API int fmi2ExitInitializationMode(void *c)
+{
+    Block *b = c;
+    BREAK("leave", 0) return OK;
+}
+API int fmi2Terminate(void *c)
+{
+    Block *b = c;
+    BREAK("terminate", 0) return OK;
+}
+API int fmi2Reset(void *c)
+{
+    (void)c;
+    return OK;
+}
+API void fmi2FreeInstance(void *c)
+{
+    Block *b = c;
+    if (!strcmp(b->place, "free"))
+        broken(b, 0);
+    free(b);
+}
 
-API int fmi2SetReal(void *c, const unsigned v[], size_t n, const double x[]) {
+API int fmi2SetReal(void *c, const unsigned v[], size_t n, const double x[])
+{
     Block *b = c;
-    if (!b->stepping) { BREAK("set", 0) }
-    if (b->stepping && b->y >= FROM) { BREAK("input", b->y) }
-    for (size_t i = 0; i < n; i++) if (v[i] == 0) b->x = x[i];
+    if (!b->stepping) {
+        BREAK("set", 0)
+    }
+    if (b->stepping && b->y >= FROM) {
+        BREAK("input", b->y)
+    }
+    for (size_t i = 0; i < n; i++)
+        if (v[i] == 0)
+            b->x = x[i];
     return OK;
 }
-API int fmi2GetReal(void *c, const unsigned v[], size_t n, double x[]) {
+API int fmi2GetReal(void *c, const unsigned v[], size_t n, double x[])
+{
     Block *b = c;
-    if (!b->stepping) { BREAK("get", 0) }
-    if (b->stepping && b->y > FROM) { BREAK("output", b->y) }
-    for (size_t i = 0; i < n; i++) x[i] = v[i] ? b->y : b->x;
+    if (!b->stepping) {
+        BREAK("get", 0)
+    }
+    if (b->stepping && b->y > FROM) {
+        BREAK("output", b->y)
+    }
+    for (size_t i = 0; i < n; i++)
+        x[i] = v[i] ? b->y : b->x;
     return OK;
 }
-API int fmi2GetInteger(void *c, const unsigned v[], size_t n, int x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
-API int fmi2SetInteger(void *c, const unsigned v[], size_t n, const int x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
-API int fmi2GetBoolean(void *c, const unsigned v[], size_t n, int x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
-API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
-API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[]) { (void)c, (void)v; for (size_t i = 0; i < n; i++) x[i] = ""; return OK; }
-API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
+API int fmi2GetInteger(void *c, const unsigned v[], size_t n, int x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
+API int fmi2SetInteger(void *c, const unsigned v[], size_t n, const int x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
+API int fmi2GetBoolean(void *c, const unsigned v[], size_t n, int x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
+API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
+API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[])
+{
+    (void)c, (void)v;
+    for (size_t i = 0; i < n; i++)
+        x[i] = "";
+    return OK;
+}
+API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
 
 #ifndef WITHOUT_STEP
-API int fmi2DoStep(void *c, double t, double h, int keep) {
+API int fmi2DoStep(void *c, double t, double h, int keep)
+{
     (void)keep;
     Block *b = c;
     b->stepping = 1;
@@ -142,14 +268,19 @@ API int fmi2DoStep(void *c, double t, double h, int keep) {
 }
 #endif
 
-#define UNUSED(name, ...) API int name(__VA_ARGS__) { return ERROR; }
+#define UNUSED(name, ...)                                                                                                      \
+    API int name(__VA_ARGS__)                                                                                                  \
+    {                                                                                                                          \
+        return ERROR;                                                                                                          \
+    }
 UNUSED(fmi2GetFMUstate, void *c, void **s)
 UNUSED(fmi2SetFMUstate, void *c, void *s)
 UNUSED(fmi2FreeFMUstate, void *c, void **s)
 UNUSED(fmi2SerializedFMUstateSize, void *c, void *s, size_t *n)
 UNUSED(fmi2SerializeFMUstate, void *c, void *s, char *b, size_t n)
 UNUSED(fmi2DeSerializeFMUstate, void *c, const char *b, size_t n, void **s)
-UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x, double *y)
+UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x,
+       double *y)
 UNUSED(fmi2SetRealInputDerivatives, void *c, const unsigned *v, size_t n, const int *o, const double *x)
 UNUSED(fmi2GetRealOutputDerivatives, void *c, const unsigned *v, size_t n, const int *o, double *x)
 UNUSED(fmi2CancelStep, void *c)

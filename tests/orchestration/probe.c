@@ -28,17 +28,29 @@ enum { OK, WARNING, DISCARD, ERROR, FATAL };
 #define API __attribute__((visibility("default")))
 #endif
 
-static int tell(Probe *p, int status, const char *text, double value) {
+static int tell(Probe *p, int status, const char *text, double value)
+{
     p->callbacks->logger(p->callbacks->environment, p->name, status, "logStatus", "%s %g", text, value);
     return status;
 }
 
-API const char *fmi2GetTypesPlatform(void) { return "default"; }
-API const char *fmi2GetVersion(void) { return "2.0"; }
-API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[]) { (void)c, (void)on, (void)n, (void)names; return OK; }
+API const char *fmi2GetTypesPlatform(void)
+{
+    return "default";
+}
+API const char *fmi2GetVersion(void)
+{
+    return "2.0";
+}
+API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[])
+{
+    (void)c, (void)on, (void)n, (void)names;
+    return OK;
+}
 
 API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
-                          int visible, int logging) {
+                          int visible, int logging)
+{
     (void)type, (void)resources, (void)visible, (void)logging;
     if (strcmp(guid, "probe")) {
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "expected the GUID probe, found %s", guid);
@@ -49,72 +61,123 @@ API void *fmi2Instantiate(const char *name, int type, const char *guid, const ch
     p->callbacks = callbacks;
     return p;
 }
-API void fmi2FreeInstance(void *c) { free(c); }
-API int fmi2SetupExperiment(void *c, int a, double tolerance, double start, int b, double stop) {
+API void fmi2FreeInstance(void *c)
+{
+    free(c);
+}
+API int fmi2SetupExperiment(void *c, int a, double tolerance, double start, int b, double stop)
+{
     (void)c, (void)a, (void)tolerance, (void)start, (void)b, (void)stop;
     return OK;
 }
-API int fmi2EnterInitializationMode(void *c) { (void)c; return OK; }
-API int fmi2ExitInitializationMode(void *c) {
+API int fmi2EnterInitializationMode(void *c)
+{
+    (void)c;
+    return OK;
+}
+API int fmi2ExitInitializationMode(void *c)
+{
     Probe *p = c;
     return p->integer[0] == LEAVE_ERROR ? tell(p, ERROR, "the gain is refused:", p->real[3]) : OK;
 }
-API int fmi2Terminate(void *c) { (void)c; return OK; }
-API int fmi2Reset(void *c) { (void)c; return OK; }
+API int fmi2Terminate(void *c)
+{
+    (void)c;
+    return OK;
+}
+API int fmi2Reset(void *c)
+{
+    (void)c;
+    return OK;
+}
 
-API int fmi2GetReal(void *c, const unsigned v[], size_t n, double x[]) {
+API int fmi2GetReal(void *c, const unsigned v[], size_t n, double x[])
+{
     Probe *p = c;
     p->real[1] = p->real[3] * p->real[2];
-    for (size_t i = 0; i < n; i++) x[i] = p->real[v[i]];
+    for (size_t i = 0; i < n; i++)
+        x[i] = p->real[v[i]];
     return OK;
 }
-API int fmi2SetReal(void *c, const unsigned v[], size_t n, const double x[]) {
-    for (size_t i = 0; i < n; i++) ((Probe *)c)->real[v[i]] = x[i];
+API int fmi2SetReal(void *c, const unsigned v[], size_t n, const double x[])
+{
+    for (size_t i = 0; i < n; i++)
+        ((Probe *)c)->real[v[i]] = x[i];
     return OK;
 }
-API int fmi2GetInteger(void *c, const unsigned v[], size_t n, int x[]) {
-    for (size_t i = 0; i < n; i++) x[i] = ((Probe *)c)->integer[v[i]];
+API int fmi2GetInteger(void *c, const unsigned v[], size_t n, int x[])
+{
+    for (size_t i = 0; i < n; i++)
+        x[i] = ((Probe *)c)->integer[v[i]];
     return OK;
 }
-API int fmi2SetInteger(void *c, const unsigned v[], size_t n, const int x[]) {
-    for (size_t i = 0; i < n; i++) ((Probe *)c)->integer[v[i]] = x[i];
+API int fmi2SetInteger(void *c, const unsigned v[], size_t n, const int x[])
+{
+    for (size_t i = 0; i < n; i++)
+        ((Probe *)c)->integer[v[i]] = x[i];
     return OK;
 }
-API int fmi2GetBoolean(void *c, const unsigned v[], size_t n, int x[]) {
-    for (size_t i = 0; i < n; i++) x[i] = ((Probe *)c)->boolean[v[i]];
+API int fmi2GetBoolean(void *c, const unsigned v[], size_t n, int x[])
+{
+    for (size_t i = 0; i < n; i++)
+        x[i] = ((Probe *)c)->boolean[v[i]];
     return OK;
 }
-API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[]) {
-    for (size_t i = 0; i < n; i++) ((Probe *)c)->boolean[v[i]] = x[i];
+API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[])
+{
+    for (size_t i = 0; i < n; i++)
+        ((Probe *)c)->boolean[v[i]] = x[i];
     return OK;
 }
-API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[]) { (void)c, (void)v; for (size_t i = 0; i < n; i++) x[i] = ""; return OK; }
-API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[]) { (void)c, (void)v, (void)n, (void)x; return OK; }
+API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[])
+{
+    (void)c, (void)v;
+    for (size_t i = 0; i < n; i++)
+        x[i] = "";
+    return OK;
+}
+API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[])
+{
+    (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
 
-API int fmi2DoStep(void *c, double t, double h, int keep) {
+API int fmi2DoStep(void *c, double t, double h, int keep)
+{
     (void)keep;
     Probe *p = c;
     p->integer[1]++;
     p->real[4] += h * p->real[2];
-    if (p->integer[0] == NONE || t < p->real[0]) return OK;
+    if (p->integer[0] == NONE || t < p->real[0])
+        return OK;
     switch (p->integer[0]) {
-    case STEP_ERROR: return tell(p, ERROR, "cannot step from", t);
-    case STEP_DISCARD: return tell(p, DISCARD, "step too long:", h);
-    case STEP_FATAL: return tell(p, FATAL, "broken at", t);
-    case STEP_WARNING: return tell(p, WARNING, "tired at", t);
-    case STEP_NAN: p->real[4] = NAN;
+    case STEP_ERROR:
+        return tell(p, ERROR, "cannot step from", t);
+    case STEP_DISCARD:
+        return tell(p, DISCARD, "step too long:", h);
+    case STEP_FATAL:
+        return tell(p, FATAL, "broken at", t);
+    case STEP_WARNING:
+        return tell(p, WARNING, "tired at", t);
+    case STEP_NAN:
+        p->real[4] = NAN;
     }
     return OK;
 }
 
-#define UNUSED(name, ...) API int name(__VA_ARGS__) { return ERROR; }
+#define UNUSED(name, ...)                                                                                                      \
+    API int name(__VA_ARGS__)                                                                                                  \
+    {                                                                                                                          \
+        return ERROR;                                                                                                          \
+    }
 UNUSED(fmi2GetFMUstate, void *c, void **s)
 UNUSED(fmi2SetFMUstate, void *c, void *s)
 UNUSED(fmi2FreeFMUstate, void *c, void **s)
 UNUSED(fmi2SerializedFMUstateSize, void *c, void *s, size_t *n)
 UNUSED(fmi2SerializeFMUstate, void *c, void *s, char *b, size_t n)
 UNUSED(fmi2DeSerializeFMUstate, void *c, const char *b, size_t n, void **s)
-UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x, double *y)
+UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x,
+       double *y)
 UNUSED(fmi2SetRealInputDerivatives, void *c, const unsigned *v, size_t n, const int *o, const double *x)
 UNUSED(fmi2GetRealOutputDerivatives, void *c, const unsigned *v, size_t n, const int *o, double *x)
 UNUSED(fmi2CancelStep, void *c)

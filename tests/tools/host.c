@@ -7,8 +7,8 @@
 
 #include "fmi2.h"
 
-typedef fmi2Component (*Instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *,
-                                     fmi2Boolean, fmi2Boolean);
+typedef fmi2Component (*Instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, fmi2Boolean,
+                                     fmi2Boolean);
 
 static void say(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                 fmi2String message, ...)
@@ -37,7 +37,8 @@ int main(int count, char **given)
         Instantiate function;
     } address = {.pointer = dlsym(library, "fmi2Instantiate")};
     const fmi2CallbackFunctions callbacks = {say, calloc, free, NULL, NULL};
-    const fmi2Component instance = address.function("block", fmi2CoSimulation, given[2], given[3], &callbacks, fmi2False, fmi2False);
+    const fmi2Component instance =
+        address.function("block", fmi2CoSimulation, given[2], given[3], &callbacks, fmi2False, fmi2False);
     printf("%s\n", instance == NULL ? "no instance" : "an instance");
     return 0;
 }

@@ -3,13 +3,13 @@
 #include "box.h"
 #include "rotation.h"
 
-static const double FIELD_MIN = 1e-12;      /* T; a weaker field counts as none, and nothing is asked of the rods */
-static const double ROD_WEIGHT_MIN = 1e-8;  /* T; below, the preference along the field drowns in rounding */
-static const double FRACTION_CAP = 1e6;     /* largest demand_fraction that is reported */
+static const double FIELD_MIN = 1e-12;     /* T; a weaker field counts as none, and nothing is asked of the rods */
+static const double ROD_WEIGHT_MIN = 1e-8; /* T; below, the preference along the field drowns in rounding */
+static const double FRACTION_CAP = 1e6;    /* largest demand_fraction that is reported */
 
 typedef struct {
-    Vector dipole;  /* A m2 along the rods */
-    double dh_w;    /* dl_w/dt, N m */
+    Vector dipole;   /* A m2 along the rods */
+    double dh_w;     /* dl_w/dt, N m */
     double fraction; /* largest command over its limit, were there no limits */
 } Commands;
 
@@ -20,8 +20,7 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
                               {"wheel_momentum_max", p->wheel_momentum_max},
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
-    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
-        !all_positive(positive, COUNT(positive), f)) {
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !all_positive(positive, COUNT(positive), f)) {
         return false;
     }
     if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
@@ -45,8 +44,8 @@ static Commands allocate(const AllocatorBoundedParameters *p, const AllocatorBou
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
     const double h_w = u->h_w;
     const double torque_max = p->wheel_torque_max;
-    const Vector A[BOX_N] = {scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]),
-                             {-torque_max, 0.0, 0.0}};
+    const Vector A[BOX_N] = {
+        scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]), {-torque_max, 0.0, 0.0}};
     const double rod_weight = p->rod_weight * p->dipole_max;
     const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
     const double weight[BOX_N] = {rod_weight, rod_weight, rod_weight, wheel_weight};
@@ -109,7 +108,8 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     return true;
 }
 
-bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x, Fault *f)
+bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
+                             Fault *f)
 {
     const AllocatorBoundedState now = {0.0};
     AllocatorBoundedOutputs y;

@@ -27,9 +27,10 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);
 void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law);
 
 /* The state at t = 0; the first command is that of these inputs. */
-bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x, Fault *f);
+bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
+                             Fault *f);
 
-/* The commands that serve the demand best within the limits; x has no say in them. */
+/* The commands that serve the demand best within the limits; they do not depend on x. */
 bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
                                AllocatorBoundedOutputs *y, Fault *f);
 

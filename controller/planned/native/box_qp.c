@@ -97,7 +97,7 @@ static double descend_one_by_one(const double H[CONTROLS][CONTROLS], const doubl
 }
 
 void controller_planned_box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
-            const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS])
+                               const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS])
 {
     for (int i = 0; i < CONTROLS; ++i) {
         u[i] = inside(u[i], low[i], high[i]);

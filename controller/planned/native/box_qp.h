@@ -9,7 +9,7 @@ enum { CONTROLS = 4 };
 /* `H` symmetric and positive definite. Starts from `u`, which is moved into the box; at most `passes` projected Newton
  * steps. `free` tells which variables stand off their bounds at the end, or may leave them. */
 void controller_planned_box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
-            const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS]);
+                               const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS]);
 
 /* x of H x = y in the free variables, by Cholesky; the others are zero. `columns` right sides stand one beside the other. */
 void controller_planned_solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns, double *y);

@@ -1,12 +1,11 @@
-#include "command.h"
-
-#include "estimate.h"
+/* The outputs: the law [8] on the plan, or the steering. */
+#include "state.h"
 
 static const double WHEEL_REST = 10.0; /* s, over which the wheel is brought to rest while steering */
 
 /* What rods and wheel give while the momentum is steered: N m, and their controls. */
-static Vector steering_torque(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model, const Motion *now,
-                              Vector B_B, double controls[CONTROLS])
+static Vector steering_torque(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model,
+                              const Motion *now, Vector B_B, double controls[CONTROLS])
 {
     const double torque_max = law->p.wheel_torque_max;
     controller_planned_steering_rods(&x->steering, now->R, B_B, model->rods, controls);
@@ -24,8 +23,8 @@ typedef struct {
 } Errors;
 
 /* The law [8] on the reference, less the torques that are known. Q^T e_i is row i of Q. */
-static Vector tracking_torque(const ControllerPlannedParameters *p, const Model *model, const Errors *e, Vector dOmega_d, Vector B_B,
-                              Vector M_g)
+static Vector tracking_torque(const ControllerPlannedParameters *p, const Model *model, const Errors *e, Vector dOmega_d,
+                              Vector B_B, Vector M_g)
 {
     const Matrix Q = e->Q, J = model->J;
     const Vector K = vector(p->K0), w = e->Omega_d_B;
@@ -53,8 +52,9 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     y->h_w_estimate = now->l;
 }
 
-void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u, const Motion *now,
-             double controls[CONTROLS], ControllerPlannedOutputs *y)
+void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                const ControllerPlannedInputs *u, const Motion *now, double controls[CONTROLS],
+                                ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Model model = controller_planned_believed(law, x);

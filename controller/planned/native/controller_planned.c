@@ -2,20 +2,17 @@
 
 #include <string.h>
 
-#include "command.h"
-#include "decide.h"
-#include "estimate.h"
-
-static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision plant stays well below it */
-static const double R_MIN = 1e6;                /* m */
-static const double COLLINEAR = 1e-6;           /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double CLOSED = 0.999;             /* of the energy that escapes: the orbit's largest */
-static const double FIELD_MAX = 1e-3;           /* T; no orbit has more, so a larger field is in another unit */
-static const double EARLY = 1e-6;               /* of the control period: a sample is due that much before its time */
+static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB: a single-precision plant stays well below it */
+static const double R_MIN = 1e6;               /* m */
+static const double COLLINEAR = 1e-6;          /* |r x v|/(|r||v|) below which the orbit has no plane */
+static const double CLOSED = 0.999;            /* of the energy that escapes: the orbit's largest */
+static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
+static const double EARLY = 1e-6;              /* of the control period: a sample is due that much before its time */
 
 static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
 {
-    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}, {"b_B", vector(u->b_B)}};
+    const NamedVector inputs[] = {
+        {"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}, {"b_B", vector(u->b_B)}};
     if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
         return false;
     }
@@ -41,7 +38,8 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
     if (!(0.5 * v * v < CLOSED * mu / r)) {
         return fault(f, "v_N", v, "the velocity of a closed orbit, below that of escape");
     }
-    return is_rotation(matrix(u->R_NB), ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f);
+    return is_rotation(matrix(u->R_NB), ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001",
+                       f);
 }
 
 /* The control acts: x->t is the time of the inputs. */
@@ -68,7 +66,7 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     memset(x, 0, sizeof *x);
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     controller_planned_identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
-                         law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
+                                            law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
     x->phase = PHASE_STEERING;
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

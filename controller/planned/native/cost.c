@@ -1,13 +1,13 @@
 #include "cost.h"
 
-static const double WEIGHT_ANGLE = 10.0, BEND = 0.1;       /* of the pseudo-Huber cost of the angle; rad */
-static const double WEIGHT_RATE = 2000.0;                  /* s^2 */
-static const double WEIGHT_WHEEL = 20.0;                   /* 1/(N m s)^2 */
-static const double WEIGHT_WHEEL_NEAR_LIMIT = 3e5;         /* 1/(N m s)^2, beyond WHEEL_NEAR_LIMIT of its limit */
-static const double WHEEL_NEAR_LIMIT = 0.8667;             /* of wheel_momentum_max */
+static const double WEIGHT_ANGLE = 10.0, BEND = 0.1; /* of the pseudo-Huber cost of the angle; rad */
+static const double WEIGHT_RATE = 2000.0;            /* s^2 */
+static const double WEIGHT_WHEEL = 20.0;             /* 1/(N m s)^2 */
+static const double WEIGHT_WHEEL_NEAR_LIMIT = 3e5;   /* 1/(N m s)^2, beyond WHEEL_NEAR_LIMIT of its limit */
+static const double WHEEL_NEAR_LIMIT = 0.8667;       /* of wheel_momentum_max */
 
-double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors, double scale_wheel,
-                      double gradient[ERRORS], double hessian[ERRORS])
+double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
+                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS])
 {
     const Matrix Q = multiply(transposed(target->R), x->R);
     const Vector zeta = rotation_log(Q), w = apply_transposed(Q, target->Omega);

@@ -6,8 +6,8 @@
 
 /* Gradient and diagonal of the (Gauss-Newton) Hessian of a motion's cost rate, where `gradient` is not NULL; returns the cost
  * rate, 1/s. The errors' part and the wheel's are scaled by two factors. */
-double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors, double scale_wheel,
-               double gradient[ERRORS], double hessian[ERRORS]);
+double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
+                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS]);
 
 static const double WEIGHT_CONTROL = 0.005;
 

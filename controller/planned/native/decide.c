@@ -1,21 +1,20 @@
-#include "decide.h"
+/* Steering, acquisition or hold, and the plan that is flown. */
+#include "state.h"
 
 #include <string.h>
 
-#include "estimate.h"
-
-enum { ITERATIONS = 5 };                        /* of a plan at every renewal */
-static const double RATE_MAX = 0.06;            /* rad/s, from which a plan of all its stages still succeeds */
-static const double EARLY = 1e-6;               /* of the control period: a plan is due that much before its time */
-static const double CHALLENGE_PERIOD = 30.0;    /* s */
-static const double HOLD_COST = 10.0;           /* of a plan that is challenged in the hold too: it has a turn in it */
-static const double CHALLENGE_GAIN = 0.97;      /* a challenger is adopted below this share of the plan's cost */
-static const double STEERING_DIPOLE = 1.12;     /* of dipole_max: what three rods give across the field */
-static const double STEERING_AGAIN = 2.0;       /* of steering_limit: back to steering beyond it */
-static const double STEERING_LEFT = 150.0;      /* s of steering, beyond which it goes on down to the next share */
-static const double STEERING_DONE = 0.4;        /* of steering_limit */
+enum { ITERATIONS = 5 };                     /* of a plan at every renewal */
+static const double RATE_MAX = 0.06;         /* rad/s, from which a plan of all its stages still succeeds */
+static const double EARLY = 1e-6;            /* of the control period: a plan is due that much before its time */
+static const double CHALLENGE_PERIOD = 30.0; /* s */
+static const double HOLD_COST = 10.0;        /* of a plan that is challenged in the hold too: it has a turn in it */
+static const double CHALLENGE_GAIN = 0.97;   /* a challenger is adopted below this share of the plan's cost */
+static const double STEERING_DIPOLE = 1.12;  /* of dipole_max: what three rods give across the field */
+static const double STEERING_AGAIN = 2.0;    /* of steering_limit: back to steering beyond it */
+static const double STEERING_LEFT = 150.0;   /* s of steering, beyond which it goes on down to the next share */
+static const double STEERING_DONE = 0.4;     /* of steering_limit */
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0; /* rad (1 deg), rad/s, s */
-static const double LOST_ANGLE = 0.0872664626;  /* rad (5 deg) */
+static const double LOST_ANGLE = 0.0872664626;                                              /* rad (5 deg) */
 
 /* Where the satellite stands against its target. */
 typedef struct {
@@ -72,15 +71,16 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
 }
 
 /* The plan that was, from here and now on. */
-static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ahead, const Motion *now, double t, const Plan *was,
-                  Plan *plan)
+static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ahead, const Motion *now, double t,
+                  const Plan *was, Plan *plan)
 {
     controller_planned_lay_stages(model, ahead, now, t, was, plan, law->workspace.stage);
     controller_planned_improve(model, now, ITERATIONS, plan, &law->workspace);
 }
 
 /* The plan from now on: the one that was, or the one that the search has found. */
-static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now)
+static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead,
+                   const Motion *now)
 {
     const bool fresh = x->plan.stages == 0;
     if (!fresh) {
@@ -99,7 +99,8 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
     x->reference = *now;
 }
 
-void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now, double dt, bool first)
+void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
+                               double dt, bool first)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Model model = controller_planned_believed(law, x);

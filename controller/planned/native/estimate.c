@@ -1,15 +1,16 @@
-#include "estimate.h"
+/* What the controller believes of the satellite: its motion, its properties, the field round it. */
+#include "state.h"
 
 #include <string.h>
 
-static const double MODEL_SHARE = 0.1;          /* of a change of rate by the model that may be wrong */
-static const double MODEL_REST = 1e-6;          /* rad/s^2 that it may be wrong at rest */
-static const double CHANGE_MAX = 0.1;           /* rad/s^2 that rods and wheel may give to a light satellite */
-static const double GYROSCOPIC = 2.0;           /* rad/s^2 per rad^2/s^2 that a body may give to itself */
-static const double CHANGE_NOISE = 20.0;        /* standard deviations of the rate by which a difference may be wrong */
+static const double MODEL_SHARE = 0.1;                 /* of a change of rate by the model that may be wrong */
+static const double MODEL_REST = 1e-6;                 /* rad/s^2 that it may be wrong at rest */
+static const double CHANGE_MAX = 0.1;                  /* rad/s^2 that rods and wheel may give to a light satellite */
+static const double GYROSCOPIC = 2.0;                  /* rad/s^2 per rad^2/s^2 that a body may give to itself */
+static const double CHANGE_NOISE = 20.0;               /* standard deviations of the rate by which a difference may be wrong */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
-static const double RATIO_MAX = 1e3;            /* of step over noise, from which a measurement counts alone */
-static const double NOISE_MIN = 1e-300;         /* keeps a noise of zero from dividing */
+static const double RATIO_MAX = 1e3;                   /* of step over noise, from which a measurement counts alone */
+static const double NOISE_MIN = 1e-300;                /* keeps a noise of zero from dividing */
 
 /* The rods' dipoles at their limit. */
 static void set_rods(const ControllerPlannedLaw *law, double dipole_max, Model *model)
@@ -40,15 +41,16 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     return model;
 }
 
-Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                  const ControllerPlannedInputs *u)
 {
     const OnboardOrbit orbit = {x->t, law->p.gravitational_parameter, vector(u->r_N), vector(u->v_N)};
     return (Ahead){&law->field, orbit, x->field_bias_N, x->t, law->p.reference, law->R_d0};
 }
 
-/* What was given over the last sample: as told, else as asked for; the wheel by its momentum, where that is measured. */
-static void applied(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u, double dt,
-                    double given[CONTROLS])
+/* What rods and wheel gave over the last sample: u_applied, or else what was asked for; the wheel from h_w where connected. */
+static void applied(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u,
+                    double dt, double given[CONTROLS])
 {
     const ControllerPlannedParameters *p = &law->p;
     memcpy(given, x->u, sizeof x->u);
@@ -115,8 +117,8 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
     const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
     const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
                                   add(cross(middle, apply(products, middle)), apply(products, change)));
-    controller_planned_identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known, scale(0.5, add(x->B_B, B_B)),
-             p->identify, &x->identification);
+    controller_planned_identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known,
+                                scale(0.5, add(x->B_B, B_B)), p->identify, &x->identification);
 }
 
 /* The measured field less the onboard model's B_N, smoothed. */
@@ -128,7 +130,8 @@ static Vector field_bias(const ControllerPlannedState *x, Matrix R, Vector b_B, 
     return size > BIAS_MAX ? scale(BIAS_MAX / size, b) : b;
 }
 
-Around controller_planned_take_sample(const ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, bool first)
+Around controller_planned_take_sample(const ControllerPlannedLaw *law, ControllerPlannedState *x,
+                                      const ControllerPlannedInputs *u, bool first)
 {
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;

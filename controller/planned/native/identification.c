@@ -2,18 +2,18 @@
 
 #include <string.h>
 
-static const double WINDOW = 5.0;          /* s */
-static const double NOISE = 1e-4;          /* N m s, of a window's balance of momentum, at least */
-static const double NOISE_RATES = 2.8;     /* standard deviations of a rate, times the inertia: two ends, and some more */
-static const double NOISE_RODS = 0.01;     /* of the rods' impulse */
-static const double GATE = 5.0;            /* standard deviations */
-static const double CHANGE_MIN = 1e-3;     /* rad/s, of the rate in a window that tells something */
-static const double KNOWN_MIN = 1e-3;      /* N m s, of a known impulse from which the scale of p can be told */
-static const double EXPECTED = 0.25;       /* of the largest disturbance: its standard deviation before the flight */
-static const double TRUST = 0.4;           /* largest change of what is identified, relative */
+static const double WINDOW = 5.0;      /* s */
+static const double NOISE = 1e-4;      /* N m s, of a window's balance of momentum, at least */
+static const double NOISE_RATES = 2.8; /* standard deviations of a rate, times the inertia: two ends, and some more */
+static const double NOISE_RODS = 0.01; /* of the rods' impulse */
+static const double GATE = 5.0;        /* standard deviations */
+static const double CHANGE_MIN = 1e-3; /* rad/s, of the rate in a window that tells something */
+static const double KNOWN_MIN = 1e-3;  /* N m s, of a known impulse, below which the scale of p cannot be observed */
+static const double EXPECTED = 0.25;   /* of the largest disturbance: its standard deviation before the flight */
+static const double TRUST = 0.4;       /* largest change of what is identified, relative */
 
-void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
-                          double dipole_max, double rate_noise, Identification *id)
+void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max,
+                                             double disturbance_time, double dipole_max, double rate_noise, Identification *id)
 {
     memset(id, 0, sizeof *id);
     id->disturbance_max = disturbance_max;
@@ -117,8 +117,8 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
     keep_within(id->p + DIPOLE, id->dipole_max);
 }
 
-void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
-              Vector B_B, bool inertia, Identification *id)
+void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods,
+                                 Vector tau_known, Vector B_B, bool inertia, Identification *id)
 {
     if (id->elapsed == 0.0) {
         id->Omega_0 = Omega;
@@ -132,8 +132,8 @@ void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, dou
     id->others = add(id->others, scale(dt, tau_known));
     id->field = add(id->field, scale(dt, B_B));
     const double m = 0.5 * dt;
-    id->wheel = add(id->wheel, (Vector){0.0, m * (Omega.z * l + Omega_next.z * l_next),
-                                        -m * (Omega.y * l + Omega_next.y * l_next)});
+    id->wheel =
+        add(id->wheel, (Vector){0.0, m * (Omega.z * l + Omega_next.z * l_next), -m * (Omega.y * l + Omega_next.y * l_next)});
     id->elapsed += dt;
     if (id->elapsed >= WINDOW - 1e-9) {
         use_window(id, Omega_next, l_next, inertia);

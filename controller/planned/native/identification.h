@@ -10,29 +10,29 @@ enum { UNKNOWNS = 10, GAIN = 3, TORQUE = 4, DIPOLE = 7 };
  * seconds. */
 typedef struct {
     double p[UNKNOWNS], P[UNKNOWNS][UNKNOWNS];
-    double start[TORQUE];                  /* of inertias and gain */
-    double disturbance_max, walk;          /* N m; its change in a window, one standard deviation */
-    double dipole_max;                     /* A m2 */
-    double rate_noise;                     /* rad/s */
+    double start[TORQUE];         /* of inertias and gain */
+    double disturbance_max, walk; /* N m; its change in a window, one standard deviation */
+    double dipole_max;            /* A m2 */
+    double rate_noise;            /* rad/s */
     /* Sums over the window that is open. */
     double elapsed;
-    Vector Omega_0;                        /* rate at its beginning */
-    double l_0;                            /* wheel momentum at its beginning */
-    Vector products;                       /* int (Om2 Om3, Om3 Om1, Om1 Om2) */
-    Vector rods, others, wheel;            /* int of the rods' nominal torque, of known torques, of Omega x l e1 */
-    Vector field;                          /* int of B */
+    Vector Omega_0;             /* rate at its beginning */
+    double l_0;                 /* wheel momentum at its beginning */
+    Vector products;            /* int (Om2 Om3, Om3 Om1, Om1 Om2) */
+    Vector rods, others, wheel; /* int of the rods' nominal torque, of known torques, of Omega x l e1 */
+    Vector field;               /* int of B */
 } Identification;
 
 /* `spread`: standard deviation of inertias and gain, relative; `disturbance_max`, N m; `disturbance_time`, s, over
  * which the disturbance is forgotten; `dipole_max`, A m2, of the satellite itself;
  * `rate_noise`, rad/s, of the measured rates. */
-void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max, double disturbance_time,
-                          double dipole_max, double rate_noise, Identification *id);
+void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max,
+                                             double disturbance_time, double dipole_max, double rate_noise, Identification *id);
 
 /* Adds a sample of dt: the rates and wheel momenta at its ends, the rods' torque at gain 1 and the other known torque
  * over it (gravity gradient, products of inertia), the field. A window that is full is used; it tells of disturbance and dipole alone
  * where `inertia` is false. */
-void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods, Vector tau_known,
-              Vector B_B, bool inertia, Identification *id);
+void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods,
+                                 Vector tau_known, Vector B_B, bool inertia, Identification *id);
 
 #endif

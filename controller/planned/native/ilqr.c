@@ -45,7 +45,8 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(u));
         w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
     }
-    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages], FINAL, FINAL_WHEEL, NULL, NULL);
+    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages], FINAL, FINAL_WHEEL, NULL,
+                                       NULL);
     return cost == cost ? cost : NEVER;
 }
 
@@ -78,8 +79,8 @@ static inline void add_transposed_product(int n, int m, int p, const double *A, 
 }
 
 /* C += A^T B + D^T E; A and D are m x n, B and E are m x p. */
-static inline void add_transposed_products(int n, int m, int p, const double *A, const double *B, const double *D, const double *E,
-                                           double *C)
+static inline void add_transposed_products(int n, int m, int p, const double *A, const double *B, const double *D,
+                                           const double *E, double *C)
 {
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < p; ++j) {
@@ -93,8 +94,8 @@ static inline void add_transposed_products(int n, int m, int p, const double *A,
 }
 
 /* Q = L + V of what follows, to second order in the errors at the stage's beginning and the changes of its controls. */
-static void expand(const Model *model, const Stage *stage, const Motion *x, const Motion *next, const double u[CONTROLS], double h,
-                   BackwardPass *s)
+static void expand(const Model *model, const Stage *stage, const Motion *x, const Motion *next, const double u[CONTROLS],
+                   double h, BackwardPass *s)
 {
     double *A = (double *)s->A, *G = (double *)s->G, *VA = s->VA[0], *VG = s->VG[0];
     controller_planned_linearise(model, &stage->around, x, next, u, h, s->A, s->G);
@@ -109,10 +110,10 @@ static void expand(const Model *model, const Stage *stage, const Motion *x, cons
     memset(VG, 0, sizeof s->VG);
     add_product(ERRORS, ERRORS, ERRORS, s->V[0], A, VA);
     add_product(ERRORS, ERRORS, CONTROLS, s->V[0], G, VG);
-    add_transposed_product(ERRORS, ERRORS, 1, A, s->v, s->Qx);              /* Qx = Lx + A'v */
-    add_transposed_product(CONTROLS, ERRORS, 1, G, s->v, s->Qu);            /* Qu = Lu + G'v */
-    add_transposed_product(CONTROLS, ERRORS, CONTROLS, G, VG, s->Quu[0]);   /* Quu = Luu + G'V G */
-    add_transposed_product(CONTROLS, ERRORS, ERRORS, G, VA, s->Qux[0]);     /* Qux = G'V A */
+    add_transposed_product(ERRORS, ERRORS, 1, A, s->v, s->Qx);            /* Qx = Lx + A'v */
+    add_transposed_product(CONTROLS, ERRORS, 1, G, s->v, s->Qu);          /* Qu = Lu + G'v */
+    add_transposed_product(CONTROLS, ERRORS, CONTROLS, G, VG, s->Quu[0]); /* Quu = Luu + G'V G */
+    add_transposed_product(CONTROLS, ERRORS, ERRORS, G, VA, s->Qux[0]);   /* Qux = G'V A */
 }
 
 /* k = argmin 1/2 k'Quu k + Qu'k in the box of the limits, K = -Quu^-1 Qux in the controls that are free. */

@@ -10,8 +10,8 @@ Around controller_planned_around_at(const Ahead *ahead, double t)
     controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
     const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
-    return (Around){add(controller_planned_onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
-                    ahead->orbit.mu / (r * r * r)};
+    return (Around){add(controller_planned_onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)),
+                    scale(1.0 / r, r_N), ahead->orbit.mu / (r * r * r)};
 }
 
 Target controller_planned_target_at(const Ahead *ahead, double t)
@@ -56,7 +56,8 @@ Motion controller_planned_moved(const Model *model, const Around *around, const 
     return (Motion){multiply(x->R, rotation_exp(scale(h, middle.Omega))), add(x->Omega, scale(h, second)), x->l + dl};
 }
 
-Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
+Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                                   double h)
 {
     const double v[CONTROLS] = {u[0], u[1], u[2], controller_planned_wheel_within(model, x->l, u[3], h)};
     return controller_planned_moved(model, around, x, v, h);
@@ -101,8 +102,8 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
     Vector Pi = apply(J, Omega);
     Pi.x += l;
     const Matrix magnetic = multiply(hat(m), hat(B));
-    const Matrix gravity = times(3.0 * around->rate_squared,
-                                 sum(multiply(hat(rho), multiply(J, hat(rho))), times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
+    const Matrix gravity = times(3.0 * around->rate_squared, sum(multiply(hat(rho), multiply(J, hat(rho))),
+                                                                 times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
     return (Jacobian){
         .turn = times(-1.0, hat(Omega)),
         .angle = multiply(model->J_inverse, sum(magnetic, gravity)),
@@ -136,8 +137,8 @@ static void state_transition(const Jacobian *F, double h, Square A)
     A[6][6] = 1.0;
 }
 
-void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next, const double u[CONTROLS],
-               double h, Square A, double G[ERRORS][CONTROLS])
+void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next,
+                                  const double u[CONTROLS], double h, Square A, double G[ERRORS][CONTROLS])
 {
     const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
     const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));

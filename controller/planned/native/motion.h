@@ -68,10 +68,11 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
 Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
 
 /* The same with the wheel's control within its limit. */
-Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
+Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                                   double h);
 
 /* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its middle. */
-void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next, const double u[CONTROLS],
-               double h, Square A, double G[ERRORS][CONTROLS]);
+void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next,
+                                  const double u[CONTROLS], double h, Square A, double G[ERRORS][CONTROLS]);
 
 #endif

@@ -3,10 +3,11 @@
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
-static const double EARTH_RADIUS = 6371200.0;       /* m, of the field models */
-static const double EARTH_RATE = 7.292115855e-5;    /* rad/s, of Greenwich relative to N */
+static const double EARTH_RADIUS = 6371200.0;    /* m, of the field models */
+static const double EARTH_RATE = 7.292115855e-5; /* rad/s, of Greenwich relative to N */
 
-void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
+void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3],
+                                      OnboardField *field)
 {
     const double year = year_of_days(days);
     const int last = model->epochs - 1;

@@ -60,7 +60,8 @@ static inline double year_of_days(double days)
 }
 
 /* `error` (T) is added to g10, g11, h11. */
-void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);
+void controller_planned_onboard_field(const GaussModel *model, double days, int degree, const double error[3],
+                                      OnboardField *field);
 
 /* B_N, T, at a time after the epoch, s, and a position in N, m. */
 Vector controller_planned_onboard_field_at(const OnboardField *field, double t, Vector r_N);

@@ -11,7 +11,8 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
         int32_t value, low, high;
         const char *expected;
     } counts[] = {
-        {"field_model", p->field_model, CONTROLLER_PLANNED_FIELD_MODEL_IGRF14, CONTROLLER_PLANNED_FIELD_MODEL_WMM2025, "1 to 5"},
+        {"field_model", p->field_model, CONTROLLER_PLANNED_FIELD_MODEL_IGRF14, CONTROLLER_PLANNED_FIELD_MODEL_WMM2025,
+         "1 to 5"},
         {"field_degree", p->field_degree, 1, ONBOARD_DEGREE_MAX, "1 to 13"},
         {"search_iterations", p->search_iterations, 1, SEARCH_ITERATIONS_MAX, "1 to 1000"},
     };
@@ -41,14 +42,14 @@ static bool check_epoch(const ControllerPlannedParameters *p, Fault *f)
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
     const Named positive[] = {
-        {"control_period", p->control_period},       {"dipole_max", p->dipole_max},
-        {"wheel_torque_max", p->wheel_torque_max},   {"wheel_momentum_max", p->wheel_momentum_max},
-        {"plan_period", p->plan_period},             {"steering_limit", p->steering_limit},
-        {"disturbance_time", p->disturbance_time},   {"gravitational_parameter", p->gravitational_parameter},
+        {"control_period", p->control_period},     {"dipole_max", p->dipole_max},
+        {"wheel_torque_max", p->wheel_torque_max}, {"wheel_momentum_max", p->wheel_momentum_max},
+        {"plan_period", p->plan_period},           {"steering_limit", p->steering_limit},
+        {"disturbance_time", p->disturbance_time}, {"gravitational_parameter", p->gravitational_parameter},
     };
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
-    return all_positive(positive, COUNT(positive), f) && check_choices(p, f) &&
-           is_inertia(matrix(p->J_B), "J_B", f) && is_positive_definite(matrix(p->L0), "L0", f) && is_ascending(p->K0, f) &&
+    return all_positive(positive, COUNT(positive), f) && check_choices(p, f) && is_inertia(matrix(p->J_B), "J_B", f) &&
+           is_positive_definite(matrix(p->L0), "L0", f) && is_ascending(p->K0, f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) && check_epoch(p, f) &&
            is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", rotation, f);
 }
@@ -60,5 +61,6 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
     (void)epoch_read(p->epoch, &epoch);
-    controller_planned_onboard_field(&controller_planned_gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error, &law->field);
+    controller_planned_onboard_field(&controller_planned_gauss_models[p->field_model - 1], days_of_epoch(&epoch),
+                                     p->field_degree, p->field_error, &law->field);
 }

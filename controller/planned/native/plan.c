@@ -2,10 +2,10 @@
 
 #include <string.h>
 
-static const double HORIZON = 1500.0, FINE_UNTIL = 500.0;     /* s */
-static const double STAGE_FINE = 10.0, STAGE_COARSE = 25.0;   /* s, before and after FINE_UNTIL */
-static const double FAST = 0.04, FASTER = 0.08;               /* rad/s; stages are halved and quartered */
-static const double EARLY = 1e-6;                             /* s: an end is reached that much before its time */
+static const double HORIZON = 1500.0, FINE_UNTIL = 500.0;   /* s */
+static const double STAGE_FINE = 10.0, STAGE_COARSE = 25.0; /* s, before and after FINE_UNTIL */
+static const double FAST = 0.04, FASTER = 0.08;             /* rad/s; stages are halved and quartered */
+static const double EARLY = 1e-6;                           /* s: an end is reached that much before its time */
 
 void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS])
 {
@@ -36,7 +36,8 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
     stage[plan->stages].target = controller_planned_target_at(ahead, t);
 }
 
-void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was, Plan *plan, Stage stage[STAGES + 1])
+void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
+                                   Plan *plan, Stage stage[STAGES + 1])
 {
     Motion now = *x;
     double s = 0.0;

@@ -36,7 +36,7 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
 
 /* The stages of a horizon from t on, of the plan that was (or none), finer where its motion from x turns fast; its
  * controls are carried over, zero beyond its end. */
-void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was, Plan *plan,
-                Stage stage[STAGES + 1]);
+void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
+                                   Plan *plan, Stage stage[STAGES + 1]);
 
 #endif

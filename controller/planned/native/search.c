@@ -31,20 +31,22 @@ void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B,
         g[i] = -dot(A[i], tau) - (i < 3 ? 0.0 : weight * rest);
         u[i] = 0.0;
     }
-    controller_planned_box_qp((const double(*)[CONTROLS])H, g, low, high, QP_PASSES, u, free);
+    controller_planned_box_qp((const double (*)[CONTROLS])H, g, low, high, QP_PASSES, u, free);
 }
 
 void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stages[STAGES + 1])
 {
     Motion now = *x;
     for (int i = 0; i < plan->stages; ++i) {
-        const double stiffness = smaller(STIFFNESS, STIFFNESS_STEP / plan->h[i]), damping = smaller(DAMPING, DAMPING_STEP / plan->h[i]);
+        const double stiffness = smaller(STIFFNESS, STIFFNESS_STEP / plan->h[i]),
+                     damping = smaller(DAMPING, DAMPING_STEP / plan->h[i]);
         const Stage *stage = &stages[i];
         const Matrix Q = multiply(transposed(stage->target.R), now.R);
         const Vector zeta = rotation_log(Q);
         const double size = norm(zeta);
         const double speed = smaller(stiffness * size, rate);
-        const Vector wanted = subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
+        const Vector wanted =
+            subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
         Vector Pi = apply(model->J, now.Omega);
         Pi.x += now.l;

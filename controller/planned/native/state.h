@@ -1,4 +1,5 @@
-/* What the controller remembers, and what follows from its parameters. */
+/* What the controller remembers, what follows from its parameters, and the three parts of a sample that work on both:
+ * estimate.c, decide.c, command.c. */
 #ifndef CONTROLLER_PLANNED_STATE_H
 #define CONTROLLER_PLANNED_STATE_H
 
@@ -16,13 +17,13 @@ typedef struct {
     double next_challenge; /* s */
     double settled_since;  /* s; beyond t while not settled */
     int32_t phase;
-    bool sampled;          /* whether the control has acted at t */
+    bool sampled; /* whether the control has acted at t */
     Steering steering;
     Plan plan;
     Search search;
-    Motion reference;      /* of the plan, at t_sample */
-    Vector field_bias_N;   /* measured field less that of the onboard model */
-    double l_own;          /* wheel momentum by the controller's own account */
+    Motion reference;    /* of the plan, at t_sample */
+    Vector field_bias_N; /* measured field less that of the onboard model */
+    double l_own;        /* wheel momentum by the controller's own account */
     Identification identification;
     /* The last sample. */
     double t_sample;
@@ -31,15 +32,15 @@ typedef struct {
     Motion predicted, estimate;
     double attitude_gain, rate_gain;
     Vector B_B;
-    double u[CONTROLS];    /* asked for since */
+    double u[CONTROLS]; /* asked for since */
     ControllerPlannedOutputs held;
 } ControllerPlannedState;
 
 /* Parameters and what follows from them alone. */
 typedef struct {
     ControllerPlannedParameters p;
-    Matrix R_d0;        /* projected onto SO(3) */
-    Matrix rod_axes;    /* rows, unit */
+    Matrix R_d0;     /* projected onto SO(3) */
+    Matrix rod_axes; /* rows, unit */
     OnboardField field;
     Workspace workspace;
     Plan trial;
@@ -51,5 +52,31 @@ static inline bool has_field(const ControllerPlannedInputs *u)
 {
     return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
 }
+
+/* The satellite as it is estimated now. */
+Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
+
+/* Where a plan from x->t on takes its environment from. */
+Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                  const ControllerPlannedInputs *u);
+
+/* The estimate after the measurement. */
+Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l);
+
+/* Takes the sample of the inputs at x->t: field, wheel momentum, identification and filter; x->estimate is then that of now.
+ * Returns what surrounds the satellite. */
+Around controller_planned_take_sample(const ControllerPlannedLaw *law, ControllerPlannedState *x,
+                                      const ControllerPlannedInputs *u, bool first);
+
+/* The sample's decision, on the motion `now`, dt after the last. At the first sample there is no time to keep, and no motion to
+ * go on with: the search is made whole. */
+void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
+                               double dt, bool first);
+
+/* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls` are those of
+ * the feed-forward. */
+void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                const ControllerPlannedInputs *u, const Motion *now, double controls[CONTROLS],
+                                ControllerPlannedOutputs *y);
 
 #endif

@@ -2,12 +2,12 @@
  * m = rho unit(B x lambda) with constant lambda, so D = rho int (|B|^2 I - B B^T)/|B x lambda| ds lambda. */
 #include "steering.h"
 
-static const double SPACING = 20.0;      /* s between nodes of the field ahead */
-static const double ALIGNED_MIN = 0.03;  /* |B x lambda| counts at least as this share of |B| */
-static const double EXACT = 60.0;        /* s before the end from which the direction is kept exactly */
-static const double ALIGNED_FULL = 0.2;  /* cosine of a rod to the wanted dipole from which it is at its limit */
-static const double TAPER = 20.0;        /* s before the end from which the dipole is lessened */
-static const double TINY = 1e-300;       /* keeps a length of zero from dividing */
+static const double SPACING = 20.0;     /* s between nodes of the field ahead */
+static const double ALIGNED_MIN = 0.03; /* |B x lambda| counts at least as this share of |B| */
+static const double EXACT = 60.0;       /* s before the end from which the direction is kept exactly */
+static const double ALIGNED_FULL = 0.2; /* cosine of a rod to the wanted dipole from which it is at its limit */
+static const double TAPER = 20.0;       /* s before the end from which the dipole is lessened */
+static const double TINY = 1e-300;      /* keeps a length of zero from dividing */
 enum { ITERATIONS = 5, HALVINGS = 12 };
 
 static Matrix across(Vector B, Vector lambda)
@@ -57,7 +57,8 @@ static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vect
     return SPACING * (i - 1 + high);
 }
 
-void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering)
+void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES],
+                              Steering *steering)
 {
     const double needed = norm(D_N);
     if (!(needed > 0.0)) {

@@ -14,7 +14,8 @@ typedef struct {
 
 /* Improves the costate for the momentum D_N that is still to be given, by dipoles of at most `dipole`, A m2, in the
  * field ahead; `field` is scratch. A zero costate is started anew. */
-void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES], Steering *steering);
+void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES],
+                              Steering *steering);
 
 /* Controls of the rods, -1 to 1: across the field B_B in the costate's direction, at full strength but at the very end. */
 void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3]);

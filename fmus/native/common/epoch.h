@@ -74,7 +74,8 @@ static inline bool epoch_is_utc(const char *text)
 {
     int zero;
     if (!epoch_skip(&text, 'Z') && (epoch_skip(&text, '+') || epoch_skip(&text, '-')) &&
-        (!epoch_digits(&text, 2, &zero) || zero != 0 || !epoch_skip(&text, ':') || !epoch_digits(&text, 2, &zero) || zero != 0)) {
+        (!epoch_digits(&text, 2, &zero) || zero != 0 || !epoch_skip(&text, ':') || !epoch_digits(&text, 2, &zero) ||
+         zero != 0)) {
         return false;
     }
     return *text == '\0';
@@ -87,8 +88,8 @@ static inline bool epoch_read(const char *text, Epoch *epoch)
     static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     int year, month, day;
     int64_t time = 0;
-    if (!epoch_digits(&text, 4, &year) || !epoch_skip(&text, '-') || !epoch_digits(&text, 2, &month) || !epoch_skip(&text, '-') ||
-        !epoch_digits(&text, 2, &day) || year < 1 || month < 1 || month > 12) {
+    if (!epoch_digits(&text, 4, &year) || !epoch_skip(&text, '-') || !epoch_digits(&text, 2, &month) ||
+        !epoch_skip(&text, '-') || !epoch_digits(&text, 2, &day) || year < 1 || month < 1 || month > 12) {
         return false;
     }
     const int64_t year_days = epoch_days_before(year + 1) - epoch_days_before(year);

@@ -22,16 +22,16 @@ static double horner(double x, const double c[], int n)
 
 static double sine(double x) /* |x| <= pi/4 */
 {
-    static const double c[] = {-1.0 / 6.0,           1.0 / 120.0,           -1.0 / 5040.0,           1.0 / 362880.0,
-                               -1.0 / 39916800.0,    1.0 / 6227020800.0,    -1.0 / 1307674368000.0,  1.0 / 355687428096000.0};
+    static const double c[] = {-1.0 / 6.0,        1.0 / 120.0,        -1.0 / 5040.0,          1.0 / 362880.0,
+                               -1.0 / 39916800.0, 1.0 / 6227020800.0, -1.0 / 1307674368000.0, 1.0 / 355687428096000.0};
     const double z = x * x;
     return x + x * z * horner(z, c, 8);
 }
 
 static double cosine(double x) /* |x| <= pi/4 */
 {
-    static const double c[] = {1.0 / 24.0,         -1.0 / 720.0,           1.0 / 40320.0,          -1.0 / 3628800.0,
-                               1.0 / 479001600.0,  -1.0 / 87178291200.0,   1.0 / 20922789888000.0, -1.0 / 6402373705728000.0};
+    static const double c[] = {1.0 / 24.0,        -1.0 / 720.0,         1.0 / 40320.0,          -1.0 / 3628800.0,
+                               1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0, -1.0 / 6402373705728000.0};
     const double z = x * x, half = 0.5 * z;
     const double w = 1.0 - half;
     return w + ((1.0 - w - half) + z * z * horner(z, c, 8)); /* with what 1 - half lost */

@@ -71,8 +71,8 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2Val
 
 FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Integer order[],
                                                    const fmi2Real[]);
-FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Integer order[],
-                                                    fmi2Real[]);
+FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component, const fmi2ValueReference[], size_t,
+                                                    const fmi2Integer order[], fmi2Real[]);
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before);
 FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component);
 FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component, fmi2StatusKind, fmi2Status *);

@@ -51,7 +51,7 @@ typedef struct {
     int current;      /* which is the state */
     Law law;          /* what follows from memory.ports.p */
     bool law_current; /* law fits memory.ports.p, which has passed its check */
-    bool log_events;  /* errors are always told */
+    bool log_events;  /* errors are always logged */
     fmi2CallbackFunctions callbacks;
     char name[NAME_SIZE];
 } Instance;
@@ -99,6 +99,12 @@ fmi2Status make_law_current(Instance *c, const char *function);
 
 /* Whether all outputs are finite; refuses where one is not. */
 bool outputs_finite(const Instance *c, const char *function, const Outputs *y);
+
+/* The state that the inputs give at the start, in other_state. */
+fmi2Status start(Instance *c, const char *function);
+
+/* The outputs of x, written only where all is well. */
+fmi2Status evaluate(Instance *c, const char *function, const State *x);
 
 /* Evaluates the outputs where they do not fit the inputs. Changes no memory of the block. */
 fmi2Status make_outputs_fresh(Instance *c, const char *function);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Errors are told whatever is asked for; events are in "logAll". */
+/* Errors are logged whatever is asked for; events are in "logAll". */
 static const char *const log_categories[] = {"logStatusWarning", "logStatusError", "logStatusFatal", "logAll"};
 
 const char *fmi2GetTypesPlatform(void)
@@ -34,21 +34,6 @@ Instance *enter(fmi2Component component, const char *function, unsigned modes, f
     }
     *status = fmi2OK;
     return c;
-}
-
-const State *state_of(const Instance *c)
-{
-    return &c->states[c->current];
-}
-
-State *other_state(Instance *c)
-{
-    return &c->states[1 - c->current];
-}
-
-void commit_state(Instance *c)
-{
-    c->current = 1 - c->current;
 }
 
 void restore_starts(Instance *c)
@@ -180,80 +165,6 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
     }
     c->memory.time = start; /* the block's t = 0 */
     return fmi2OK;
-}
-
-fmi2Status make_law_current(Instance *c, const char *function)
-{
-    Fault f = {"parameters", "", NULL, 0.0};
-    if (!c->law_current) {
-        if (!block_check(&c->memory.ports.p, &f)) {
-            return refuse_fault(c, function, &f);
-        }
-        block_prepare(&c->memory.ports.p, &c->law);
-        c->law_current = true;
-    }
-    return fmi2OK;
-}
-
-bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
-{
-    const unsigned char *bytes = (const unsigned char *)y;
-    double value;
-    bool finite = true;
-    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
-        memcpy(&value, bytes + (variables[real_outputs[i]].offset - offsetof(Ports, y)), sizeof value);
-        finite &= isfinite(value) != 0;
-    }
-    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS && !finite; ++i) {
-        const Variable *v = &variables[real_outputs[i]];
-        memcpy(&value, bytes + (v->offset - offsetof(Ports, y)), sizeof value);
-        if (!isfinite(value)) {
-            refuse_fault(c, function, &(Fault){v->name, "a finite number for this output", NULL, value});
-            break;
-        }
-    }
-    return finite;
-}
-
-/* The outputs of x, written only where all is well. */
-static fmi2Status evaluate(Instance *c, const char *function, const State *x)
-{
-    Fault f = {"inputs", "", NULL, 0.0};
-    Outputs y;
-    memset(&y, 0, sizeof y);
-    if (!block_outputs(&c->law, x, &c->memory.ports.u, &y, &f)) {
-        return refuse_fault(c, function, &f);
-    }
-    if (!outputs_finite(c, function, &y)) {
-        return fmi2Error;
-    }
-    memcpy(&c->memory.ports.y, &y, sizeof y);
-    c->memory.fresh = true;
-    return fmi2OK;
-}
-
-/* The state that the inputs give at the start, in other_state. */
-static fmi2Status start(Instance *c, const char *function)
-{
-    Fault f = {"inputs", "", NULL, 0.0};
-    State *x = other_state(c);
-    memset(x, 0, sizeof *x);
-    return block_start(&c->law, &c->memory.ports.u, x, &f) ? fmi2OK : refuse_fault(c, function, &f);
-}
-
-fmi2Status make_outputs_fresh(Instance *c, const char *function)
-{
-    if (c->memory.fresh) {
-        return fmi2OK;
-    }
-    if (make_law_current(c, function) != fmi2OK) {
-        return fmi2Error;
-    }
-    const bool running = c->memory.mode == MODE_STEP || c->memory.mode == MODE_TERMINATED;
-    if (!running && start(c, function) != fmi2OK) {
-        return fmi2Error;
-    }
-    return evaluate(c, function, running ? state_of(c) : other_state(c));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component)

@@ -47,6 +47,29 @@ static double power_of_ten(int n)
     return x;
 }
 
+/* x >= 0 as d.ddd 10^exponent: its significant digits as an integer, nine at most without trailing zeros, and their count. */
+static uint64_t digits_of(double x, int *exponent, int *count)
+{
+    *exponent = 0;
+    for (double y = x; y >= 10.0; y /= 10.0) {
+        ++*exponent;
+    }
+    for (double y = x; y < 1.0 && y > 0.0; y *= 10.0) {
+        --*exponent;
+    }
+    /* Two factors, since ten to the 8 - exponent may overflow. */
+    const int half = (8 - *exponent) / 2;
+    uint64_t digits = (uint64_t)(x * power_of_ten(half) * power_of_ten(8 - *exponent - half) + 0.5);
+    if (digits >= 1000000000u) {
+        digits /= 10;
+        ++*exponent;
+    }
+    for (*count = 9; *count > 1 && digits % 10 == 0; --*count) {
+        digits /= 10;
+    }
+    return digits;
+}
+
 /* Nine significant digits, as printf's %.9g. */
 void put_number(Message *m, double x)
 {
@@ -62,25 +85,8 @@ void put_number(Message *m, double x)
         put(m, "infinity");
         return;
     }
-    int exponent = 0;
-    for (double y = x; y >= 10.0; y /= 10.0) {
-        ++exponent;
-    }
-    for (double y = x; y < 1.0 && y > 0.0; y *= 10.0) {
-        --exponent;
-    }
-    /* Two factors, since ten to the 8 - exponent may overflow. */
-    const int half = (8 - exponent) / 2;
-    uint64_t digits = (uint64_t)(x * power_of_ten(half) * power_of_ten(8 - exponent - half) + 0.5);
-    if (digits >= 1000000000u) {
-        digits /= 10;
-        ++exponent;
-    }
-    int count = 9;
-    while (count > 1 && digits % 10 == 0) {
-        digits /= 10;
-        --count;
-    }
+    int exponent, count;
+    const uint64_t digits = digits_of(x, &exponent, &count);
     const bool scientific = exponent < -4 || exponent > 8;
     const int before = scientific ? 1 : exponent + 1; /* digits before the point */
     if (before >= count) {

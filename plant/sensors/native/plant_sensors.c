@@ -13,11 +13,11 @@ enum { ATTITUDE, RATE, FIELD, WHEEL, POSITION, VELOCITY };
 bool plant_sensors_check(const PlantSensorsParameters *p, Fault *f)
 {
     const Named noises[] = {{"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},
-                  {"field_noise", p->field_noise},       {"wheel_momentum_noise", p->wheel_momentum_noise},
-                  {"position_noise", p->position_noise}, {"velocity_noise", p->velocity_noise}};
+                            {"field_noise", p->field_noise},       {"wheel_momentum_noise", p->wheel_momentum_noise},
+                            {"position_noise", p->position_noise}, {"velocity_noise", p->velocity_noise}};
     const NamedVector biases[] = {{"attitude_bias_B", vector(p->attitude_bias_B)},
-                  {"rate_bias_B", vector(p->rate_bias_B)},
-                  {"field_bias_B", vector(p->field_bias_B)}};
+                                  {"rate_bias_B", vector(p->rate_bias_B)},
+                                  {"field_bias_B", vector(p->field_bias_B)}};
     if (!all_finite_vectors(biases, COUNT(biases), f) || !all_not_negative(noises, COUNT(noises), f)) {
         return false;
     }

@@ -37,9 +37,10 @@ PROBE void probe_target(const double r[3], const double v[3], double R[9], doubl
 PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
                         unsigned char *free);
 PROBE void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3]);
-PROBE void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, FlatMotion *y);
-PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, double *A,
-                            double *G);
+PROBE void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
+                          FlatMotion *y);
+PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
+                            double *A, double *G);
 PROBE double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
                              double gradient[7]);
 PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4]);
@@ -172,7 +173,7 @@ void probe_box_qp(int n, const double *H, const double *g, const double *low, co
         double h[CONTROLS][CONTROLS];
         bool f[CONTROLS];
         memcpy(h, H + 16 * i, sizeof h);
-        controller_planned_box_qp((const double(*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
+        controller_planned_box_qp((const double (*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
         for (int k = 0; k < CONTROLS; ++k) {
             free[4 * i + k] = f[k];
         }
@@ -208,7 +209,8 @@ void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion 
     memcpy(G, columns, sizeof columns);
 }
 
-double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x, double gradient[7])
+double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
+                       double gradient[7])
 {
     const Model model = model_of(m);
     const Target target = {nine(R_d), vector(Omega_d)};
@@ -263,8 +265,8 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
 }
 
 /* The stages and controls that a plan from t becomes when it is laid anew from t_next. */
-int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h, const double *u,
-                    double t_next, double *h_next, double *u_next)
+int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
+                    const double *u, double t_next, double *h_next, double *u_next)
 {
     OnboardField field;
     const Model model = model_of(m);
@@ -305,7 +307,8 @@ double probe_steer(const FlatAhead *a, double t, const double D[3], double dipol
     return steering.time;
 }
 
-void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods, double u[3])
+void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
+                         double u[3])
 {
     const Steering steering = {vector(lambda), time};
     const Vector axes[3] = {vector(rods), vector(rods + 3), vector(rods + 6)};
