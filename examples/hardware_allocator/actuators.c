@@ -33,7 +33,7 @@ bool actuators_start(const ActuatorsLaw *law, const ActuatorsInputs *u, Actuator
     return true;
 }
 
-static double clip(double x, double limit)
+static double limited(double x, double limit)
 {
     return fmax(-limit, fmin(limit, x));
 }
@@ -99,7 +99,7 @@ bool actuators_outputs(const ActuatorsLaw *law, const ActuatorsState *x, const A
     /* The wheel gives what is asked for along the field, as far as it can; the coils the rest across it. */
     const Vector precession = {0.0, -gyro.z * momentum, gyro.y * momentum};
     const double along = dot(subtract(request, precession), b);
-    const double spin = fabs(b.x) < ON_WHEEL_MIN ? 0.0 : clip(-along / b.x, 1e-3 * p->motor_max);
+    const double spin = fabs(b.x) < ON_WHEEL_MIN ? 0.0 : limited(-along / b.x, 1e-3 * p->motor_max);
     const Vector wheel = add((Vector){-spin, 0.0, 0.0}, precession);
     double m[3];
     dipoles(subtract(request, wheel), field, m);
@@ -108,14 +108,14 @@ bool actuators_outputs(const ActuatorsLaw *law, const ActuatorsState *x, const A
     const double share = largest_asked > most ? most / largest_asked : 1.0; /* keeps the torque's direction */
     static const int rod_of[3] = {2, 0, 1};
     for (int i = 0; i < 3; ++i) {
-        y->coil[i] = y->coils_on ? 1e3 * clip(driven(p, share * m[rod_of[i]]), 1e-3 * p->coil_max) : 0.0;
+        y->coil[i] = y->coils_on ? 1e3 * limited(driven(p, share * m[rod_of[i]]), 1e-3 * p->coil_max) : 0.0;
     }
 
     double friction = 1e-6 * p->friction_viscous * u->tach;
     if (fabs(rate) > REST) {
         friction += copysign(1e-3 * p->friction_coulomb, rate);
     }
-    y->wheel_motor = -1e3 * clip(spin + friction, 1e-3 * p->motor_max);
+    y->wheel_motor = -1e3 * limited(spin + friction, 1e-3 * p->motor_max);
     return true;
 }
 

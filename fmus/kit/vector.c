@@ -144,7 +144,7 @@ static FILE *open_table(const char *folder, const char *name)
 static char line[LINE_SIZE];
 static char *cells[COLUMNS_MAX];
 static fmi2ValueReference references[COLUMNS_MAX];
-static double largest[COLUMNS_MAX], peak[COLUMNS_MAX], when[COLUMNS_MAX];
+static double worst[COLUMNS_MAX], peak[COLUMNS_MAX], when[COLUMNS_MAX];
 
 static void set_parameters(fmi2Component c, const char *folder)
 {
@@ -163,8 +163,8 @@ static void compare(fmi2Component c, int columns, double time)
         if (variables[references[i]].causality == CAUSALITY_OUTPUT) {
             const double expected = strtod(cells[i], NULL), difference = fabs(get(c, references[i]) - expected);
             peak[i] = fmax(peak[i], fabs(expected));
-            if (difference > largest[i] || isnan(difference)) {
-                largest[i] = isnan(difference) ? INFINITY : difference;
+            if (difference > worst[i] || isnan(difference)) {
+                worst[i] = isnan(difference) ? INFINITY : difference;
                 when[i] = time;
             }
         }
@@ -209,11 +209,11 @@ static int report(int columns, int rows, double tolerance)
     for (int i = 1; i < columns; ++i) {
         const Variable *v = &variables[references[i]];
         if (v->causality == CAUSALITY_OUTPUT) {
-            const double relative = peak[i] > 0.0 ? largest[i] / peak[i] : largest[i];
-            const int within = relative <= tolerance || largest[i] <= 1e-15; /* which is rounding */
+            const double relative = peak[i] > 0.0 ? worst[i] / peak[i] : worst[i];
+            const int within = relative <= tolerance || worst[i] <= 1e-15; /* which is rounding */
             wrong += !within;
-            printf("%s  %-24s %12.4g %10.2g", within ? "ok    " : "DIFFER", v->name, largest[i], relative);
-            if (largest[i] > 0.0) {
+            printf("%s  %-24s %12.4g %10.2g", within ? "ok    " : "DIFFER", v->name, worst[i], relative);
+            if (worst[i] > 0.0) {
                 printf("  %g s", when[i]);
             }
             printf("\n");
