@@ -19,7 +19,7 @@ from ..fmu.model import Element, Model, Variable
 from ..runner.read import load
 from ..runner.run import execute
 from ..scenario.scenario import Scenario
-from ..swap.fit import Finding, Fit
+from ..swap.findings import Finding, Fit
 from ..system.starts import values_of
 from ..system.wiring import fed
 from . import playback

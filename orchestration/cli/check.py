@@ -12,7 +12,7 @@ import click
 from ..acceptance.check import check
 from ..acceptance.vector import play
 from ..fmu.archive import shown
-from ..swap.fit import Finding
+from ..swap.findings import Finding
 from .console import say
 from .status import DOES_NOT_FIT
 

@@ -12,7 +12,7 @@ from ..acceptance.page import write
 from ..errors import BlockError, InputError
 from ..results import folder
 from ..runner.read import load, read
-from ..swap.prepare import swapped
+from ..swap.option import swapped
 from .console import complain, notes, say, table
 from .overrides import overridden
 from .status import BLOCK_FAILED, NOT_EQUIVALENT

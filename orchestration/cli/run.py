@@ -12,7 +12,7 @@ from ..results.figures import require
 from ..results.result import Result
 from ..runner import run as runner
 from ..runner.read import load, read
-from ..swap.prepare import swapped
+from ..swap.option import swapped
 from .console import Progress, complain, lost, notes, say
 from .overrides import overridden
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN

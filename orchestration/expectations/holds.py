@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..fmu.model import Floats, Model
 from ..scenario.expectations import HoldEntry
+from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
@@ -112,7 +113,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
     return looks
 
 
-def _flag(scenario: Scenario, key: Key, name: str, models: Mapping[str, Model]) -> Node:
+def _flag(scenario: Scenario, key: Key, name: Reference, models: Mapping[str, Model]) -> Node:
     variable, nodes = signals.find(scenario, key, name, models)
     if variable.type != "boolean" or len(nodes) != 1:
         raise InputError(scenario.error(key, f"expected one boolean signal, {name} is {variable.kind}"))

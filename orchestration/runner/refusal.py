@@ -21,7 +21,7 @@ def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError
     if failure.time is not None or not failure.problem.startswith("gave status"):
         return None
     block = failure.block
-    given = {name.partition("[")[0].strip(): name for name in scenario.blocks[block].start}
+    given = {name.variable: name for name in scenario.blocks[block].start}
     lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
     for line in lines:
         if found := _named(line, given):

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, WithJsonSchema, model_validator
 
+from .references import Reference
 from .types import NUMBER_OR_TEXT, Model, Quantity, Time, quantity
 
 
@@ -49,7 +50,7 @@ class Expectation(Model):
 
     name: str = Field(strict=True, min_length=1)
     """A sentence that reads well in the table at the end."""
-    signal: str = Field(strict=True)
+    signal: Reference
     """The signal that is looked at, recorded or not: `plant.omega_B` or one element, `plant.omega_B[2]`."""
     measure: Literal["element", "norm"] = "element"
     """Each element for itself, or the Euclidean norm of the vector."""
@@ -57,7 +58,7 @@ class Expectation(Model):
     """Only samples from this time on."""
     before: Time | None = None
     """Only samples up to this time."""
-    when: Annotated[str, Field(strict=True)] | None = None
+    when: Reference | None = None
     """Only samples at which this boolean signal is true; there must be one."""
     always: Bound | None = None
     """Every sample meets the bound."""
@@ -79,9 +80,9 @@ class HoldEntry(Model):
 
     name: str = Field(strict=True, min_length=1)
     """What is held: "commands"."""
-    signal: Annotated[str, Field(strict=True)]
+    signal: Reference
     """The boolean signal that is true while they are held."""
-    keeps: list[Annotated[str, Field(strict=True)]] = Field(min_length=1)
+    keeps: list[Reference] = Field(min_length=1)
     """The signals that keep their values."""
-    limits: dict[str, Annotated[str, Field(strict=True)]] = {}
+    limits: dict[str, Reference] = {}
     """Boolean signals of limits, by what is to be said of them, told where the hold does not end."""

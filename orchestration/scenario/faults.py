@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
+from .references import Assignment, Reference
 from .types import Model, Time, Value
 
 
@@ -20,15 +21,15 @@ class Fault(Model):
     """When it begins."""
     until: Time | None = None
     """When it ends; default: never."""
-    set: Annotated[str, Field(strict=True)] | None = None
+    set: Assignment | None = None
     """`plant.friction = 0.1`: a tunable parameter, or an input that is not connected."""
-    freeze: Annotated[str, Field(strict=True)] | None = None
+    freeze: Reference | None = None
     """A signal that stays at the value that it has at this time."""
-    bias: Annotated[str, Field(strict=True)] | None = None
+    bias: Reference | None = None
     """A signal to which `by` is added."""
     by: Value = None
     """What `bias` adds."""
-    cut: Annotated[str, Field(strict=True)] | None = None
+    cut: Reference | None = None
     """A signal that is lost: its receivers are given `to`."""
     to: Value = None
     """What is given instead of a signal that is cut; default: zero, or false."""
@@ -51,6 +52,13 @@ class Fault(Model):
     @property
     def kind(self) -> str:
         return next(name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None)
+
+    @property
+    def target(self) -> Reference:
+        """The parameter or signal to which it happens."""
+        if self.set is not None:
+            return self.set.target
+        return next(signal for signal in (self.freeze, self.bias, self.cut) if signal is not None)
 
 
 def sentence(fault: Fault) -> str:

@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from .references import Reference
 from .types import Model, Quantity, Time
 
 
 class Panel(Model):
     """One plot of a figure."""
 
-    signals: list[Annotated[str, Field(strict=True)]] = Field(min_length=1)
+    signals: list[Reference] = Field(min_length=1)
     """Signals of one unit, recorded or not; every element of a vector is a curve."""
     measure: Literal["element", "norm"] = "element"
     """Each element for itself, or the Euclidean norm of the vector."""
@@ -33,9 +34,9 @@ class FigureEntry(Model):
     """Name of the file, without its ending."""
     title: str = ""
     panels: list[Panel] = Field(min_length=1)
-    shade: Annotated[str, Field(strict=True)] | None = None
+    shade: Reference | None = None
     """A boolean signal; the times at which it is true are shaded."""
-    mark: Annotated[str, Field(strict=True)] | None = None
+    mark: Reference | None = None
     """A scalar signal whose changes of sign are marked."""
     window: Annotated[list[Time], Field(min_length=2, max_length=2)] | None = None
     """From when to when; default: the whole run."""

@@ -23,6 +23,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from ..errors import InputError, as_written
 from ..quantities import QuantityError, parse, parse_unit, real
 from . import complaints, source
+from .references import Name
 
 
 class _Model(BaseModel):
@@ -81,8 +82,7 @@ def _names(value: Any) -> list[Any]:
     return [value] if isinstance(value, str) else value
 
 
-_Name = Annotated[str, Field(strict=True, min_length=1)]
-_Names = Annotated[list[_Name], BeforeValidator(_names, json_schema_input_type=str | list[str]), Field(min_length=1)]
+_Names = Annotated[list[Name], BeforeValidator(_names, json_schema_input_type=str | list[str]), Field(min_length=1)]
 _Number = Annotated[Any, BeforeValidator(_quantity, json_schema_input_type=float | str)]
 _Rows = Annotated[list[list[float]], BeforeValidator(_matrix)]
 _Offset = Annotated[Any, BeforeValidator(_offset, json_schema_input_type=float | str | list[float | str])]
@@ -143,7 +143,7 @@ class Mapping(_Model):
     """A file that holds the mapping, relative to the scenario; nothing else is then said here."""
     ports: dict[str, _Port] = {}
     """Our inputs, outputs and parameters by name, each with theirs. What has our name need not be listed."""
-    start: dict[str, Any] = {}
+    start: dict[Name, Any] = {}
     """Values of inputs and parameters that only theirs has, by their names."""
     ignore: list[Annotated[str, Field(strict=True)]] = []
     """Our inputs, outputs and parameters that theirs does without. What is lost thereby is told."""

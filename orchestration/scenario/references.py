@@ -1,15 +1,96 @@
-"""Names of signals in a scenario, such as `plant.R_NB[2,3]`."""
+"""Names in a scenario, parsed when it is read. Each is the text that the user wrote, and knows its parts."""
 
 from __future__ import annotations
 
 import re
+from typing import Annotated, Any, Self
 
-_REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S+?)((?:\[\s*\d+\s*(?:,\s*\d+\s*)*\])*)")
+from pydantic import AfterValidator, Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from .source import parse
+
+_NAME = re.compile(r"(\S+?)((?:\[\s*\d+\s*(?:,\s*\d+\s*)*\])*)")
+_REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S.*)", re.DOTALL)
 
 
-def split(reference: str) -> tuple[str, str, tuple[int, ...]] | None:
-    """Block, variable and index (from 1) of `plant.R_NB[2,3]`, also written `plant.R_NB[2][3]`; None if malformed."""
-    match = _REFERENCE.fullmatch(reference.strip())
-    if match is None:
-        return None
-    return match[1], match[2], tuple(map(int, re.findall(r"\d+", match[3])))
+class _Text(str):
+    """What Pydantic makes of text by calling the class, which raises ValueError where the text is no such thing."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(cls, core_schema.str_schema(strict=True))
+
+
+class Name(_Text):
+    """A variable, or an element of it: `R_NB[2,3]`, also `R_NB[2][3]`, counted as the FMU counts. Any text is one."""
+
+    variable: str
+    indices: tuple[int, ...]
+
+    def __new__(cls, text: str) -> Self:
+        name = super().__new__(cls, text)
+        match = _NAME.fullmatch(text.strip())
+        name.variable = match[1] if match else text.strip()
+        name.indices = tuple(map(int, re.findall(r"\d+", match[2]))) if match else ()
+        return name
+
+
+class Reference(_Text):
+    """A variable of a block, or an element of it: `plant.R_NB[2,3]`."""
+
+    block: str
+    variable: str
+    indices: tuple[int, ...]
+
+    def __new__(cls, text: str, example: str = "block.variable") -> Self:
+        match = _REFERENCE.fullmatch(text.strip())
+        if match is None or not _NAME.fullmatch(match[2]):
+            raise ValueError(f"expected {example}, found {text.strip()!r}")
+        reference = super().__new__(cls, text.strip())
+        name = Name(match[2])
+        reference.block, reference.variable, reference.indices = match[1], name.variable, name.indices
+        return reference
+
+    @property
+    def whole(self) -> str:
+        """The variable without its index: `plant.R_NB`."""
+        return f"{self.block}.{self.variable}"
+
+
+class Connection(_Text):
+    """An output and the input that it feeds: `plant.omega_B -> controller.omega_B`."""
+
+    source: Reference
+    target: Reference
+
+    def __new__(cls, text: str) -> Self:
+        ends = text.split("->")
+        if len(ends) != 2:
+            raise ValueError(f"{text.strip()}: expected 'block.output -> block.input'")
+        connection = super().__new__(cls, text.strip())
+        try:
+            connection.source = Reference(ends[0], "block.output")
+            connection.target = Reference(ends[1], "block.input")
+        except ValueError as error:
+            raise ValueError(f"{text.strip()}: {error}") from None
+        return connection
+
+
+class Assignment(_Text):
+    """A value for a variable: `plant.friction = 0.1`. The value is YAML."""
+
+    target: Reference
+    value: Any
+
+    def __new__(cls, text: str) -> Self:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise ValueError(f"expected block.parameter = value, found {text!r}")
+        assignment = super().__new__(cls, text)
+        assignment.target, assignment.value = Reference(name), parse(value).data
+        return assignment
+
+
+Selection = Annotated[str, Field(strict=True), AfterValidator(lambda text: text if "*" in text else Reference(text))]
+"""A reference, or a pattern such as `plant.*`."""

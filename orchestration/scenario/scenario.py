@@ -13,6 +13,7 @@ from .expectations import Expectation, HoldEntry
 from .faults import Fault
 from .figures import FigureEntry
 from .mapping import MapEntry
+from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
 from .types import Bytes, Flavour, Isolation, Model, Period, Value
 
@@ -38,7 +39,7 @@ class BlockEntry(Model):
     reference .fmu. Default for an FMU given by its path: the block's name, if the project has such an interface."""
     map: MapEntry | None = None
     """How the FMU's ports stand to those of the interface: a mapping, or the path of one, relative to the scenario."""
-    start: dict[str, Value] = {}
+    start: dict[Name, Value] = {}
     """Start values of parameters and inputs: numbers in the unit of the port, or text with a unit; vectors and
     matrices as lists; one element as `name[2]`; items of enumerations by their names."""
 
@@ -48,7 +49,7 @@ class Record(Model):
 
     interval: Period | None = None
     """Time from sample to sample, a multiple of the base step, which is the default."""
-    signals: list[Annotated[str, Field(strict=True)]] | None = None
+    signals: list[Selection] | None = None
     """Names such as `plant.omega_B`, `plant.x[2]` or `plant.*` (all outputs). Default: all outputs of all blocks."""
 
 
@@ -80,9 +81,9 @@ class Scenario(Model):
     """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
-    connections: list[Annotated[str, Field(strict=True)]] = []
+    connections: list[Connection] = []
     """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
-    delays: list[Annotated[str, Field(strict=True)]] = []
+    delays: list[Reference] = []
     """Targets of connections that pass the value of the step before, to break an algebraic loop."""
     record: Record = Record()
     expect: list[Expectation] = []

@@ -16,7 +16,8 @@ from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..instances.block import Block
 from . import rotation
-from .fit import Fit, Link, model
+from .as_ours import model
+from .findings import Fit, Link
 
 
 class Adapter:

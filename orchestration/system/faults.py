@@ -17,10 +17,9 @@ from ..errors import InputError, as_written, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, parse
 from ..scenario.faults import Fault, sentence
-from ..scenario.references import split
+from ..scenario.references import Assignment, Name, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from ..scenario.source import parse as parse_yaml
 from .starts import Scalar, leaves, scalar, values_of
 from .wiring import Link, Node, Wiring
 
@@ -72,8 +71,8 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
             span = _span(scenario, key, fault, found.notes)
             if span is None:
                 continue
-            if fault.kind == "set":
-                found.settings.append(_setting(fault, models, wiring, span))
+            if fault.set is not None:
+                found.settings.append(_setting(fault.set, models, wiring, span))
             else:
                 found.disturbances += _disturbances(fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
@@ -110,21 +109,16 @@ def _count(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int:
     return count
 
 
-def _signal(reference: str, models: Mapping[str, Model]) -> tuple[str, Variable, list[int]]:
-    parts = split(reference)
-    if parts is None:
-        raise NameUnknown(f"expected block.variable, found {reference!r}")
-    block, name, index = parts
+def _signal(reference: Reference, models: Mapping[str, Model]) -> tuple[str, Variable, list[int]]:
+    block = reference.block
     if block not in models:
         raise NameUnknown(f"there is no block {block!r}{hint(block, models)}")
-    return block, *models[block].find(block, name, index, ("input", "output", "parameter"))
+    of = ("input", "output", "parameter")
+    return block, *models[block].find(block, reference.variable, reference.indices, of)
 
 
-def _setting(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
-    name, equals, text = str(fault.set).partition("=")
-    if not equals or not name.strip() or not text.strip():
-        raise QuantityError(f"expected block.parameter = value, found {fault.set!r}")
-    name = name.strip()
+def _setting(assignment: Assignment, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
+    name = assignment.target
     block, variable, positions = _signal(name, models)
     if variable.causality == "parameter" and variable.variability != "tunable":
         raise QuantityError(
@@ -135,7 +129,7 @@ def _setting(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Sp
         fed = {node for link in wiring.links for node in link.target}
         if any(Node(block, Element(variable.name, position)) in fed for position in positions):
             raise QuantityError(f"{name} is connected; remedy: 'cut: {name}' with 'to', which takes the signal's place")
-    values = values_of(block, models[block], name.partition(".")[2], parse_yaml(text).data)
+    values = values_of(block, models[block], Name(name.partition(".")[2]), assignment.value)
     if variable.type == "string" and span[1] < math.inf:
         raise QuantityError(f"{name} is text, which can be set but not be restored; remedy: leave out 'until'")
     return Setting(block, tuple(values.items()), span, name)
@@ -147,7 +141,7 @@ def _tunable(model: Model) -> str:
 
 
 def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> list[Disturbance]:
-    reference = str(getattr(fault, fault.kind))
+    reference = fault.target
     block, variable, positions = _signal(reference, models)
     if variable.causality == "parameter":
         raise QuantityError(f"{reference} is a parameter and no signal; remedy: set: {reference} = ...")

@@ -8,6 +8,7 @@ from ..errors import InputError
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from ..scenario.figures import Panel
+from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from . import signals
@@ -19,7 +20,7 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     needed: dict[Node, None] = {}
     faults: list[str] = []
     for i, entry in enumerate(scenario.figures):
-        wanted: list[tuple[Key, str]] = [
+        wanted: list[tuple[Key, Reference]] = [
             (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
         ]
         for j, panel in enumerate(entry.panels):

@@ -8,22 +8,21 @@ from fnmatch import fnmatchcase
 
 from ..errors import InputError, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
-from ..scenario.references import split
+from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from .wiring import Node
 
 
-def find(scenario: Scenario, key: Key, reference: str, models: Mapping[str, Model]) -> tuple[Variable, list[Node]]:
+def find(
+    scenario: Scenario, key: Key, reference: Reference, models: Mapping[str, Model]
+) -> tuple[Variable, list[Node]]:
     """The elements that one reference means. Raises InputError at the given place of the scenario."""
-    parts = split(reference)
-    if parts is None:
-        raise InputError(scenario.error(key, f"expected block.variable, found {reference!r}"))
-    block, name, index = parts
+    block = reference.block
     if block not in models:
         raise InputError(scenario.error(key, f"there is no block {block!r}{hint(block, models)}"))
     try:
-        variable, positions = models[block].find(block, name, index)
+        variable, positions = models[block].find(block, reference.variable, reference.indices)
     except NameUnknown as error:
         raise InputError(scenario.error(key, str(error))) from None
     if variable.type not in TYPES:
@@ -46,7 +45,7 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
         try:
             found = (
                 _matching(scenario, key, reference, models)
-                if "*" in reference
+                if not isinstance(reference, Reference)
                 else find(scenario, key, reference, models)[1]
             )
         except InputError as error:

@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError, as_written, nearest, suggestion
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, convert, parse, value_in
-from ..scenario.references import split
+from ..scenario.references import Name
 from ..scenario.scenario import Scenario
 
 Scalar = float | int | bool | str
@@ -39,7 +39,7 @@ def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[S
                 found.update(values)
             except (QuantityError, NameUnknown) as error:
                 # The place ends with the variable's name only where the variable is known.
-                known = name.partition("[")[0] in models[block].variables
+                known = name.variable in models[block].variables
                 faults.append(_at(scenario, key, key if known else key[:-1], str(error)))
         starts[block] = [Start(element, value) for element, value in found.items()]
     if faults:
@@ -62,13 +62,10 @@ def _at(scenario: Scenario, key: tuple[str, ...], shown: tuple[str, ...], text: 
     return f"{place.removesuffix('.' + key[-1]) if shown != key else place}: {text}"
 
 
-def values_of(block: str, model: Model, name: str, value: Any) -> dict[Element, Scalar]:
+def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element, Scalar]:
     """The values of a parameter or input, or of an element of it. Raises QuantityError or NameUnknown."""
-    parts = split(f"{block}.{name}")
-    if parts is None:
-        raise NameUnknown(f"expected the name of a parameter or input, found {name!r}")
     try:
-        variable, positions = model.find(block, parts[1], parts[2], ("parameter", "input"))
+        variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"))
     except NameUnknown as error:
         raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
     if variable.causality not in ("parameter", "input"):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..errors import InputError, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
-from ..scenario.references import split
+from ..scenario.references import Connection, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 
@@ -99,8 +99,8 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
 
 def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Variable]:
     """The inputs among these that a scenario feeds: an optional one may be neither connected nor given a value."""
-    given = {text.split("->")[-1].partition("[")[0].strip() for text in scenario.connections}
-    given |= {f"{block}.{key.partition('[')[0]}" for key in scenario.blocks[block].start}
+    given = {connection.target.whole for connection in scenario.connections}
+    given |= {f"{block}.{name.variable}" for name in scenario.blocks[block].start}
     return [v for v in ports if v.causality == "input" and (not v.optional or f"{block}.{v.name}" in given)]
 
 
@@ -108,12 +108,9 @@ class _Fault(ValueError):
     pass
 
 
-def _links(text: str, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
+def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
     """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings."""
-    ends = text.split("->")
-    if len(ends) != 2:
-        raise _Fault("expected 'block.output -> block.input'")
-    source, target = _end(ends[0], models, "output"), _end(ends[1], models, "input")
+    source, target = _end(text.source, models, "output"), _end(text.target, models, "input")
     if source.variable.type != target.variable.type:
         raise _Fault(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
     if source.variable.type == "string":
@@ -150,14 +147,11 @@ def _links(text: str, models: Mapping[str, Model], delays: Mapping[Node, int]) -
     return links, list(warnings)
 
 
-def _end(reference: str, models: Mapping[str, Model], causality: str) -> _End:
-    parts = split(reference)
-    if parts is None:
-        raise _Fault(f"expected block.{causality}, found {reference.strip()!r}")
-    block, name, index = parts
+def _end(reference: Reference, models: Mapping[str, Model], causality: str) -> _End:
+    block = reference.block
     if block not in models:
         raise _Fault(f"there is no block {block!r}{hint(block, models)}")
-    variable, positions = models[block].find(block, name, index, (causality,))
+    variable, positions = models[block].find(block, reference.variable, reference.indices, (causality,))
     if variable.causality != causality:
         article = "an" if variable.causality[0] in "aeio" else "a"
         raise _Fault(f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}")
@@ -209,7 +203,7 @@ def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[No
 def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping[Node, str]) -> list[str]:
     faults = []
     for block, model in models.items():
-        started = {name for key in scenario.blocks[block].start for name in (key, key.partition("[")[0])}
+        started = {name for key in scenario.blocks[block].start for name in (key, key.variable)}
         for variable in model.of("input"):
             free = [p for p in range(variable.size) if Node(block, Element(variable.name, p)) not in taken]
             whole = len(free) == variable.size

@@ -13,7 +13,7 @@ from fmus.interface import parse
 from orchestration import load, run
 from orchestration.acceptance.compare import compare
 from orchestration.runner.read import read
-from orchestration.swap.prepare import swapped
+from orchestration.swap.option import swapped
 
 from .test_kit import ROOT, make, orchestrate
 

@@ -11,7 +11,7 @@ import pytest
 from orchestration.acceptance.compare import compare
 from orchestration.acceptance.tolerances import tolerances
 from orchestration.runner.read import read
-from orchestration.swap import prepare as swap
+from orchestration.swap import option as swap
 
 from .. import fmus, vendor
 from ..swap.test_mapping import STEP, orchestrate, swapped

@@ -19,7 +19,9 @@ from orchestration.quantities import Unit, parse_unit
 from orchestration.scenario.mapping import Mapping
 from orchestration.swap import rotation
 from orchestration.swap.adapter import Adapter
-from orchestration.swap.fit import fit, model, unfed
+from orchestration.swap.as_ours import model
+from orchestration.swap.findings import unfed
+from orchestration.swap.fit import fit
 
 from .. import fmus, mocks, vendor
 from ..mocks import Mock, real

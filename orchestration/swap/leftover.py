@@ -1,0 +1,125 @@
+"""Ports that only one side has: ours that theirs lacks, and theirs that stand for none of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..errors import hint, nearest
+from ..fmu.model import Element, NameUnknown, Variable
+from ..quantities import ONE, QuantityError
+from ..scenario.mapping import Mapping as PortMapping
+from ..scenario.references import Name
+from ..system.starts import values_of
+from .findings import Fit, named
+
+
+def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
+    free = [v for v in fitted.theirs.of(ours.causality) if v.name not in fitted.reference.model.variables]
+    free = [v for v in free if not any(element in taken for element in v.elements)]
+    match = nearest(ours.name, (v.name for v in free))
+    meant = [match] if match else []
+    alike = [v.name for v in free if v.type == ours.type and v.size == ours.size and _unit_fits(ours, v)]
+    meant += [name for name in alike if name not in meant]
+    key = f"'{ours.name}: {meant[0] if meant else 'THEIRS'}' under ports in the mapping"
+    kind = f"{ours.kind}" + (f" in {ours.unit}" if str(ours.unit or ONE) != "1" else "")
+    text = f"{ours.causality} {ours.name}, {kind}, is missing"
+    if meant:
+        text += f"; by name or unit it may be {' or '.join(meant[:3])}"
+    if ours.optional:
+        fitted.without[ours.name] = ours
+        text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
+        fitted.say("note", "optional", text, f"none needed, or {key}")
+    elif ours.causality == "input":
+        fitted.say("fault", "missing", text, f"{key}; or list it under ignore, if theirs does without")
+    if ours.causality == "input":
+        return
+    fitted.missing[ours.name] = ours
+    if ours.causality == "output" and ours.name in fitted.reference.needed:
+        fitted.say("fault", "missing", f"{text}; other blocks need it", key)
+    elif ours.causality == "output":
+        fitted.say("note", "missing", f"{text}; no other block needs an input of its name", f"none needed, or {key}")
+    else:
+        text += "; a scenario that gives it a value is refused"
+        fitted.say("note", "missing", text, f"none needed, or {key}, or list it under ignore")
+
+
+def _unit_fits(ours: Variable, theirs: Variable) -> bool:
+    if ours.type != "real" or str(ours.unit or ONE) == "1" or theirs.unit is None:
+        return False
+    return (ours.unit or ONE).fits(theirs.unit)
+
+
+def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> None:
+    ours = fitted.reference.model.variables
+    known = fitted.theirs.variables
+    for name, value in mapping.start.items():
+        variable = known.get(name) or known.get(name.variable)
+        key = ("start", name)
+        if variable is None or variable.causality not in ("input", "parameter"):
+            names = (v.name for v in fitted.theirs.of("input", "parameter"))
+            fitted.say(
+                "fault", "mapping", f"their FMU has no input or parameter {name!r}{hint(name.variable, names)}", key=key
+            )
+        else:
+            _started(fitted, variable, name, value, taken)
+    partial: dict[str, list[str]] = {}
+    for variable in fitted.theirs.of("input", "output", "parameter"):
+        left = [e for e in variable.elements if e not in taken and e not in fitted.start]
+        if not left:
+            continue
+        if len(left) < variable.size and variable.name not in fitted.ignored:
+            label = named(fitted.theirs, left)
+            if variable.causality == "input":
+                text = f"input{_s(left)} {label} {'are' if len(left) > 1 else 'is'} of theirs only, and nothing feeds "
+                text += "them" if len(left) > 1 else "it"
+                remedy = f"give a value under start in the mapping, such as '{label.split()[0]}: 0', or map the whole"
+                fitted.say("fault", "elements", text, remedy)
+            else:
+                partial.setdefault(variable.causality, []).append(label)
+            continue
+        if variable.name in ours:
+            if variable.name in fitted.links or variable.name in fitted.ignored:
+                text = f"their {variable.causality} {variable.name} has the name of ours, but is not mapped to it"
+                fitted.say("note", "extra", text, "none needed, if that is meant")
+            continue
+        fitted.extra.append(variable)
+        if variable.optional:
+            text = f"input {variable.name}, {variable.kind}, is of theirs only, and optional"
+            fitted.say("note", "extra", text, "none needed, or connect it in the scenario")
+        elif variable.causality == "input":
+            text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
+            remedy = "give it a value under start in the mapping, or connect it in the scenario"
+            fitted.say("fault", "extra", text, remedy)
+    outputs = [f"{v.name}, {v.kind}" for v in fitted.extra if v.causality == "output"]
+    if outputs:
+        text = f"output{_s(outputs)} of theirs only: {'; '.join(outputs)}"
+        fitted.say("note", "extra", text, "none needed; they are recorded under these names")
+    if "output" in partial:
+        text = f"elements of outputs that stand for nothing of ours: {', '.join(partial['output'])}"
+        fitted.say("note", "extra", text, "none needed; they are not recorded")
+    parameters = [v.name for v in fitted.extra if v.causality == "parameter"] + partial.get("parameter", [])
+    if parameters:
+        text = f"parameter{_s(parameters)} of theirs only, at the values of their FMU: {', '.join(parameters)}"
+        fitted.say("note", "extra", text, "other values, if they are wanted, under start in the mapping")
+
+
+def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Mapping[Element, str]) -> None:
+    """Takes a start value of the mapping, unless it is for what ours give a value."""
+    key = ("start", name)
+    try:
+        values = values_of("theirs", fitted.theirs, name, value)
+    except (QuantityError, NameUnknown) as error:
+        return fitted.say("fault", "mapping", str(error), key=key)
+    standing = [element for element in values if element in taken]
+    if standing:
+        port = taken[standing[0]]
+        label = name if len(standing) == len(values) else named(fitted.theirs, standing)
+        text = f"{label} stands for our {port}, whose value it takes"
+        return fitted.say("fault", "mapping", text, f"give the value to {port} in the scenario", key)
+    fitted.start.update(values)
+    return fitted.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
+
+
+def _s(items: Sequence[Any]) -> str:
+    return "s" if len(items) > 1 else ""

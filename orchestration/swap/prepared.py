@@ -1,0 +1,42 @@
+"""A scenario whose swapped blocks have been held against their interfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..fmu.model import Element, Model
+from ..instances.block import Block
+from ..scenario.scenario import Scenario
+from ..system.order import Hook
+from ..system.starts import Start
+from .adapter import Adapter, handed_on
+from .findings import Fit
+
+
+@dataclass
+class Prepared:
+    """A scenario with its swapped blocks understood."""
+
+    scenario: Scenario
+    """Without what refers to ignored outputs, and with the sample times of the blocks."""
+    models: dict[str, Model]
+    """What the master sees of each block."""
+    fits: dict[str, Fit] = field(default_factory=dict)
+    substeps: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    feedthrough: Hook | None = None
+
+    def adapted(self, block: Block) -> Block:
+        """The block behind our interface; itself where there is nothing to adapt."""
+        found = self.fits.get(block.name)
+        often = self.substeps.get(block.name, 1)
+        if found is None or (found.identical and often == 1):
+            return block
+        return Adapter(block, found, often)
+
+    def handed_on(self, starts: Mapping[str, Sequence[Start]]) -> dict[str, dict[Element, Any]]:
+        """What the adapted blocks are given for a scenario's start values, by their own elements."""
+        found = {name: fit for name, fit in self.fits.items() if self.models[name] is not fit.theirs}
+        return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in found.items()}

@@ -1,0 +1,68 @@
+"""How often a block that cannot vary its step is stepped: several times in a base step, or once in several."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+from ..errors import InputError
+from ..fmu.archive import Fmu
+from ..scenario.source import Key, Source
+from .prepared import Prepared
+
+_SUBSTEPS_MAX = 10_000
+
+
+def timed(prepared: Prepared, source: Source, name: str, fmu: Fmu) -> Source:
+    """The scenario's source with the sample time of a block that cannot vary its step."""
+    scenario = prepared.scenario
+    try:
+        own_step = sample_time(fmu.description)
+    except ValueError as error:
+        raise InputError(scenario.error(("blocks", name, "fmu"), str(error))) from None
+    if own_step is None:
+        return source
+    entry, base = scenario.blocks[name], Fraction(repr(scenario.step))
+    given = entry.every if "every" in entry.model_fields_set else None
+    step = base * (given or 1)
+    ratio = own_step / step
+    why = f"its FMU cannot vary its step of {float(own_step):.10g} s"
+    key: Key = ("blocks", name, "every") if given else ("blocks", name, "fmu")
+    if ratio == 1:
+        return source
+    if 1 / ratio > _SUBSTEPS_MAX:
+        message = f"{why}, more than {_SUBSTEPS_MAX} of them in each step of {float(step):.10g} s"
+        raise InputError(
+            scenario.error(key, f"{message}; remedy: a smaller base step, or a larger stepSize in the FMU")
+        )
+    if (1 / ratio).denominator == 1:
+        prepared.substeps[name] = int(1 / ratio)
+        prepared.notes.append(f"{name}: {why}: {int(1 / ratio)} of them in each step of {float(step):.10g} s")
+        return source
+    if given is None and ratio.denominator == 1:
+        prepared.notes.append(f"{name}: {why}: it is stepped once in {int(ratio)} base steps ('every: {int(ratio)}')")
+        return source.with_entry(("blocks", name, "every"), int(ratio))
+    remedy = f"'every: {int(own_step / base)}'" if (own_step / base).denominator == 1 else _steps(own_step, base)
+    message = f"{why}, which is no multiple of the step, {float(step):.10g} s; remedy: {remedy}"
+    raise InputError(scenario.error(key, message))
+
+
+def sample_time(description: Any) -> Fraction | None:
+    """The step that an FMU insists on, s; None where it can vary it or does not say. Raises ValueError."""
+    experiment = description.defaultExperiment
+    step = experiment.stepSize if experiment is not None else None
+    if description.coSimulation.canHandleVariableCommunicationStepSize or step is None:
+        return None
+    number = float(step)
+    if not 0.0 < number < math.inf:
+        raise ValueError(
+            f"its FMU cannot vary its step, and its stepSize is {step}, expected a finite number above 0; "
+            "remedy: declare DefaultExperiment.stepSize in the FMU"
+        )
+    return Fraction(repr(number))
+
+
+def _steps(own_step: Fraction, base: Fraction) -> str:
+    fitting = [own_step / n for n in range(1, 100) if own_step / n <= base]
+    return f"a base step that divides it, such as 'step: {float(fitting[0] if fitting else own_step):.10g} s'"

@@ -1,0 +1,166 @@
+"""What a scenario loses by a swap: connections, records, expectations and figures of ports that are not there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..errors import InputError
+from ..fmu.archive import Fmu
+from ..scenario.load import load
+from ..scenario.references import Reference
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key
+from .prepared import Prepared
+from .sample_time import timed
+
+
+def settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
+    """Takes out of the scenario what refers to ports that are not there, and fixes how often each block is stepped.
+
+    Raises InputError with all that cannot be taken out.
+    """
+    scenario = prepared.scenario
+    errors: list[str] = []
+    gone = _left_out(prepared, errors)
+    unconnected = _unconnected(prepared)
+    gone |= dict.fromkeys(unconnected)
+    for number, connection in enumerate(scenario.connections):
+        output = connection.source
+        if _lacks(prepared, output) and ("connections", number) not in unconnected:
+            message = f"{connection}: {output.block} lacks the output {output.variable}; remedy: map it, or take out the connection"
+            errors.append(scenario.error(("connections", number), message))
+    for number, fault in enumerate(scenario.faults):
+        signal, fitted = fault.target, prepared.fits.get(fault.target.block)
+        key: Key = ("faults", number, fault.kind)
+        if fitted is not None and signal.variable in fitted.without:
+            text = f"{signal} is optional and {signal.block} lacks it, so the fault would change nothing; remedy: take out the fault"
+            errors.append(scenario.error(key, text))
+        if fitted is not None and signal.variable in fitted.ignored:
+            text = (
+                f"{signal} is under 'ignore' in the mapping of {signal.block}, so the fault would change nothing; "
+                "remedy: map it, or take out the fault"
+            )
+            errors.append(scenario.error(key, text))
+    source = scenario.source.without(gone) if gone else scenario.source
+    for name in prepared.fits:
+        try:
+            source = timed(prepared, source, name, fmus[name])
+        except InputError as error:
+            errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    if source is not scenario.source:
+        prepared.scenario = load(source)
+
+
+def _left_out(prepared: Prepared, errors: list[str]) -> dict[Key, None]:
+    """What of records, expectations, holds and figures refers to outputs that are not there."""
+    scenario = prepared.scenario
+    gone: dict[Key, None] = {}
+    lost: dict[str, None] = {}
+    for key, signal, whole in _references(scenario):
+        fitted, name = prepared.fits.get(signal.block), signal.variable
+        if fitted is None:
+            continue
+        ours = fitted.ignored.get(name) or fitted.missing.get(name)
+        if name not in fitted.without:
+            if ours is None or ours.causality != "output":
+                continue
+            if name in fitted.missing and key[0] in ("record", "expect"):
+                text = (
+                    f"{signal.block} lacks the output {name}, to which this refers; remedy: map it in the mapping, or list it "
+                    "under ignore there, and this is left out"
+                )
+                errors.append(scenario.error(key, text))
+        gone[whole] = lost[signal.whole] = None
+    if gone and not errors:
+        entries = "; ".join(dict.fromkeys(_entry(scenario, key) for key in gone))
+        verb = "are" if len(lost) > 1 else "is"
+        prepared.notes.append(f"left out, since {', '.join(lost)} {verb} not there: {entries}")
+    return gone
+
+
+def _lacks(prepared: Prepared, output: Reference) -> bool:
+    """Whether a swapped block does not give this output."""
+    fitted, name = prepared.fits.get(output.block), output.variable
+    return (
+        fitted is not None
+        and (name in fitted.ignored or name in fitted.missing)
+        and name not in fitted.theirs.variables
+    )
+
+
+def _unconnected(prepared: Prepared) -> list[Key]:
+    """What a scenario says of optional inputs that a swapped block lacks, or to which one gives nothing."""
+    scenario = prepared.scenario
+    keys: list[Key] = []
+    dropped: list[str] = []
+    free: set[str] = set()
+
+    def without(block: str, name: str) -> bool:
+        return block in prepared.fits and name in prepared.fits[block].without
+
+    for number, connection in enumerate(scenario.connections):
+        target = connection.target
+        variable = (
+            prepared.models[target.block].variables.get(target.variable) if target.block in prepared.models else None
+        )
+        optional = variable is not None and variable.optional
+        if without(target.block, target.variable) or (optional and _lacks(prepared, connection.source)):
+            keys.append(("connections", number))
+            dropped.append(str(connection))
+            free.add(target.whole)
+    keys += [("delays", number) for number, delayed in enumerate(scenario.delays) if delayed.whole in free]
+    for block, entry in scenario.blocks.items():
+        for name in entry.start:
+            if without(block, name.variable):
+                keys.append(("blocks", block, "start", name))
+                dropped.append(f"the value of {block}.{name}")
+    if dropped:
+        prepared.notes.append(
+            f"dropped, since an end of it is not there and the input is optional: {'; '.join(dropped)}"
+        )
+    return keys
+
+
+def _references(scenario: Scenario) -> Iterator[tuple[Key, Reference, Key]]:
+    """Every mention of a signal outside connections: where it stands, what it says, and what goes with it."""
+    for i, signal in enumerate(scenario.record.signals or ()):
+        if isinstance(signal, Reference):
+            yield ("record", "signals", i), signal, ("record", "signals", i)
+    for i, expectation in enumerate(scenario.expect):
+        for key, reference in _given(("expect", i), expectation, "signal", "when"):
+            yield key, reference, ("expect", i)
+    for i, hold in enumerate(scenario.holds):
+        for signal in (hold.signal, *hold.keeps):
+            yield ("holds", i), signal, ("holds", i)
+        for text, flag in hold.limits.items():
+            yield ("holds", i, "limits", text), flag, ("holds", i, "limits", text)
+    for i, figure in enumerate(scenario.figures):
+        for key, reference in _given(("figures", i), figure, "shade", "mark"):
+            yield key, reference, key
+        for j, panel in enumerate(figure.panels):
+            for k, signal in enumerate(panel.signals):
+                key = ("figures", i, "panels", j, "signals", k)
+                alone = len(panel.signals) == 1
+                yield key, signal, key[:2] if alone and len(figure.panels) == 1 else key[:4] if alone else key
+
+
+def _given(key: Key, entry: Any, *fields: str) -> Iterator[tuple[Key, Reference]]:
+    return (((*key, name), getattr(entry, name)) for name in fields if getattr(entry, name))
+
+
+def _entry(scenario: Scenario, key: Key) -> str:
+    """An entry of the scenario in words."""
+    if key[0] == "expect":
+        return f"the expectation '{scenario.expect[int(key[1])].name}', which is not judged"
+    if key[0] == "holds":
+        return f"the hold '{scenario.holds[int(key[1])].name}'"
+    if key[0] == "figures":
+        if "signals" in key:
+            return f"a curve of the figure '{scenario.figures[int(key[1])].name}'"
+        part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
+        what = "a panel of " if "panels" in key and not part else ""
+        return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
+    return "a recorded signal"
