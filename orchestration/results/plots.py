@@ -11,7 +11,6 @@ import numpy as np
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, QuantityError, Unit, value_in
 from ..scenario.figures import FigureEntry, Panel
-from ..scenario.references import split
 from .arrays import MARKS, Arrays, Span, few, kept
 from .data import RunData
 from .figures import curves, zero_crossings
@@ -144,10 +143,10 @@ def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Grou
         return Group(name, variable.description, None, _constant(variable, values[0], unit))
     named = list(zip(labels, values.T[:CURVES], strict=False))
     lines: list[float] = []
-    expected = any(_means(expectation.signal, name) for expectation in result.scenario.expect)
+    expected = any(expectation.signal.whole == name for expectation in result.scenario.expect)
     rows = ROWS if expected and not result.scenario.figures else FEWER
     for expectation in result.scenario.expect:
-        if expectation.always is None or variable.type == "boolean" or not _means(expectation.signal, name):
+        if expectation.always is None or variable.type == "boolean" or expectation.signal.whole != name:
             continue
         if expectation.measure == "norm" and len(nodes) == variable.size and named[-1][0] != f"|{variable.name}|":
             named.append((f"|{variable.name}|", np.sqrt(((values - offset) ** 2).sum(axis=1))))
@@ -192,11 +191,6 @@ def plot(
         "linked": True,
         "thinned": len(chosen) < len(time),
     }
-
-
-def _means(reference: str, name: str) -> bool:
-    parts = split(reference)
-    return parts is not None and f"{parts[0]}.{parts[1]}" == name
 
 
 def _bounds(bound: Any, variable: Variable, unit: Unit) -> list[float]:
