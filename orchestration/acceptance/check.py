@@ -18,7 +18,8 @@ from ..fmu.archive import entries, fmi_version, open_fmu, optional_inputs, refus
 from ..fmu.interfaces import reference, starts_of
 from ..fmu.model import describe
 from ..scenario.mapping import load
-from ..swap.fit import Finding, Fit, fit
+from ..swap.findings import Finding, Fit
+from ..swap.fit import fit
 from . import feedthrough, library, starts
 
 

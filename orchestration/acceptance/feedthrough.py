@@ -7,7 +7,8 @@ from typing import Any
 
 from ..fmu.interfaces import Reference
 from ..fmu.model import Element, Model
-from ..swap.fit import Finding, Fit, model
+from ..swap.as_ours import model
+from ..swap.findings import Finding, Fit
 from ..system import order
 
 

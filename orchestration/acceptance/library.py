@@ -7,8 +7,8 @@ from typing import Any
 
 import fmpy
 
-from ..swap.fit import Finding
-from ..swap.prepare import sample_time
+from ..swap.findings import Finding
+from ..swap.sample_time import sample_time
 from . import binaries
 from .loader import Unresolved, unresolved
 

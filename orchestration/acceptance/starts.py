@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fmu.model import Element
 from ..swap import rotation
-from ..swap.fit import Finding, Fit, Link
+from ..swap.findings import Finding, Fit, Link
 
 
 def look(fitted: Fit, starts: Mapping[Element, Any], findings: list[Finding]) -> None:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import BlockError, nearest
+from ..errors import BlockError, hint
 from ..expectations.holds import Hold
 from ..expectations.judge import Highlight, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
-from ..scenario.references import split
+from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..system import signals
 from ..system.wiring import Node
@@ -72,9 +72,12 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     def variable(self, name: str) -> Variable:
         """The variable that a name means: its shape and description, and the unit of the elements that are meant."""
-        block, variable_name, index = split(name) or ("", "", ())
-        variable, positions = self.models[block].find(block, variable_name, index)
+        reference = Reference(name)
+        variable, positions = self._find(reference)
         return variable.at(positions)
+
+    def _find(self, reference: Reference) -> tuple[Variable, list[int]]:
+        return self.models[reference.block].find(reference.block, reference.variable, reference.indices)
 
     @property
     def _place(self) -> dict[Node, int]:
@@ -85,13 +88,13 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         try:
-            block, variable_name, index = split(name) or ("", "", ())
-            variable, positions = self.models[block].find(block, variable_name, index)
-            places = [self._place[Node(block, Element(variable.name, p))] for p in positions]
+            reference = Reference(name)
+            variable, positions = self._find(reference)
+            places = [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
         except (KeyError, ValueError):
-            raise KeyError(f"{name!r} was not recorded{nearest(name, self)}") from None
+            raise KeyError(f"{name!r} was not recorded{hint(name, self)}") from None
         dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)
-        shape = variable.shape if len(positions) == variable.size and not index else ()
+        shape = variable.shape if len(positions) == variable.size and not reference.indices else ()
         return self.samples[:, places].astype(dtype).reshape(len(self.time), *shape)
 
     def __iter__(self) -> Iterator[str]:

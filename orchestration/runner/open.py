@@ -17,7 +17,8 @@ from ..instances.block import Block
 from ..instances.isolation import IsolatedBlock
 from ..instances.slave import Slave
 from ..scenario.scenario import Scenario
-from ..swap.prepare import Prepared, prepare
+from ..swap.prepare import prepare
+from ..swap.prepared import Prepared
 from .limits import limits
 from .plan import Plan, plan
 
