@@ -1,0 +1,55 @@
+"""The workflow of the public CI, and what it and the pre-commit hooks call."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import platform
+from ruamel.yaml import YAML
+
+from fmus.build import blocks_of, ensure
+
+from . import smoke
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+
+
+def test_actionlint_has_no_finding_in_the_workflows() -> None:
+    beside = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
+    actionlint = shutil.which("actionlint", path=beside)
+    if actionlint is None:
+        pytest.skip("there is no actionlint; .ci/run installs it where Go is")
+    assert WORKFLOWS
+    found = subprocess.run([actionlint, *map(str, WORKFLOWS)], capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_each_local_hook_calls_a_tool_of_the_environment_that_is_there() -> None:
+    hooks = YAML(typ="safe").load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))
+    entries = [hook["entry"] for repo in hooks["repos"] if repo["repo"] == "local" for hook in repo["hooks"]]
+    assert entries
+    for entry in entries:
+        assert Path(sys.executable).with_name(Path(entry.split()[0]).name).exists(), entry
+
+
+@pytest.mark.compile
+@pytest.mark.parametrize("block", blocks_of("native"))
+def test_fmpy_loads_and_steps_each_fmu_here(block: str) -> None:
+    assert smoke.step(ensure(block)) > 0
+
+
+@pytest.mark.compile
+def test_an_fmu_without_a_library_for_this_machine_is_refused_by_the_smoke_test(tmp_path: Path) -> None:
+    foreign = tmp_path / "foreign.fmu"
+    with zipfile.ZipFile(ensure("allocator")) as old, zipfile.ZipFile(foreign, "w") as new:
+        for name in old.namelist():
+            new.writestr(name.replace(f"binaries/{platform}/", "binaries/other/"), old.read(name))
+    with pytest.raises(RuntimeError, match=f"expected a library for {platform}"):
+        smoke.step(foreign)
