@@ -1,4 +1,4 @@
-"""Studies of the loop: what the paper's claims depend on, what conservation allows, whence the law converges.
+"""Studies of the loop, one folder a study: `reproduction`, `flight`, `allocators`; and the momentum bound.
 
-They call the blocks' own functions, or run FMUs through `orchestration`; nothing in the product imports them.
+They run the native FMUs through `orchestration` or call the blocks' own functions; nothing in the product imports them.
 """

@@ -1,37 +1,46 @@
-"""python -m studies: the momentum bound of a scenario, and the pages docs/reproduction.md and docs/allocators.md.
+"""python -m studies: the momentum bound of a scenario, and the pages that studies write to docs/.
 
-Exit status: 0 all well; 1 the time asked for is impossible; 2 the input is wrong.
+Exit status: 0 all well; 1 the time asked for is impossible; 2 the input is wrong; others as of `orchestrate`.
 """
 
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Console
 
 from orchestration import InputError
-from orchestration.cli.console import complain, say
+from orchestration.cli.console import say
+from orchestration.cli.overrides import overridden
+from orchestration.cli.status import Commands
 from orchestration.quantities import SECOND, QuantityError, Unit, value_in
+from orchestration.runner.read import read as read_source
 
-IMPOSSIBLE, WRONG_INPUT = 1, 2
+from .allocators import make as allocator_runs
+from .allocators import page as allocator_page
+from .flight import make as flights
+from .flight.tune import search
+from .momentum_bound import balance
+from .reproduction import make as paper
+from .setup import read
+
+IMPOSSIBLE = 1
 _DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
 
 
-class _Commands(click.Group):
-    def invoke(self, ctx: click.Context) -> Any:
-        try:
-            return super().invoke(ctx)
-        except InputError as error:
-            for message in error.messages:
-                complain(message)
-            ctx.exit(WRONG_INPUT)
-
-
-@click.group(cls=_Commands)
+@click.group(cls=Commands)
 def main() -> None:
     """Studies of the loop."""
+
+
+def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
+    return click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")(
+        command
+    )
 
 
 def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
@@ -61,31 +70,19 @@ def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
     """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
-    from orchestration.runner.read import read as source_of
-    from orchestration.scenario.source import parse
-
-    from .momentum_bound import balance
-    from .setup import read
-
-    source = source_of(scenario)
-    for text in sets:
-        name, _, value = text.partition("=")
-        if not name.strip() or not value.strip():
-            raise InputError(f"--set {text}: expected block.parameter=value")
-        source = source.with_start(name.strip(), parse(value, f"--set {text}").data, "--set ")
     wanted = _quantity("--time", time, SECOND)
     limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
     longest = _quantity("--horizon", horizon, SECOND) or 0.0
-    setup = read(source)
+    setup = read(overridden(read_source(scenario), sets))
     bound = balance(setup, limit, max(longest, wanted or 0.0))
-    found = bound.least_time()
+    times = bound.least_time()
     rods = setup.loop.plant.dipole_max if limit is None else limit
     say(
         f"{setup.scenario.name}: rods of {rods:g} A m2, together at most {bound.rho:.4f} A m2; wheel {1e3 * bound.l_max:g} mN m s"
     )
     say(f"initial momentum {bound.H0_size:.4f} N m s")
-    for what, least in (("least time", found.least), ("  along the momentum alone", found.simple)):
-        say(f"{what}: " + (f"beyond {found.horizon:g} s" if least is None else f"{least:.1f} s"), bold=what[0] == "l")
+    for what, least in (("least time", times.least), ("  along the momentum alone", times.simple)):
+        say(f"{what}: " + (f"beyond {times.horizon:g} s" if least is None else f"{least:.1f} s"), bold=what[0] == "l")
     if wanted is None:
         return
     v = bound.at(wanted)
@@ -102,33 +99,29 @@ def momentum_bound(
 
 
 @main.command()
-@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+@_jobs
 def reproduction(jobs: int) -> None:
     """Make docs/reproduction.md and its figures, all from runs."""
-    from .reproduction import make
-
-    say(f"written: {make(jobs)}")
+    say(f"written: {paper.make(jobs)}")
 
 
 @main.command()
-@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
-@click.option("--page", is_flag=True, help="Fly all that docs/allocators.md shows, and write it with its figure.")
-def allocators(jobs: int, page: bool) -> None:
-    """The paper's allocator against the bounded one, under the paper's law at 36 nodes: a minute, with --page five."""
-    from rich.console import Console
-
-    from . import allocators as study
-
-    done = study.compute(study.cases() if page else study.comparison(), jobs)
-    Console().print(study.table(done))
+@_jobs
+@click.option("--fly", is_flag=True, help="Fly all that docs/allocators.md shows and keep it in docs/allocators.csv.")
+@click.option("--page", is_flag=True, help="Write docs/allocators.md and its figure from docs/allocators.csv.")
+def allocators(jobs: int, fly: bool, page: bool) -> None:
+    """The paper's allocator against the bounded one, under the paper's law at 36 nodes: a minute, with --fly five."""
+    if fly or not page:
+        done = allocator_runs.compute(allocator_runs.cases() if fly else allocator_runs.comparison(), jobs)
+        Console().print(allocator_runs.table(done))
+    if fly:
+        allocator_runs.save(done)
     if page:
-        from .allocators_page import write
-
-        say(f"written: {write(done)}")
+        say(f"written: {allocator_page.write(allocator_runs.load())}")
 
 
 @main.command()
-@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+@_jobs
 @click.option(
     "--cases",
     default=1000,
@@ -136,12 +129,14 @@ def allocators(jobs: int, page: bool) -> None:
     type=click.IntRange(1, 1000),
     help="Random tumbles of each kind; fewer write to results/.",
 )
-def flight(jobs: int, cases: int) -> None:
-    """Make docs/flight.md and its figures, all from flights; one that was interrupted goes on."""
-    from .flight import make, seeds_said
-
-    say(seeds_said(cases))
-    say(f"written: {make(cases, jobs)}")
+@click.option("--page", is_flag=True, help="Write page and figures from docs/flight.csv, without flying its cases.")
+def flight(jobs: int, cases: int, page: bool) -> None:
+    """Make docs/flight.md and its figures from flights; one that was interrupted goes on."""
+    if page:
+        say(f"written: {flights.publish()}")
+        return
+    say(flights.seeds_text(cases))
+    say(f"written: {flights.make(cases, jobs)}")
 
 
 @main.command("flight-case")
@@ -149,20 +144,16 @@ def flight(jobs: int, cases: int) -> None:
 @click.argument("seed", type=int)
 def flight_case(group: str, seed: int) -> None:
     """Fly one case of docs/flight.md, such as nominal 100017, and write its scenario."""
-    from .flight import write_case
-
-    file, row = write_case(group, seed)
+    file, row = flights.write_case(group, seed)
     for name, value in row.items():
         say(f"{name:12} {value}")
     say(f"written: {file}")
 
 
 @main.command("flight-tune")
-@click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+@_jobs
 def flight_tune(jobs: int) -> None:
     """Search the gains of law [8] in SI units that docs/flight.md compares with."""
-    from .flight_tune import search
-
     for line in search(jobs):
         say(line)
 

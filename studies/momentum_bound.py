@@ -19,6 +19,8 @@ convex in B) and a bound on B's distance from its chords.
 
 As T grows by dT, g falls by at most `_fall` dT, so that every time in [T, T + g/_fall) is impossible too: from T = 0 on,
 such steps end where g vanishes, and all times before are excluded, not only those that were looked at.
+
+Over 250 lines, so that the whole proof stands in one file.
 """
 
 from __future__ import annotations
@@ -33,10 +35,11 @@ from scipy.optimize import minimize
 import controller.reference
 import plant
 from controller.reference import Reference
+from orchestration import InputError
 from plant.drag import octagonal_cylinder
 
+from .paper import Array
 from .setup import Setup
-from .vectors import Array
 
 SAMPLE = 1.0
 """Interval of the field's chords, s."""
@@ -272,12 +275,8 @@ def balance(setup: Setup, dipole_max: float | None = None, horizon: float = 6000
     """The balance of a scenario. Raises InputError, with the place, for what gives no bound."""
     p = setup.loop.plant
     if not horizon > 0.0 or not math.isfinite(horizon):
-        from orchestration import InputError
-
         raise InputError(f"horizon: expected a time above zero, found {horizon:g} s")
     if dipole_max is not None and not 0.0 < dipole_max < math.inf:
-        from orchestration import InputError
-
         raise InputError(f"dipole_max: expected a limit above zero, found {dipole_max:g} A.m2")
     if dipole_max is None and not p.dipole_max > 0.0:
         raise setup.error(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,18 @@ import numpy as np
 import allocator
 import controller
 import plant
+from fmus.build import BuildError, ensure
 from fmus.interface import load
 from orchestration import InputError, Scenario
 from orchestration import load as load_scenario
+from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.model import Model
 from orchestration.scenario.source import Source
+from orchestration.system.starts import resolve
 
-PAPER = ("plant", "controller", "allocator")
-"""The blocks of the paper's loop."""
+from .native import PAPER
+
+_BLOCKS: dict[str, Any] = {"plant": plant, "controller": controller, "allocator": allocator}
 
 
 @dataclass(frozen=True)
@@ -63,8 +66,6 @@ class Setup:
 
 def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = None) -> Setup:
     """The loop of a scenario. Raises InputError, with file and line, for whatever is wrong with it."""
-    from orchestration.system.starts import resolve
-
     loaded = load_scenario(scenario, overrides)
     names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in PAPER}
     if missing := [block for block in PAPER if block not in names]:
@@ -84,7 +85,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
     setup = Setup(loaded, names, Loop(**parts))
     for block in PAPER:
         try:
-            import_module(block).check(parts[block])
+            _BLOCKS[block].check(parts[block])
         except ValueError as error:
             raise InputError(loaded.error(("blocks", names[block], "start"), str(error))) from None
     return setup
@@ -92,9 +93,6 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
 
 @cache
 def _model(block: str, flavour: str) -> Model:
-    from fmus.build import BuildError, ensure
-    from orchestration.fmu.archive import open_fmu
-
     try:
         return open_fmu(ensure(block, flavour)).model
     except BuildError as error:
@@ -117,4 +115,4 @@ def _parameters(block: str, given: Mapping[tuple[str, int], Any]) -> Any:
                 value = new
         convert: Any = {"real": float, "integer": int, "boolean": bool}.get(v.type, str)
         values[v.name] = np.asarray(value, np.float64) if v.shape else convert(value)
-    return import_module(block).Parameters(**values)
+    return _BLOCKS[block].Parameters(**values)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from studies.claims import constants
 from studies.momentum_bound import SAMPLE, MomentumBalance, Tolerance, farthest
+from studies.paper import constants
 from studies.setup import read
 
 EXACT = Tolerance(0.0, 0.0)

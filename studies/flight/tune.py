@@ -1,0 +1,63 @@
+"""Gains for law [8] in SI units with the bounded allocator: a random search on tumbles that nothing else flies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from ..paper import ORBIT
+from .cases import LONG, Case, base, change, tumble, tuned
+from .run import fly
+
+SEED = 4000
+CANDIDATES, TUMBLES, FINALISTS = 60, 16, 6
+
+
+def gains(k: float, l: float, kappa: float, lam: float, schedule: str) -> dict[str, Any]:  # noqa: E741
+    """K = k diag(0.9, 1, 1.1), L = l I; `schedule` "error" has k and l follow the errors with kappa0 and lambda0 [10]."""
+    return {
+        "K0": [0.9 * k, k, 1.1 * k],
+        "L0": (l * np.eye(3)).tolist(),
+        "gain_schedule": schedule,
+        "kappa0": kappa,
+        "lambda0": lam,
+    }
+
+
+def score(candidate: dict[str, Any], seeds: range) -> tuple[int, float]:
+    """How many tumbles settle below 5 deg in three orbits, and the mean time with three orbits for those that do not, orbits."""
+    fmus = native.pin(("plant", "plant_sensors", "controller", "allocator_bounded"))
+    times = []
+    for seed in seeds:
+        data = change(base(), tumble(seed))
+        case = Case("tune", seed, tuned(data, candidate), (LONG,))
+        times.append(fly(case, fmus).get("settled5"))
+    count = sum(t is not None for t in times)
+    return count, float(np.mean([LONG if t is None else t for t in times])) / ORBIT
+
+
+def search(processes: int = 2) -> Iterator[str]:
+    """Lines that tell the best; random candidates on a few tumbles, then the first of them on more."""
+    rng = np.random.default_rng(SEED)
+    log = lambda low, high: math.exp(rng.uniform(math.log(low), math.log(high)))  # noqa: E731
+    candidates = []
+    for i in range(CANDIDATES):
+        schedule = "constant" if i % 2 else "error"
+        kappa, lam = (1.0, 1.0) if i % 2 else (0.098, 1.47)
+        candidates.append(gains(log(1e-4, 3e-2), log(3e-3, 1.0), kappa, lam, schedule))
+    yield f"seeds: {SEED} for the candidates, {SEED + 1} to {SEED + 200} for the tumbles"
+    for count, keep in ((TUMBLES, FINALISTS), (5 * TUMBLES, 1)):
+        seeds = range(SEED + 1, SEED + 1 + count)
+        with ProcessPoolExecutor(processes) as pool:
+            scores = list(pool.map(score, candidates, [seeds] * len(candidates)))
+        order = sorted(range(len(candidates)), key=lambda i: (-scores[i][0], scores[i][1]))
+        for i in order[:FINALISTS]:
+            g = candidates[i]
+            yield f"{scores[i][0]} of {count} settle, mean {scores[i][1]:.2f} orbits: K0 {g['K0'][1]:.3g}, L0 {g['L0'][0][0]:.3g}, {g['gain_schedule']}"
+        candidates = [candidates[i] for i in order[:keep]]
+    yield f"best: {candidates[0]}"

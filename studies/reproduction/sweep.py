@@ -1,0 +1,163 @@
+"""How the claims depend on what the paper leaves open: sweeps of the whole loop in the mass-normalised reading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from plant.orbit import lvlh
+
+from ..paper import DURATION, INERTIA, MASS, ORBIT, READINGS, SCENARIOS, STEP, Array, constants, node
+from ..samples import wrong_inertias
+from ..setup import read
+from .claims import CLAIMS, all_hold
+from .runs import sweep
+from .seen import Seen
+
+NODES = np.arange(0.0, 360.0, 5.0)
+K_SCALES = np.round(np.arange(0.20, 1.5001, 0.05), 3)
+L_SCALES = np.round(np.arange(0.40, 1.6001, 0.05), 3)
+STEPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """Something that the paper does not give, and what is tried for it."""
+
+    name: str
+    taken: str
+    unit: str
+    nominal: float
+    values: Array
+
+    def change(self, value: float) -> dict[str, Any]:
+        """Start values for one of them."""
+        if self.name == "node longitude":
+            return node(value)
+        if self.name == "K₀'s scale":
+            return constants(k=value)
+        if self.name == "L₀'s scale":
+            return constants(l=value)
+        if self.name == "spread of K₀":
+            return constants(spread=value)
+        if self.name == "mass that divides":
+            return constants(mass=value)
+        if self.name == "orbit radius":
+            return {"plant.orbit_radius": 1e3 * value}
+        if self.name == "bend of Φ":
+            return {"controller.phi": "logarithm", "controller.phi_scale": value}
+        if self.name == "year (10 August)":
+            return {"plant.epoch": f"{int(value)}-08-10T00:00:00Z"}
+        if self.name == "factor on drag":
+            return {"plant.drag_factor": 0.02 * value}
+        raise KeyError(self.name)
+
+
+ONE_BY_ONE = (
+    Constant("node longitude", "158° E (Earth-fixed, at t = 0)", "°", 158.0, np.arange(0.0, 360.0)),
+    Constant(
+        "K₀'s scale", "0.65 N m (before the division by 50)", "N m", 0.65, np.round(np.arange(0.20, 1.505, 0.01), 3)
+    ),
+    Constant("spread of K₀", "K₀ = 0.65 diag(1 − 0.1, 1, 1 + 0.1)", "", 0.1, np.round(np.arange(0.01, 0.5, 0.01), 3)),
+    Constant(
+        "L₀'s scale", "0.9 N m s (before the division by 50)", "N m s", 0.9, np.round(np.arange(0.40, 1.605, 0.01), 3)
+    ),
+    Constant("mass that divides", "50 kg (“about 50 kg”)", "kg", 50.0, np.arange(20.0, 101.0)),
+    Constant("orbit radius", "6971 km (6371 + 600)", "km", 6971.0, np.arange(6940.0, 7002.0, 1.0)),
+    Constant("year (10 August)", "2009", "", 2009.0, np.arange(2005.0, 2016.0)),
+    Constant("bend of Φ", "Φ(x) = x; here s ln(1 + x/s) with s in J", "J", math.inf, np.logspace(-4.0, 0.0, 41)),
+    Constant("factor on drag", "1 (C_d 2.2, F10.7 = 70)", "", 1.0, np.logspace(-1.0, 4.0, 51)),
+)
+
+
+def one_by_one() -> dict[str, list[Seen]]:
+    """Each constant swept alone; in the order of ONE_BY_ONE."""
+    return {w: [sweep(w, (c.change(float(v)) for v in c.values)) for c in ONE_BY_ONE] for w in SCENARIOS}
+
+
+def node_and_gain() -> dict[str, Seen]:
+    """Every node longitude with every scale of K0; rows K_SCALES, columns NODES, flattened."""
+    return _both([constants(k=float(k)) | node(x) for k in K_SCALES for x in NODES])
+
+
+def gains() -> dict[str, Seen]:
+    """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
+    return _both([constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
+
+
+def node_and_step(step: float) -> dict[str, Seen]:
+    """Every node longitude with one control step."""
+    return _both([node(x) for x in NODES], step)
+
+
+def si_for_an_orbit() -> dict[str, Seen]:
+    """SI units and the real limits, a whole orbit from 24 nodes."""
+    return _both([{**READINGS["c"].changes, **node(x)} for x in range(0, 360, 15)], STEP, ORBIT)
+
+
+def latch(k: float, l: float) -> Seen:  # noqa: E741
+    """V.C at node longitudes 1 deg apart with gains of these scales."""
+    return sweep("V.C", [constants(k=k, l=l) | node(x) for x in range(360)])
+
+
+def _both(changes: Sequence[Mapping[str, Any]], step: float = STEP, duration: float = DURATION) -> dict[str, Seen]:
+    """Flies both manoeuvres with each of the changes."""
+    return {which: sweep(which, changes, step, duration) for which in SCENARIOS}
+
+
+def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, str, str] | None:
+    """Ends of the values around the nominal one for which every claim holds, and what fails first beyond each.
+
+    None where the nominal itself does not hold every claim.
+    """
+    good = all_hold(which, seen)
+    at = len(good) - 1 if math.isinf(constant.nominal) else int(np.abs(constant.values - constant.nominal).argmin())
+    if not good[at]:
+        return None
+    n, circle = len(good), constant.unit == "°"
+
+    def end(step: int) -> int:
+        i = at
+        while (circle or 0 <= i + step < n) and good[(i + step) % n] and abs(i + step - at) < n:
+            i += step
+        return i
+
+    def beyond(i: int) -> str:
+        return _failing(which, seen, i % n) if circle or 0 <= i < n else ""
+
+    low, high = end(-1), end(1)
+    return float(constant.values[low % n]), float(constant.values[high % n]), beyond(low - 1), beyond(high + 1)
+
+
+def _failing(which: str, seen: Seen, at: int) -> str:
+    if seen.latched[at] == 1:
+        return "the hold latches"
+    return ", ".join(c.short for c in CLAIMS[which] if not c.holds(seen)[at])
+
+
+# ---------------------------------------------------------------- robustness
+
+DRAG_FACTORS = np.logspace(-1.0, 4.0, 26)
+
+
+def drag() -> dict[str, Seen]:
+    """The moment of drag, which the law does not know, times DRAG_FACTORS."""
+    return _both([{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
+
+
+def drag_moments(which: str) -> Array:
+    """Norm of that moment at the end of the run in the LVLH attitude, in SI units, N m, for DRAG_FACTORS."""
+    p = read(SCENARIOS[which]).loop.plant
+    v_N, density = p.air.flow(DURATION)
+    one = p.surface.moment(lvlh(*p.orbit.position_velocity(DURATION)).T @ v_N, density)
+    return DRAG_FACTORS * float(np.linalg.norm(one)) / p.drag_factor
+
+
+def inertia_errors(n: int = 200, seed: int = 2, size: float = 0.1) -> dict[str, Seen]:
+    """The body's inertia off what the law knows; the law keeps its own."""
+    J = np.diag(INERTIA) / MASS
+    return _both([{"plant.J_error_B": (body - J).tolist()} for body in wrong_inertias(J, n, seed, size)])
