@@ -15,8 +15,8 @@ from fmpy.validation import validate_fmu
 
 from ..errors import InputError
 from ..fmu.archive import entries, fmi_version, open_fmu, optional_inputs, refuse_entities, shown
+from ..fmu.description import describe
 from ..fmu.interfaces import reference, starts_of
-from ..fmu.model import describe
 from ..scenario.mapping import load
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit

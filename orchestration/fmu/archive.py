@@ -21,7 +21,8 @@ import fmpy
 from fmpy.model_description import ValidationError, read_model_description
 
 from ..errors import InputError, hint
-from .model import Model, describe
+from .description import describe
+from .model import Model
 
 ANNOTATION = "attitude-cosim"
 """Under this name an FMU says which of its inputs are optional, for which FMI 2.0 has no word."""

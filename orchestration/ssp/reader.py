@@ -11,71 +11,38 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
-from urllib.parse import unquote
+from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..errors import InputError, hint
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Variable
-from ..quantities import Unit, convert
+from ..quantities import convert
 from ..scenario.source import Source
 from ..system.wiring import Node
+from . import structure as structures
+from .structure import End, Given, Path_, Structure, inside, parsed
 from .words import ANNOTATION, NAMESPACES, STRUCTURE
 
-_FMU = "application/x-fmu-sharedlibrary"
 _KEPT: list[tempfile.TemporaryDirectory[str]] = []
 """The unpacked archives; they go when the process ends."""
-
-Path_ = tuple[str, ...]
-"""Where an element stands: the names of the systems around it, and its own."""
-
-
-class _End(NamedTuple):
-    """A connector of an element."""
-
-    element: Path_
-    connector: str
-
-
-@dataclass
-class _Given:
-    """A value from a parameter set."""
-
-    kind: str
-    value: str
-    unit: Unit | None = None
-
-
-@dataclass
-class _Structure:
-    """What the tree of systems holds, laid flat."""
-
-    components: dict[Path_, str] = field(default_factory=dict)
-    """Where the FMU of each component stands in the archive."""
-    flows: dict[_End, tuple[_End, float, float, bool]] = field(default_factory=dict)
-    """What feeds a connector: from where, with which factor and offset, and whether units are left alone."""
-    values: dict[Path_, dict[str, _Given]] = field(default_factory=dict)
-    kinds: dict[_End, str] = field(default_factory=dict)
 
 
 def read(path: Path) -> Source:
     """The scenario that an archive describes. Raises InputError."""
     folder = _unpacked(path)
-    root = _parsed(path, folder / STRUCTURE, "ssd:SystemStructureDescription")
+    root = parsed(path, folder / STRUCTURE, "ssd:SystemStructureDescription")
     system = root.find("ssd:System", NAMESPACES)
     if system is None:
         raise InputError(f"{shown(path)}: {STRUCTURE} describes no system")
-    structure = _Structure()
-    _System(path, folder, structure).read(system, ())
+    structure = structures.read(path, folder, system)
     if not structure.components:
         raise InputError(f"{shown(path)}: the system has no components")
     data = _annotation(path, root)
     names = _names(structure.components)
-    fmus = {place: open_fmu(_inside(path, folder, source)) for place, source in structure.components.items()}
+    fmus = {place: open_fmu(inside(path, folder, source)) for place, source in structure.components.items()}
     entries: dict[str, Any] = {}
     for place, fmu in fmus.items():
         start = _starts(path, place, fmu, structure, bool(data.get("delays")))
@@ -104,137 +71,6 @@ def _unpacked(path: Path) -> Path:
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
     return Path(kept.name)
-
-
-def _inside(path: Path, folder: Path, source: str) -> Path:
-    """A file of the archive by its relative URI."""
-    file = (folder / unquote(source)).resolve()
-    if not file.is_relative_to(folder.resolve()) or not file.is_file():
-        raise InputError(f"{shown(path)} refers to {source!r}, which it does not hold")
-    return file
-
-
-def _parsed(path: Path, file: Path, tag: str) -> ET.Element:
-    prefix, _, name = tag.partition(":")
-    try:
-        root = ET.parse(file).getroot()
-    except (ET.ParseError, OSError) as error:
-        raise InputError(f"{shown(path)}: {file.name} cannot be read: {error}") from None
-    if root.tag != f"{{{NAMESPACES[prefix]}}}{name}":
-        raise InputError(f"{shown(path)}: {file.name} is no {name} of SSP 1.0: it begins with {root.tag}")
-    return root
-
-
-class _System:
-    """Reads a tree of systems into a structure."""
-
-    def __init__(self, path: Path, folder: Path, into: _Structure) -> None:
-        self._path, self._folder, self._into = path, folder, into
-
-    def read(self, system: ET.Element, place: Path_) -> None:
-        for element in system.findall("ssd:Elements/*", NAMESPACES):
-            inner = (*place, element.get("name", ""))
-            self._connectors(element, inner)
-            kind = element.tag.rpartition("}")[2]
-            if kind == "System":
-                self.read(element, inner)
-            elif kind == "Component" and element.get("type", _FMU) == _FMU:
-                self._into.components[inner] = element.get("source", "")
-                self._bindings(element, inner)
-            else:
-                raise self._refused(inner, "a component that is no FMU" if kind == "Component" else f"a {kind}")
-        self._connectors(system, place)
-        for connection in system.findall("ssd:Connections/ssd:Connection", NAMESPACES):
-            self._connection(connection, place)
-        self._bindings(system, place)  # a system's values count more than those of its elements
-
-    def _refused(self, place: Path_, what: str) -> InputError:
-        return InputError(f"{shown(self._path)}: {'.'.join(place)} is {what}, which orchestrate does not run")
-
-    def _connectors(self, element: ET.Element, place: Path_) -> None:
-        for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
-            self._into.kinds[_End(place, connector.get("name", ""))] = connector.get("kind", "")
-
-    def _connection(self, entry: ET.Element, place: Path_) -> None:
-        ends = []
-        for side in ("start", "end"):
-            element = entry.get(f"{side}Element")
-            ends.append(_End(place if element is None else (*place, element), entry.get(f"{side}Connector", "")))
-        begin, end = ends
-        # The names say nothing of the direction: an element's output gives, and so does a system's input to its inside.
-        gives = [
-            self._into.kinds.get(e)
-            in (("input", "parameter") if e.element == place else ("output", "calculatedParameter"))
-            for e in ends
-        ]
-        if gives == [False, True]:
-            begin, end = end, begin
-        factor, offset = 1.0, 0.0
-        for child in entry:
-            kind = child.tag.rpartition("}")[2]
-            if kind == "LinearTransformation":
-                factor, offset = float(child.get("factor", "1")), float(child.get("offset", "0"))
-            elif kind.endswith("Transformation"):
-                raise self._refused((*end.element, end.connector), f"fed through a {kind}")
-        self._into.flows[end] = (begin, factor, offset, entry.get("suppressUnitConversion") in ("true", "1"))
-
-    def _bindings(self, element: ET.Element, place: Path_) -> None:
-        for binding in element.findall("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
-            source = binding.get("source")
-            if source:
-                values = _parsed(self._path, _inside(self._path, self._folder, source), "ssv:ParameterSet")
-            elif (inline := binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)) is not None:
-                values = inline
-            else:
-                continue
-            found = {f"{binding.get('prefix', '')}{name}": given for name, given in _parameters(values)}
-            mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
-            if mapping is not None:
-                found = self._mapped(found, mapping)
-            for name, given in found.items():
-                self._assign(place, name, given)
-
-    def _mapped(self, found: dict[str, _Given], mapping: ET.Element) -> dict[str, _Given]:
-        source = mapping.get("source")
-        entries = (
-            _parsed(self._path, _inside(self._path, self._folder, source), "ssm:ParameterMapping")
-            if source
-            else mapping
-        )
-        mapped = {}
-        for entry in entries.iter(f"{{{NAMESPACES['ssm']}}}MappingEntry"):
-            name, target = entry.get("source", ""), entry.get("target", "")
-            if len(entry):
-                raise InputError(
-                    f"{shown(self._path)}: the mapping of {name} to {target} has a transformation, which orchestrate does not do"
-                )
-            if name in found:
-                mapped[target] = found[name]
-        return mapped
-
-    def _assign(self, place: Path_, name: str, given: _Given) -> None:
-        """The innermost component whose name begins the parameter's takes it; SSP ignores what fits nowhere."""
-        if place in self._into.components:
-            self._into.values.setdefault(place, {})[name] = given
-            return
-        for component in self._into.components:
-            inner = ".".join(component[len(place) :]) + "."
-            if component[: len(place)] == place and name.startswith(inner):
-                self._into.values.setdefault(component, {})[name.removeprefix(inner)] = given
-
-
-def _parameters(values: ET.Element) -> Iterator[tuple[str, _Given]]:
-    units = {entry.get("name"): _unit(entry) for entry in values.findall("ssv:Units/ssc:Unit", NAMESPACES)}
-    for parameter in values.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
-        for entry in parameter:
-            kind = entry.tag.rpartition("}")[2]
-            if kind in ("Real", "Integer", "Boolean", "String", "Enumeration"):
-                yield parameter.get("name", ""), _Given(kind, entry.get("value", ""), units.get(entry.get("unit")))
-
-
-def _unit(entry: ET.Element) -> Unit:
-    base = entry.find("ssc:BaseUnit", NAMESPACES)
-    return Unit.from_base_unit(entry.get("name", ""), {} if base is None else base.attrib)
 
 
 def _names(places: dict[Path_, str]) -> dict[Path_, str]:
@@ -268,7 +104,7 @@ def _variables(fmu: Fmu) -> dict[str, tuple[Variable, int]]:
     return found
 
 
-def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: bool) -> dict[str, Any]:
+def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: bool) -> dict[str, Any]:
     """Values of the parameter sets, and the FMU's own start for an input that nothing feeds.
 
     An input that is fed takes the value that comes to it already at t = 0, unless there are delays.
@@ -277,7 +113,7 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: 
     own = starts_of(fmu.description, fmu.model)
     starts: dict[str, Any] = {}
     for name, (variable, position) in variables.items():
-        if variable.causality == "input" and _source(structure, _End(place, name)) is None:
+        if variable.causality == "input" and structure.source(End(place, name)) is None:
             value = own.get(Element(variable.name, position))
             items: dict[Any, Any] = {number: item for item, number in variable.items}
             starts[variable.label(position)] = items.get(value, value)
@@ -286,13 +122,13 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: _Structure, delayed: 
             ending = hint(name, variables)
             raise InputError(f"{shown(path)}: {'.'.join(place)} has no variable {name!r}{ending}")
         variable, position = variables[name]
-        fed = variable.causality == "input" and _source(structure, _End(place, name)) is not None
+        fed = variable.causality == "input" and structure.source(End(place, name)) is not None
         if variable.causality == "parameter" or (variable.causality == "input" and (delayed or not fed)):
             starts[variable.label(position)] = _value(given, variable)
     return starts
 
 
-def _value(given: _Given, variable: Variable) -> Any:
+def _value(given: Given, variable: Variable) -> Any:
     if given.kind == "Boolean":
         return given.value in ("true", "1")
     if given.kind in ("Integer", "Real") and variable.type == "enumeration":
@@ -307,30 +143,17 @@ def _value(given: _Given, variable: Variable) -> Any:
     return given.value
 
 
-def _source(structure: _Structure, end: _End) -> tuple[_End, float, float, bool] | None:
-    """The component's connector that feeds this one, through all systems, with the product of what lies between."""
-    factor, offset, suppressed = 1.0, 0.0, False
-    for _ in range(len(structure.flows) + 1):
-        if end not in structure.flows:
-            return None
-        end, f, o, s = structure.flows[end]
-        factor, offset, suppressed = factor * f, factor * o + offset, suppressed or s
-        if end.element in structure.components:
-            return end, factor, offset, suppressed
-    return None
-
-
-def _connections(path: Path, structure: _Structure, names: dict[Path_, str], fmus: dict[Path_, Fmu]) -> Iterator[str]:
+def _connections(path: Path, structure: Structure, names: dict[Path_, str], fmus: dict[Path_, Fmu]) -> Iterator[str]:
     """One for each element, in the order of the inputs."""
     variables = {place: _variables(fmu) for place, fmu in fmus.items()}
     for place in fmus:
         for name in dict.fromkeys(end.connector for end in structure.flows if end.element == place):
-            found = _source(structure, _End(place, name))
-            if found is None or (structure.kinds.get(_End(place, name)) == "output"):
+            found = structure.source(End(place, name))
+            if found is None or (structure.kinds.get(End(place, name)) == "output"):
                 continue
             source, factor, offset, suppressed = found
             ends = []
-            for owner, connector in (source, _End(place, name)):
+            for owner, connector in (source, End(place, name)):
                 if connector not in variables[owner]:
                     ending = hint(connector, variables[owner])
                     raise InputError(f"{shown(path)}: {'.'.join(owner)} has no variable {connector!r}{ending}")
