@@ -36,7 +36,7 @@ class BlockError(RuntimeError):
     def __str__(self) -> str:
         when = "in initialization" if self.time is None else f"at {self.time:.10g} s"
         text = f"{self.block}: {self.call} {when}: {self.problem}"
-        return "\n".join([text, *(f"  {self.block} said: {line}" for line in self.log)])
+        return "\n".join([text, *(f"  {self.block} logged: {line}" for line in self.log)])
 
 
 class ResultsError(RuntimeError):

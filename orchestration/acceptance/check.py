@@ -1,7 +1,7 @@
 """Whether an FMU can take a block's place, before anything of it runs.
 
-Everything comes from its files: modelDescription.xml, and the tables of its libraries. What is said of
-ports is what a swap goes by, see `fit`.
+Everything comes from its files: modelDescription.xml, and the tables of its libraries. A swap fits the
+ports by the same rules, see `fit`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding]
 def _description(path: Path, xml: bytes, findings: list[Finding]) -> Any:
     if (version := fmi_version(xml) or "unknown") != "2.0":
         findings.append(
-            Finding("fault", "FMI", f"version {version}; expected 2.0", "export it for FMI 2.0, co-simulation")
+            Finding("error", "FMI", f"version {version}; expected 2.0", "export it for FMI 2.0, co-simulation")
         )
         return None
     try:
@@ -67,7 +67,7 @@ def _description(path: Path, xml: bytes, findings: list[Finding]) -> Any:
     except ValidationError as error:
         for problem in error.problems[:10]:
             findings.append(
-                Finding("fault", "FMI", f"modelDescription.xml: {problem}", "correct it in the exporting tool")
+                Finding("error", "FMI", f"modelDescription.xml: {problem}", "correct it in the exporting tool")
             )
         try:
             description = read_model_description(str(path), validate=False)
@@ -75,10 +75,10 @@ def _description(path: Path, xml: bytes, findings: list[Finding]) -> Any:
             return None
     except Exception as error:  # FMPy and lxml raise what they please
         text = f"modelDescription.xml cannot be read: {' '.join(str(error).split())}"
-        findings.append(Finding("fault", "FMI", text, "export it anew"))
+        findings.append(Finding("error", "FMI", text, "export it anew"))
         return None
     if description.coSimulation is None:
-        findings.append(Finding("fault", "FMI", "version 2.0, for model exchange only", "export it for co-simulation"))
+        findings.append(Finding("error", "FMI", "version 2.0, for model exchange only", "export it for co-simulation"))
         return None
     tool = f", made by {description.generationTool}" if description.generationTool else ""
     findings.append(Finding("ok", "FMI", f"version 2.0, co-simulation{tool}"))
@@ -93,4 +93,4 @@ def _validator(path: Path, findings: list[Finding]) -> None:
     if len(problems) > 10:
         findings.append(Finding("warning", "validator", f"and {len(problems) - 10} more", f"fmpy validate {path}"))
     if not problems:
-        findings.append(Finding("ok", "validator", "FMPy finds nothing wrong"))
+        findings.append(Finding("ok", "validator", "FMPy's validator has no findings"))

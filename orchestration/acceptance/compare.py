@@ -1,7 +1,7 @@
 """Another team's FMU back to back with ours.
 
 Open loop: what our block was given in a run is given to theirs, and output stands against output.
-Closed loop: the whole run with theirs in the place, its claims beside those of ours.
+Closed loop: the whole run with theirs in the place, its expectations beside those of ours.
 """
 
 from __future__ import annotations
@@ -69,13 +69,13 @@ class Comparison:
         return self.played.failure is None and all(d.passed for d in self.differences)
 
     @property
-    def holds(self) -> bool:
-        """Whether theirs meets every claim that could be judged of it."""
+    def met(self) -> bool:
+        """Whether theirs meets every expectation whose signals it has."""
         return self.theirs.passed
 
     @property
     def passed(self) -> bool:
-        return self.equivalent and self.holds
+        return self.equivalent and self.met
 
     @property
     def claims(self) -> list[tuple[Outcome, Outcome | None]]:
@@ -130,21 +130,23 @@ def _differences(
     for variable in (v for v in ports if v.causality == "output"):
         bound = bounds[variable.name]
         unit = str(variable.unit) if variable.unit is not None and str(variable.unit) != "1" else ""
-        told = " and ".join(f"{b.text}{how}" for b, how in ((bound.largest, ""), (bound.rms, " rms")) if b is not None)
+        tolerance = " and ".join(
+            f"{b.text}{how}" for b, how in ((bound.largest, ""), (bound.rms, " rms")) if b is not None
+        )
         if variable.name not in played.outputs:
-            differences.append(Difference(variable.name, unit, True, told, note="theirs lacks it"))
+            differences.append(Difference(variable.name, unit, True, tolerance, note="theirs lacks it"))
             continue
         a = ours[f"{comparison.block}.{variable.name}"].reshape(len(ours.time), -1)[rows].astype(float)
         b = played.outputs[variable.name][chosen]
-        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit, told))
+        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit, tolerance))
     return differences
 
 
 def _difference(
-    variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str, told: str
+    variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str, tolerance: str
 ) -> Difference:
     if not len(time):
-        return Difference(variable.name, unit, False, told, note="nothing to compare")
+        return Difference(variable.name, unit, False, tolerance, note="nothing to compare")
     error = np.abs(theirs - ours)
     if variable.type != "real":
         differing = (error > 0.0).any(axis=1)
@@ -155,7 +157,7 @@ def _difference(
             variable.name,
             "",
             passed,
-            told,
+            tolerance,
             share,
             "",
             first,
@@ -169,7 +171,9 @@ def _difference(
     passed = all(value <= max(b.limit(peak), ROUNDING) for value, b in pairs if b is not None)
     element = variable.label(int(column)) if variable.shape else ""
     at = float(time[row]) if largest > 0.0 else None
-    return Difference(variable.name, unit, passed, told, largest, element, at, largest / peak if peak else None, rms)
+    return Difference(
+        variable.name, unit, passed, tolerance, largest, element, at, largest / peak if peak else None, rms
+    )
 
 
 def summary(comparison: Comparison) -> dict[str, Any]:
@@ -179,7 +183,7 @@ def summary(comparison: Comparison) -> dict[str, Any]:
         "fmu": comparison.fmu,
         "passed": comparison.passed,
         "equivalent": comparison.equivalent,
-        "claims_hold": comparison.holds,
+        "claims_hold": comparison.met,
         "failure": None if comparison.failure is None else str(comparison.failure),
         "open_loop": [asdict(difference) for difference in comparison.differences],
         "claims": [
@@ -194,11 +198,11 @@ def verdict(comparison: Comparison) -> str:
     """The verdict in a sentence."""
     compared = [d for d in comparison.differences if d.largest is not None]
     within = sum(d.passed for d in compared)
-    judged = comparison.theirs.outcomes
-    met = sum(outcome.passed for outcome in judged)
-    left = len(comparison.ours.outcomes) - len(judged)
+    outcomes = comparison.theirs.outcomes
+    met = sum(outcome.passed for outcome in outcomes)
+    left = len(comparison.ours.outcomes) - len(outcomes)
     text = f"{'equivalent' if comparison.equivalent else 'not equivalent'}: {within} of {len(compared)} outputs within tolerance; "
-    text += f"{met} of {len(judged)} claims hold" + (f", {left} could not be judged" if left else "")
+    text += f"{met} of {len(outcomes)} expectations met" + (f", {left} left out" if left else "")
     return f"an FMU failed; {text}" if comparison.failure is not None else text
 
 

@@ -31,7 +31,7 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
     for loop in loops:
         text = f"an algebraic loop through {loop}: all of these depend on each other at one instant"
         remedy = "let it act on inputs of the step before, or break the loop by 'delays' in the scenario"
-        findings.append(Finding("fault", "feedthrough", text, remedy))
+        findings.append(Finding("error", "feedthrough", text, remedy))
     more = sorted(
         {
             f"{e.variable} on {i.variable}"

@@ -30,7 +30,7 @@ def look(description: Any, files: Mapping[str, bytes], findings: list[Finding]) 
         wanted = f"binaries/{fmpy.platform}/{flags.modelIdentifier}{fmpy.sharedLibraryExtension}"
         text = f"none for this platform: expected {wanted}, found binaries for {listed}"
         findings.append(
-            Finding("fault", "binary", text, f"build it for {fmpy.platform}, or run on one of its platforms")
+            Finding("error", "binary", text, f"build it for {fmpy.platform}, or run on one of its platforms")
         )
     for platform, name in offered.items():
         _library(platform, files[name], files, findings)
@@ -44,7 +44,7 @@ def look(description: Any, files: Mapping[str, bytes], findings: list[Finding]) 
             step = sample_time(description)
         except ValueError as error:
             text, _, remedy = str(error).partition("; remedy: ")
-            findings.append(Finding("fault", "step", text, remedy))
+            findings.append(Finding("error", "step", text, remedy))
             return
         if step is not None:
             text = f"it cannot vary its step of {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
@@ -60,7 +60,7 @@ def _library(platform: str, data: bytes, files: Mapping[str, bytes], findings: l
         library = binaries.read(data)
     except binaries.Unreadable as error:
         level, remedy = (
-            ("fault", "build it anew for this platform")
+            ("error", "build it anew for this platform")
             if here
             else ("warning", "build it anew, if that platform is used")
         )
@@ -72,7 +72,7 @@ def _library(platform: str, data: bytes, files: Mapping[str, bytes], findings: l
     missing = [name for name in binaries.FUNCTIONS if name not in library.exported]
     needed = [name for name in missing if name in binaries.CALLED]
     if needed:
-        level = "fault" if here else "warning"
+        level = "error" if here else "warning"
         text = f"{platform}: the library lacks {_some(needed)}"
         findings.append(Finding(level, "functions", text, "export every function of FMI 2.0, by its plain name"))  # type: ignore[arg-type]
     elif missing:
@@ -90,7 +90,7 @@ def _loader(platform: str, left: Unresolved, findings: list[Finding]) -> None:
         text = f"{platform}: needs libraries that this machine has not: {', '.join(left.libraries)}"
         findings.append(
             Finding(
-                "fault",
+                "error",
                 "symbols",
                 text,
                 "link them statically, or put them beside the library with an rpath of $ORIGIN",
@@ -98,15 +98,15 @@ def _loader(platform: str, left: Unresolved, findings: list[Finding]) -> None:
         )
     if left.symbols:
         text = f"{platform}: needs symbols that no library gives it: {_some(left.symbols)}"
-        findings.append(Finding("fault", "symbols", text, "link the library that defines them, or add the source"))
+        findings.append(Finding("error", "symbols", text, "link the library that defines them, or add the source"))
     if left.versions:
         text = f"{platform}: needs a newer C library than this machine has: {', '.join(left.versions)}"
-        findings.append(Finding("fault", "symbols", text, "build it on an older system, or link statically"))
+        findings.append(Finding("error", "symbols", text, "build it on an older system, or link statically"))
     if left.host:
         text = f"{platform}: takes {len(left.host)} functions of Python from the process that loads it"
         findings.append(Finding("warning", "symbols", text, "run it in a process that holds Python, as is done here"))
     if not (left.libraries or left.symbols or left.versions or left.host):
-        findings.append(Finding("ok", "symbols", f"{platform}: all that it needs is found"))
+        findings.append(Finding("ok", "symbols", f"{platform}: all that it needs is there"))
 
 
 def _some(names: list[str]) -> str:

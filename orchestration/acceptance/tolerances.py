@@ -46,7 +46,7 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
     """
     outputs = {v.name: v for v in model.of("output")}
     default = Tolerance(Bound(share=DEFAULT, text=f"{DEFAULT:g} of the largest"))
-    found: dict[str, Tolerance] = {}
+    bounds: dict[str, Tolerance] = {}
     for text in texts:
         if text.endswith((".yaml", ".yml")):
             source = read(Path(text))
@@ -67,14 +67,14 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
                 if name == "default":
                     default = Tolerance(_share(value))
                 else:
-                    found[name] = _tolerance(value, outputs[name])
+                    bounds[name] = _tolerance(value, outputs[name])
             except QuantityError as error:
                 raise InputError(f"{where}: {error}") from None
     # A boolean either is as ours or is not: the default share of a number's size means nothing for it.
     same = Tolerance(Bound(share=0.0, text="no sample"))
     for name, variable in outputs.items():
-        found.setdefault(name, default if variable.type == "real" else same)
-    return found
+        bounds.setdefault(name, default if variable.type == "real" else same)
+    return bounds
 
 
 def _share(value: Any) -> Bound:

@@ -78,9 +78,9 @@ def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
     return [v.name for v in (*fed(scenario, name, model.of("input")), *model.of("output")) if v.type != "string"]
 
 
-def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]:
-    """What an FMU makes of a test vector, output by output."""
-    model = found.reference.model
+def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding]:
+    """How far an FMU's outputs are from those of a test vector, one finding an output."""
+    model = fitted.reference.model
     header, table = _table(folder / "vector.csv")
     columns = _columns(model, header, folder)
     time = table[:, 0]
@@ -90,12 +90,12 @@ def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]
         if model.variables[name].causality == "input"
     }
     expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
-    entry = {"fmu": str(fmu.resolve()), "interface": found.reference.name, "start": _parameters(found, folder)}
-    if found.mapping is not None:
-        entry["map"] = found.mapping.model_dump(exclude_none=True)
+    entry = {"fmu": str(fmu.resolve()), "interface": fitted.reference.name, "start": _parameters(fitted, folder)}
+    if fitted.mapping is not None:
+        entry["map"] = fitted.mapping.model_dump(exclude_none=True)
     played = playback.play("block", entry, ".", time, inputs)
     if played.failure is not None:
-        return [Finding("fault", "vector", str(played.failure), "see what the FMU said")]
+        return [Finding("error", "vector", str(played.failure), "see what the FMU logged")]
     findings = []
     for name, wanted in expected.items():
         if name not in played.outputs:
@@ -112,7 +112,7 @@ def play(fmu: Path, found: Fit, folder: Path, tolerance: float) -> list[Finding]
             text += f", at {time[played.rows[row]]:.10g} s"
         within = largest <= max(tolerance * peak, ROUNDING)
         remedy = "" if within else "look at the units and signs first, then at --tolerance"
-        findings.append(Finding("ok" if within else "fault", "vector", text, remedy))
+        findings.append(Finding("ok" if within else "error", "vector", text, remedy))
     return findings
 
 
@@ -132,12 +132,12 @@ def _table(path: Path) -> tuple[list[str], Any]:
 
 def _columns(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
     labels = {v.label(p): Element(v.name, p) for v in model.variables.values() for p in range(v.size)}
-    found: dict[str, dict[int, int]] = {}
+    columns: dict[str, dict[int, int]] = {}
     for column, label in enumerate(header[1:], start=1):
         if label not in labels:
             raise InputError(f"{folder / 'vector.csv'}: {model.name} has no variable {label!r}")
-        found.setdefault(labels[label].variable, {})[labels[label].position] = column
-    return {name: [places[p] for p in sorted(places)] for name, places in found.items()}
+        columns.setdefault(labels[label].variable, {})[labels[label].position] = column
+    return {name: [places[p] for p in sorted(places)] for name, places in columns.items()}
 
 
 def _shaped(values: Any, variable: Variable) -> Any:
@@ -145,9 +145,9 @@ def _shaped(values: Any, variable: Variable) -> Any:
     return shaped.astype(bool) if variable.type == "boolean" else shaped
 
 
-def _parameters(found: Fit, folder: Path) -> dict[str, Any]:
+def _parameters(fitted: Fit, folder: Path) -> dict[str, Any]:
     """The vector's parameters, for a scenario; those that theirs lacks are left out."""
-    model = found.reference.model
+    model = fitted.reference.model
     values: dict[str, Any] = {}
     path = folder / "parameters.csv"
     rows = list(csv.reader(path.read_text("utf-8").splitlines()))[1:] if path.exists() else []
@@ -156,7 +156,7 @@ def _parameters(found: Fit, folder: Path) -> dict[str, Any]:
         variable = model.variables.get(name)
         if variable is None:
             raise InputError(f"{path}: {model.name} has no parameter {label!r}")
-        if name in found.missing or name in found.ignored:
+        if name in fitted.missing or name in fitted.ignored:
             continue
         values[label.replace("][", ",")] = _value(variable, text)
     return values

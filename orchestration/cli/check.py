@@ -38,10 +38,10 @@ def command(
 
     Nothing of it is run, unless a test vector is asked for. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
-    findings, found = check(fmu, as_, map_)
-    if vector is not None and found is not None and not _faults(findings):
-        findings += play(fmu, found, vector, tolerance)
-    fits = not _faults(findings)
+    findings, fitted = check(fmu, as_, map_)
+    if vector is not None and fitted is not None and not _errors(findings):
+        findings += play(fmu, fitted, vector, tolerance)
+    fits = not _errors(findings)
     if json_:
         listed = [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in findings]
         about = {"fmu": str(fmu), "as": as_, "map": None if map_ is None else str(map_), "fits": fits}
@@ -51,8 +51,8 @@ def command(
     ctx.exit(0 if fits else DOES_NOT_FIT)
 
 
-def _faults(findings: list[Finding]) -> list[Finding]:
-    return [finding for finding in findings if finding.level == "fault"]
+def _errors(findings: list[Finding]) -> list[Finding]:
+    return [finding for finding in findings if finding.level == "error"]
 
 
 def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> None:
@@ -62,20 +62,20 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
         "ok": {"fg": "green"},
         "note": {},
         "warning": {"fg": "yellow"},
-        "fault": {"fg": "red", "bold": True},
+        "error": {"fg": "red", "bold": True},
     }
     width = max(len(finding.topic) for finding in findings)
     for finding in findings:
-        level = "FAULT" if finding.level == "fault" else finding.level
+        level = "ERROR" if finding.level == "error" else finding.level
         head = click.style(f"{level:<8}", **styles[finding.level])
         first, *more = finding.text.splitlines()
         say(f"{head}{finding.topic:<{width}}  {first}")
         for line in [*more, *([f"-> {finding.remedy}"] if finding.remedy else [])]:
             say(f"{'':8}{'':{width}}  {line}")
-    counts = {level: sum(f.level == level for f in findings) for level in ("fault", "warning")}
+    counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}
     counted = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
     say()
-    if counts["fault"]:
+    if counts["error"]:
         say(f"does not fit: {counted}", fg="red", bold=True)
     else:
         say("fits" + (f": {counted}" if counted else ""), fg="green", bold=True)

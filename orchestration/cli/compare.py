@@ -54,7 +54,7 @@ def command(
 ) -> None:
     """Compare an FMU with the block whose place it takes: on the same inputs, and in the loop.
 
-    Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all claims hold,
+    Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all expectations met,
     1 not, 2 wrong input, 3 an FMU failed.
     """
     if len(swaps) != 1:
@@ -97,9 +97,9 @@ def _print(comparison: Comparison, page: Path) -> None:
     say(f"{mark()}{header}")
     for (passed, cells), line in zip(rows, lines, strict=True):
         say(mark("" if cells[5] == "" else "ok" if passed else "differs") + line)
-    say("\nclosed loop: the claims of the scenario")
-    told = [(a.name, a.text, "not judged" if b is None else b.text, a.expected) for a, b in comparison.claims]
-    header, *lines = table(("expectation", "ours", "theirs", "expected"), told)
+    say("\nclosed loop: the expectations of the scenario")
+    claims = [(a.name, a.text, "left out" if b is None else b.text, a.expected) for a, b in comparison.claims]
+    header, *lines = table(("expectation", "ours", "theirs", "expected"), claims)
     say(f"{mark()}{header}")
     for (_, b), line in zip(comparison.claims, lines, strict=True):
         say(mark("" if b is None else b.status) + line)

@@ -1,7 +1,7 @@
-"""Holds of a run: while a boolean signal is true, other signals keep their values; what became of it is told by name.
+"""Holds of a run: while a boolean signal is true, other signals keep their values.
 
-A scenario names such a signal in its section `holds`. Told apart are four outcomes: never held; held at zero from the
-start; a running value held and released; latched, which is a hold that the end of the run finds in place.
+A scenario names such a signal in its section `holds`. A hold has one of four outcomes: never held; held at zero from
+the start; a running value held and released; latched, which is a hold that lasts to the end of the run.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _releases(n: int) -> str:
 
 @dataclass(frozen=True)
 class Look:
-    """A hold of the scenario whose signals have been found."""
+    """A hold of the scenario whose signals the blocks have."""
 
     entry: HoldEntry
     flag: Node
@@ -89,9 +89,9 @@ class Look:
 
 
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
-    """Finds the signals of the scenario's holds. Raises InputError with every fault."""
+    """Checks the scenario's holds against the blocks. Raises InputError with every error."""
     looks: list[Look] = []
-    faults: list[str] = []
+    errors: list[str] = []
     for number, entry in enumerate(scenario.holds):
         key: Key = ("holds", number)
         try:
@@ -102,14 +102,14 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
                 for node in signals.find(scenario, (*key, "keeps", i), name, models)[1]
             ]
             limits = {
-                said: _flag(scenario, (*key, "limits", said), name, models) for said, name in entry.limits.items()
+                limit: _flag(scenario, (*key, "limits", limit), name, models) for limit, name in entry.limits.items()
             }
         except InputError as error:
-            faults += error.messages
+            errors += error.messages
         else:
             looks.append(Look(entry, flag, kept, limits))
-    if faults:
-        raise InputError(*faults)
+    if errors:
+        raise InputError(*errors)
     return looks
 
 
@@ -121,7 +121,7 @@ def _flag(scenario: Scenario, key: Key, name: Reference, models: Mapping[str, Mo
 
 
 class Judge:
-    """Looks at a hold piece by piece, and tells in the end what became of it."""
+    """Takes in a hold's signals piece by piece, and has its outcome in the end."""
 
     def __init__(self, name: str, signal: str) -> None:
         self.name, self.signal = name, signal
@@ -148,12 +148,12 @@ class Judge:
             else:
                 self._spans[-1] = self._spans[-1][0], float(time[i])
         self._held = bool(held[-1])
-        for said, flag in (limits or {}).items():
+        for limit, flag in (limits or {}).items():
             off = np.flatnonzero(~flag)
             if len(off):
-                self._since.pop(said, None)
+                self._since.pop(limit, None)
             if flag[-1]:
-                self._since.setdefault(said, float(time[off[-1] + 1 if len(off) else 0]))
+                self._since.setdefault(limit, float(time[off[-1] + 1 if len(off) else 0]))
 
     @property
     def hold(self) -> Hold:
@@ -169,4 +169,4 @@ def see(look: Look, judge: Judge, time: Floats, columns: Mapping[Node, Floats]) 
     """Shows a hold's signals to its judge."""
     held = columns[look.flag] != 0.0
     kept = np.column_stack([columns[node] for node in look.kept])
-    judge.see(time, held, kept, {said: columns[node] != 0.0 for said, node in look.limits.items()})
+    judge.see(time, held, kept, {limit: columns[node] != 0.0 for limit, node in look.limits.items()})

@@ -81,12 +81,12 @@ class Slave:
             self._exchange("Set", kind, [element for element, _ in pairs], buffer)
 
     def get(self, elements: Sequence[Element]) -> list[float]:
-        found: dict[Element, float] = {}
+        by_element: dict[Element, float] = {}
         for kind, pairs in self._by_type((element, None) for element in elements):
             buffer = (_C[kind] * len(pairs))()
             self._exchange("Get", kind, [element for element, _ in pairs], buffer)
-            found.update((element, float(value)) for (element, _), value in zip(pairs, buffer, strict=True))
-        return [found[element] for element in elements]
+            by_element.update((element, float(value)) for (element, _), value in zip(pairs, buffer, strict=True))
+        return [by_element[element] for element in elements]
 
     def _by_type(self, values: Iterable[tuple[Element, Any]]) -> Iterator[tuple[str, list[tuple[Element, Any]]]]:
         groups: dict[str, list[tuple[Element, Any]]] = {}

@@ -129,13 +129,13 @@ class _Layout:
 
     def inputs(self, name: str) -> list[tuple[Element, int, float, float]]:
         """Each connected input of a block: its source on the bus, factor and offset."""
-        found = [
+        fed = [
             (target.element, (self.held if link.delayed else self.place)[source], link.factor, link.offset)
             for link in self.wiring.links
             for source, target in zip(link.source, link.target, strict=True)
             if target.block == name
         ]
-        return sorted(found, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
+        return sorted(fed, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
 
 
 def lay_out(

@@ -24,13 +24,13 @@ def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError
     given = {name.variable: name for name in scenario.blocks[block].start}
     lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
     for line in lines:
-        if found := _named(line, given):
-            key: Key = ("blocks", block, "start", given[found[1]])
-            return scenario.error(key, _told(line, found))
+        if match := _named(line, given):
+            key: Key = ("blocks", block, "start", given[match[1]])
+            return scenario.error(key, _reason(line, match))
     parameters = [variable.name for variable in models[block].of("parameter")]
     for line in lines:
-        if (found := _named(line, parameters)) and _begins(line, found):
-            return scenario.error(("blocks", block), line[found.start() :])
+        if (match := _named(line, parameters)) and _begins(line, match):
+            return scenario.error(("blocks", block), line[match.start() :])
     return None
 
 
@@ -40,10 +40,10 @@ def _named(line: str, names: Container[str]) -> re.Match[str] | None:
     return next((word for word in words if word[1] in names), None)
 
 
-def _begins(line: str, found: re.Match[str]) -> bool:
-    """Whether the sentence begins with what was found; before it may stand calls and kinds of errors."""
-    return re.fullmatch(r"(?:[\w ]+: )*", line[: found.start()]) is not None
+def _begins(line: str, match: re.Match[str]) -> bool:
+    """Whether the sentence begins with the match; before it may stand calls and kinds of errors."""
+    return re.fullmatch(r"(?:[\w ]+: )*", line[: match.start()]) is not None
 
 
-def _told(line: str, found: re.Match[str]) -> str:
-    return line[found.start() :].removeprefix(f"{found[1]}: ") if _begins(line, found) else line
+def _reason(line: str, match: re.Match[str]) -> str:
+    return line[match.start() :].removeprefix(f"{match[1]}: ") if _begins(line, match) else line

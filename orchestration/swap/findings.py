@@ -13,7 +13,7 @@ from ..fmu.model import Element, Floats, Model, Variable
 from ..quantities import ONE, Unit
 from ..scenario.mapping import Mapping
 
-Level = Literal["ok", "note", "warning", "fault"]
+Level = Literal["ok", "note", "warning", "error"]
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Fit:
 
     @property
     def faults(self) -> list[Finding]:
-        return [finding for finding in self.findings if finding.level == "fault"]
+        return [finding for finding in self.findings if finding.level == "error"]
 
     @property
     def identical(self) -> bool:
@@ -109,7 +109,7 @@ def is_identity(A: Floats) -> bool:
 
 def unfed(finding: Finding) -> bool:
     """Whether it is about an input that only a scenario can feed: there the wiring decides."""
-    return finding.topic == "extra" and finding.level == "fault"
+    return finding.topic == "extra" and finding.level == "error"
 
 
 def once(fitted: Fit, level: Level, topic: str, text: str, remedy: str = "") -> None:

@@ -42,13 +42,13 @@ def _ignored(fitted: Fit, mapping: Mapping) -> None:
         key = ("ignore", number)
         if name not in known:
             fitted.say(
-                "fault",
+                "error",
                 "mapping",
                 f"the interface {fitted.reference.name} has no {name!r}{hint(name, known)}",
                 key=key,
             )
         elif name in mapping.ports:
-            fitted.say("fault", "mapping", f"{name} is both mapped and ignored", "leave it out of one of the two", key)
+            fitted.say("error", "mapping", f"{name} is both mapped and ignored", "leave it out of one of the two", key)
         else:
             ours = known[name]
             fitted.ignored[name] = ours
@@ -64,14 +64,14 @@ def _mapped(fitted: Fit, name: str, entry: PortMap, taken: dict[Element, str]) -
     known = fitted.reference.model.variables
     if name not in known:
         text = f"the interface {fitted.reference.name} has no {name!r}{hint(name, known)}"
-        fitted.say("fault", "mapping", text, "the names of the interface stand on the left", key)
+        fitted.say("error", "mapping", text, "the names of the interface stand on the left", key)
         return
     elements: list[Element] = []
     for theirs in entry.theirs:
         try:
             elements += _elements(fitted.theirs, theirs)
         except NameUnknown as error:
-            fitted.say("fault", "mapping", str(error), key=(*key, "theirs"))
+            fitted.say("error", "mapping", str(error), key=(*key, "theirs"))
             return
     _link(fitted, known[name], tuple(elements), entry, key, taken)
     for element in elements:  # told once, if it does not fit
@@ -102,23 +102,23 @@ def _link(
     for variable in theirs:
         if variable.causality != ours.causality:
             text = f"{label}: {variable.name} is of causality {variable.causality}, expected {ours.causality}"
-            return fitted.say("fault", "causality", text, "map it to another variable, or change the FMU", key)
+            return fitted.say("error", "causality", text, "map it to another variable, or change the FMU", key)
         if variable.type != ours.type:
             text = f"{label}: {variable.name} is {variable.type}, expected {ours.type}"
-            return fitted.say("fault", "type", text, "change the type in the FMU", key)
+            return fitted.say("error", "type", text, "change the type in the FMU", key)
         if variable.items != ours.items:
             text = f"{label}: the items differ, {_items(variable)}, expected {_items(ours)}"
-            return fitted.say("fault", "type", text, "give the enumeration of the FMU these items", key)
+            return fitted.say("error", "type", text, "give the enumeration of the FMU these items", key)
     if ours.causality != "output" and (twice := next((e for e in elements if e in taken), None)):
         label_twice = fitted.theirs.variables[twice.variable].label(twice.position)
-        return fitted.say("fault", "mapping", f"{label}: {label_twice} already stands for {taken[twice]}", key=key)
+        return fitted.say("error", "mapping", f"{label}: {label_twice} already stands for {taken[twice]}", key=key)
     if repeated := next((e for i, e in enumerate(elements) if e in elements[:i]), None):
         text = f"{label}: {named(fitted.theirs, (repeated,))} is named more than once"
-        return fitted.say("fault", "mapping", text, "name each of theirs once", key)
+        return fitted.say("error", "mapping", text, "name each of theirs once", key)
     if ours.type != "real" and any(
         getattr(entry, name) is not None for name in ("unit", "scale", "divide", "matrix", "offset", "quaternion")
     ):
-        return fitted.say("fault", "mapping", f"{label}: only real variables are converted; it is {ours.type}", key=key)
+        return fitted.say("error", "mapping", f"{label}: only real variables are converted; it is {ours.type}", key=key)
     try:
         link = (
             quaternion(fitted, ours, elements, entry)
@@ -126,10 +126,10 @@ def _link(
             else affine(fitted, ours, elements, entry, label)
         )
     except Misfit as error:
-        return fitted.say("fault", error.topic, f"{label}: {error}", error.remedy, key)
+        return fitted.say("error", error.topic, f"{label}: {error}", error.remedy, key)
     if ours.causality == "output" and link.A is not None and link.B is None:
         text = f"{label}: ours cannot be fitted from theirs, since the matrix has no inverse that keeps its digits"
-        return fitted.say("fault", "mapping", text, "give a square matrix of full rank", key)
+        return fitted.say("error", "mapping", text, "give a square matrix of full rank", key)
     fitted.links[ours.name] = link
     taken.update(dict.fromkeys(elements, ours.name))
     fitted.say("ok", "port", f"{label}, {ours.kind}{change(ours, theirs, link)}")

@@ -31,12 +31,12 @@ def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
         text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
         fitted.say("note", "optional", text, f"none needed, or {key}")
     elif ours.causality == "input":
-        fitted.say("fault", "missing", text, f"{key}; or list it under ignore, if theirs does without")
+        fitted.say("error", "missing", text, f"{key}; or list it under ignore, if theirs does without")
     if ours.causality == "input":
         return
     fitted.missing[ours.name] = ours
     if ours.causality == "output" and ours.name in fitted.reference.needed:
-        fitted.say("fault", "missing", f"{text}; other blocks need it", key)
+        fitted.say("error", "missing", f"{text}; other blocks need it", key)
     elif ours.causality == "output":
         fitted.say("note", "missing", f"{text}; no other block needs an input of its name", f"none needed, or {key}")
     else:
@@ -59,7 +59,7 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         if variable is None or variable.causality not in ("input", "parameter"):
             names = (v.name for v in fitted.theirs.of("input", "parameter"))
             fitted.say(
-                "fault", "mapping", f"their FMU has no input or parameter {name!r}{hint(name.variable, names)}", key=key
+                "error", "mapping", f"their FMU has no input or parameter {name!r}{hint(name.variable, names)}", key=key
             )
         else:
             _started(fitted, variable, name, value, taken)
@@ -74,7 +74,7 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
                 text = f"input{_s(left)} {label} {'are' if len(left) > 1 else 'is'} of theirs only, and nothing feeds "
                 text += "them" if len(left) > 1 else "it"
                 remedy = f"give a value under start in the mapping, such as '{label.split()[0]}: 0', or map the whole"
-                fitted.say("fault", "elements", text, remedy)
+                fitted.say("error", "elements", text, remedy)
             else:
                 partial.setdefault(variable.causality, []).append(label)
             continue
@@ -90,7 +90,7 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         elif variable.causality == "input":
             text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
             remedy = "give it a value under start in the mapping, or connect it in the scenario"
-            fitted.say("fault", "extra", text, remedy)
+            fitted.say("error", "extra", text, remedy)
     outputs = [f"{v.name}, {v.kind}" for v in fitted.extra if v.causality == "output"]
     if outputs:
         text = f"output{_s(outputs)} of theirs only: {'; '.join(outputs)}"
@@ -110,13 +110,13 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
     try:
         values = values_of("theirs", fitted.theirs, name, value)
     except (QuantityError, NameUnknown) as error:
-        return fitted.say("fault", "mapping", str(error), key=key)
+        return fitted.say("error", "mapping", str(error), key=key)
     standing = [element for element in values if element in taken]
     if standing:
         port = taken[standing[0]]
         label = name if len(standing) == len(values) else named(fitted.theirs, standing)
         text = f"{label} stands for our {port}, whose value it takes"
-        return fitted.say("fault", "mapping", text, f"give the value to {port} in the scenario", key)
+        return fitted.say("error", "mapping", text, f"give the value to {port} in the scenario", key)
     fitted.start.update(values)
     return fitted.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
 

@@ -154,7 +154,7 @@ def _given(key: Key, entry: Any, *fields: str) -> Iterator[tuple[Key, Reference]
 def _entry(scenario: Scenario, key: Key) -> str:
     """An entry of the scenario in words."""
     if key[0] == "expect":
-        return f"the expectation '{scenario.expect[int(key[1])].name}', which is not judged"
+        return f"the expectation '{scenario.expect[int(key[1])].name}'"
     if key[0] == "holds":
         return f"the hold '{scenario.holds[int(key[1])].name}'"
     if key[0] == "figures":

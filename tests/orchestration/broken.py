@@ -140,17 +140,17 @@ def _compiled(option: str) -> Callable[[Path], None]:
 
 
 _IN = "in initialization"
-_ERROR = "gave status error\n  vendor said: [error] cannot go on from 0"
+_ERROR = "gave status error\n  vendor logged: [error] cannot go on from 0"
 CASES = [
     # ---------------------------------------------------------------- in a step
     Case(
         "a segmentation fault",
-        "vendor: fmi2DoStep at 1 s: crashed with SIGSEGV (segmentation fault)\n  vendor said: stepping from 1",
+        "vendor: fmi2DoStep at 1 s: crashed with SIGSEGV (segmentation fault)\n  vendor logged: stepping from 1",
         "step-segfault",
         samples=11,
     ),
     Case("abort", "vendor: fmi2DoStep at 1 s: crashed with SIGABRT (aborted)", "step-abort", samples=11),
-    Case("a failed assertion", "vendor said: driver.c:17: assertion failed: ready", "step-assert", samples=11),
+    Case("a failed assertion", "vendor logged: driver.c:17: assertion failed: ready", "step-assert", samples=11),
     Case("a stack without end", "fmi2DoStep at 1 s: crashed with SIGSEGV", "step-overflow", samples=11),
     Case("exit", "vendor: fmi2DoStep at 1 s: ended its process, with exit status 0", "step-exit", samples=11),
     Case(
@@ -170,14 +170,14 @@ CASES = [
     Case("printing without end", "did not return within 1 s", "step-chatter", samples=11),
     Case("all its files closed, ours with them", "fmi2DoStep at 1 s: broke off its connection, so its process was ended", "step-deaf", samples=11),
     Case("a child process left behind", "crashed with SIGSEGV", "step-child", samples=11),
-    Case("a file written where it stands", "vendor said: [error] left a file at 1", "step-litter", samples=11),
-    Case("a line that is printed and not ended", "vendor said: no end of line after this", "step-print", samples=11),
-    Case("NaN", "vendor: output y at 1.1 s: is nan, expected a finite number\n  vendor said: stepping from 1", "step-nan", samples=11),
+    Case("a file written where it stands", "vendor logged: [error] left a file at 1", "step-litter", samples=11),
+    Case("a line that is printed and not ended", "vendor logged: no end of line after this", "step-print", samples=11),
+    Case("NaN", "vendor: output y at 1.1 s: is nan, expected a finite number\n  vendor logged: stepping from 1", "step-nan", samples=11),
     Case("infinity", "vendor: output y at 1.1 s: is inf, expected a finite number", "step-infinity", samples=11),
     Case(
         "status error",
-        "vendor: fmi2DoStep at 1 s: gave status error\n  vendor said: stepping from 1\n"
-        "  vendor said: [error] cannot go on from 1",
+        "vendor: fmi2DoStep at 1 s: gave status error\n  vendor logged: stepping from 1\n"
+        "  vendor logged: [error] cannot go on from 1",
         "step-error",
         samples=11,
     ),
@@ -216,7 +216,7 @@ CASES = [
     Case("an error on Instantiate", f"fmi2Instantiate {_IN}: gave no instance", "instantiate-error", status=2),
     Case("a crash on Instantiate", f"fmi2Instantiate {_IN}: crashed with SIGSEGV", "instantiate-segfault", status=2),
     Case("a hang on Instantiate", f"fmi2Instantiate {_IN}: did not return", "instantiate-hang", status=2),
-    Case("a wrong GUID", "vendor said: [error] the GUID says nothing to", "{8c4e810f}", status=2),
+    Case("a wrong GUID", "vendor logged: [error] the GUID says nothing to", "{8c4e810f}", status=2),
     Case("no binary for this platform", "has no binary for this platform", make=_other_platform, status=2),
     Case("a truncated archive", "is a damaged or truncated zip archive", make=_truncated, status=2),
     Case("bytes changed in the archive", "is a damaged zip archive", make=_bytes_changed, status=2),

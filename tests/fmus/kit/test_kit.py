@@ -115,7 +115,7 @@ def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
     assert validate_fmu(str(fmu)) == []
     empty = orchestrate("check", fmu, "--as", "allocator", "--vector", folder / "vector")
     assert empty.exit_code == 1
-    assert "FAULT   vector       dipole_cmd: differs by" in empty.stdout
+    assert "ERROR   vector       dipole_cmd: differs by" in empty.stdout
     for path in (ROOT / "allocator").glob("*.py"):
         shutil.copy(path, folder / "allocator")
     subprocess.run([sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, check=True)

@@ -62,7 +62,7 @@ def test_the_project_s_own_blocks_fit_themselves_in_both_flavours(here):
         from fmus.build import ensure
 
         found = findings(ensure("allocator", flavour), as_="allocator")
-        assert not [f for f in found if f.level == "fault"]
+        assert not [f for f in found if f.level == "error"]
         assert sum(f.level == "warning" for f in found) <= warnings
 
 
@@ -79,8 +79,8 @@ def test_json_says_the_same(here):
     result = orchestrate("vendor.fmu", "--as", "regulator.fmu", "--json")
     told = json.loads(result.stdout)
     assert (result.exit_code, told["fits"]) == (1, False)
-    assert {f["level"] for f in told["findings"]} <= {"ok", "note", "warning", "fault"}
-    assert all(f["remedy"] for f in told["findings"] if f["level"] in ("fault", "warning"))
+    assert {f["level"] for f in told["findings"]} <= {"ok", "note", "warning", "error"}
+    assert all(f["remedy"] for f in told["findings"] if f["level"] in ("error", "warning"))
 
 
 # ---------------------------------------------------------------- the file
@@ -103,10 +103,10 @@ def test_a_binary_for_another_platform_only_is_told_with_those_that_there_are(he
 
 def test_what_is_no_library_is_told(here):
     fmus.write(here / "vendor.fmu", fmus.description("regulator"), b"text")
-    assert "it is no shared library" in texts(findings(here / "vendor.fmu", topic="binary", level="fault"))
+    assert "it is no shared library" in texts(findings(here / "vendor.fmu", topic="binary", level="error"))
     damaged = fmus.library()[:2000]
     fmus.write(here / "vendor.fmu", fmus.description("regulator"), damaged)
-    assert "its tables are damaged" in texts(findings(here / "vendor.fmu", topic="binary", level="fault"))
+    assert "its tables are damaged" in texts(findings(here / "vendor.fmu", topic="binary", level="error"))
 
 
 @pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("cc"), reason="needs an ELF compiler")
@@ -132,7 +132,7 @@ def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(her
     ):
         subprocess.run(["cc", "-shared", "-fPIC", "-w", "-o", "p.so", "p.c", *needed], check=True)
         fmus.write(here / "vendor.fmu", fmus.description("regulator"), (here / "p.so").read_bytes())
-        assert message in texts(findings(here / "vendor.fmu", topic=topic, level="fault"))
+        assert message in texts(findings(here / "vendor.fmu", topic=topic, level="error"))
 
 
 @pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("nm"), reason="nm is the witness")
@@ -188,26 +188,26 @@ def test_what_the_validator_finds_is_told(here):
         (
             ('name="speed" valueReference="2"', 'name="spede" valueReference="2"'),
             "missing",
-            "fault",
+            "error",
             "input speed, a real scalar in rad/s, is missing; by name or unit it may be spede; remedy: 'speed: spede' under ports in the mapping",
         ),
         (('name="voltage"', 'name="v"'), "missing", "note", "output voltage"),
         (
             ('<Real unit="rad/s" start="0"/>', '<Real unit="V" start="0"/>'),
             "unit",
-            "fault",
+            "error",
             "input speed: the units do not fit: ours is rad/s, theirs V",
         ),
         (
             ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1" rad="1" factor="0.017"/>'),
             "unit",
-            "fault",
+            "error",
             "the FMU declares the unit rad/s to be 0.017 s-1.rad, but usually it is 1 s-1.rad",
         ),
         (
             ('<BaseUnit s="-1" rad="1"/>', '<BaseUnit s="-1"/>'),
             "unit",
-            "fault",
+            "error",
             "they differ by the radian only: state what it is, such as 'unit: rad/s'",
         ),
         (
@@ -219,10 +219,10 @@ def test_what_the_validator_finds_is_told(here):
         (
             ('<Real unit="rad/s" start="0"/>', '<Integer start="0"/>'),
             "type",
-            "fault",
+            "error",
             "speed is integer, expected real",
         ),
-        (('<Boolean start="true"/>', '<Integer start="1"/>'), "type", "fault", "enabled is integer, expected boolean"),
+        (('<Boolean start="true"/>', '<Integer start="1"/>'), "type", "error", "enabled is integer, expected boolean"),
         (
             (
                 'name="samples[2]" valueReference="21" causality="output"',
@@ -238,7 +238,7 @@ def test_what_the_validator_finds_is_told(here):
                 'name="gain" valueReference="3" causality="input"',
             ),
             "causality",
-            "fault",
+            "error",
             "gain is of causality input, expected parameter",
         ),
         (('<Real start="-1"/>', '<Real start="-2"/>'), "start", "note", "gain: -2, ours -1"),
@@ -264,7 +264,7 @@ def test_what_differs_is_told_by_name(here, change, topic, level, message):
 @pytest.mark.parametrize("step", ["0", "-1", "INF", "NaN"])
 def test_a_step_that_is_none_does_not_fit(here, step):
     change = ("<ModelVariables>", f'<DefaultExperiment stepSize="{step}"/><ModelVariables>')
-    told = texts(findings(vendor.write(here, change, own_names=False), topic="step", level="fault"))
+    told = texts(findings(vendor.write(here, change, own_names=False), topic="step", level="error"))
     assert f"its stepSize is {step}, expected a finite number above 0; remedy: declare" in told
 
 
@@ -281,7 +281,7 @@ def test_an_extra_input_does_not_fit_unless_the_mapping_feeds_it(here):
         ('index="8" dependencies=""/><Unknown index="8"', 'index="8" dependencies=""/><Unknown index="9"'),
         own_names=False,
     )
-    assert "input brake, a real scalar, is of theirs only, and nothing feeds it" in texts(findings(path, level="fault"))
+    assert "input brake, a real scalar, is of theirs only, and nothing feeds it" in texts(findings(path, level="error"))
     (here / "mapping.yaml").write_text("start: {brake: 0.5}")
     assert "input brake of theirs is 0.5, as the mapping says" in texts(
         findings(path, here / "mapping.yaml", topic="extra")
@@ -296,7 +296,7 @@ def test_a_dependence_that_closes_a_loop_with_the_other_blocks_does_not_fit(here
     xml = model_description(parse(text), "{1}", Capabilities(needsExecutionTool=False), "test").decode()
     with zipfile.ZipFile(here / "vendor.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", xml)
-    (told,) = [f.text for f in findings(here / "vendor.fmu", as_="plant", topic="feedthrough", level="fault")]
+    (told,) = [f.text for f in findings(here / "vendor.fmu", as_="plant", topic="feedthrough", level="error")]
     for name in ("plant.r_N", "controller.tau_cmd_B", "allocator.wheel_torque_cmd"):
         assert name in told
 

@@ -41,7 +41,7 @@ def test_a_block_that_gives_the_same_is_equivalent(tmp_path, monkeypatch):
     swapped(tmp_path, monkeypatch, scenario=SCENARIO + FIGURE)
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 0, result.output
-    assert "equivalent: 2 of 2 outputs within tolerance; 1 of 1 claims hold" in result.stdout
+    assert "equivalent: 2 of 2 outputs within tolerance; 1 of 1 expectations met" in result.stdout
     assert outputs()["voltage"]["largest"] < 1e-14
     assert {p.name for p in Path("out").iterdir()} == {"comparison.html", "comparison.json", "ours", "theirs"}
     assert Path("out/theirs/signals.csv").exists()
@@ -57,7 +57,7 @@ def test_the_largest_difference_is_found_with_its_time_and_share(tmp_path, monke
     assert (d["largest"], d["share"], d["time"]) == (pytest.approx(0.2, rel=1e-12), pytest.approx(0.1, rel=1e-12), 0.0)
     assert (d["unit"], d["passed"]) == ("V", False)
     assert "0.2 V" in next(line for line in result.stdout.splitlines() if line.startswith("differs      voltage"))
-    assert "not equivalent: 1 of 2 outputs within tolerance; 1 of 1 claims hold" in result.stdout
+    assert "not equivalent: 1 of 2 outputs within tolerance; 1 of 1 expectations met" in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_a_claim_that_theirs_fails_fails_the_comparison(tmp_path, monkeypatch):
     of_gain(0.9)
     result = orchestrate(*ARGUMENTS, "--tolerance", "20 %")
     assert result.exit_code == 1
-    assert "equivalent: 2 of 2 outputs within tolerance; 0 of 1 claims hold" in result.stdout
+    assert "equivalent: 2 of 2 outputs within tolerance; 0 of 1 expectations met" in result.stdout
     assert "failed       the motor stops" in result.stdout
 
 
@@ -102,7 +102,7 @@ def test_what_theirs_lacks_is_listed_and_not_judged(tmp_path, monkeypatch):
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 0, result.output
     assert "samples  theirs lacks it" in result.stdout
-    assert "1 of 1 claims hold, 1 could not be judged" in result.stdout
+    assert "1 of 1 expectations met, 1 left out" in result.stdout
 
 
 def test_a_block_of_another_step_is_compared_where_it_is_stepped(tmp_path, monkeypatch):

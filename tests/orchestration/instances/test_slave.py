@@ -87,7 +87,7 @@ def test_several_blocks_may_be_made_of_one_fmu(tmp_path, monkeypatch):
 
 def test_a_failing_block_raises_and_what_was_computed_is_with_the_error(loop):
     with pytest.raises(
-        BlockError, match=r"motor: fmi2DoStep at 1 s: gave status error\n  motor said: \[error\] cannot step from 1"
+        BlockError, match=r"motor: fmi2DoStep at 1 s: gave status error\n  motor logged: \[error\] cannot step from 1"
     ) as info:
         run(loop, {"motor.fault": 1, "motor.fault_time": 1}, out=loop.parent / "kept")
     assert len(info.value.result["motor.speed"]) == 11

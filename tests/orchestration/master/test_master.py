@@ -248,7 +248,7 @@ def test_a_failing_block_ends_the_run_with_block_time_call_status_and_log(exchan
     result = run(
         [plant, law("first"), law("second")], {"step": 0.1, "duration": 2.0, "connections": CHAIN, "exchange": exchange}
     )
-    assert str(result.failure) == "plant: fmi2DoStep at 1 s: gave status discard\n  plant said: this is why"
+    assert str(result.failure) == "plant: fmi2DoStep at 1 s: gave status discard\n  plant logged: this is why"
     assert len(result.time) == len(result["first.y"]) == 11
     assert not result.passed
 
