@@ -75,7 +75,7 @@ class Fit:
     findings: list[Finding] = field(default_factory=list)
 
     @property
-    def faults(self) -> list[Finding]:
+    def errors(self) -> list[Finding]:
         return [finding for finding in self.findings if finding.level == "error"]
 
     @property

@@ -79,7 +79,7 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Reference,
             return scenario.error(("blocks", name, "fmu"), message)
         return source.error(key, message) if source else scenario.error(("blocks", name, "map", *key), message)
 
-    errors = [where(finding.key, str(finding)) for finding in fitted.faults if not unfed(finding)]
+    errors = [where(finding.key, str(finding)) for finding in fitted.errors if not unfed(finding)]
     errors += _starts_without(prepared, name, entry, fitted, fmu)
     if errors:
         raise InputError(*errors)

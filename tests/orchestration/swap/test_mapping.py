@@ -469,10 +469,7 @@ def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tm
     (tmp_path / "mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
     result = orchestrate(*arguments)
     assert result.exit_code == 1, "the third expectation is still judged"
-    assert (
-        "left out, since regulator.samples is not there: the expectation 'sampled'"
-        in result.stderr
-    )
+    assert "left out, since regulator.samples is not there: the expectation 'sampled'" in result.stderr
     assert "failed       slow" in result.stdout
     assert "recorded under their own names: first, second" in result.stderr
 
