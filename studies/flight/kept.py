@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -108,3 +109,13 @@ def remark(case: Case, row: Row) -> str:
     if row["wheel_full"] > 0.01:
         return f"wheel at its limit for {100.0 * row['wheel_full']:.0f}% of the time: {end}"
     return f"{end}; at most {markdown.degrees(math.degrees(row['hold_max']))} in the last {HOLD:.0f} s"
+
+
+def quantile(times: Array, q: float) -> float:
+    """Of all cases, those that never settle counted as later than all others."""
+    return float(np.sort(times)[max(0, math.ceil(q * len(times)) - 1)])
+
+
+def angle(values: Array, which: Callable[[Array], Any]) -> str:
+    """A statistic of angles, deg, as text; a dash where there are none."""
+    return markdown.degrees(float(which(values))) if len(values) else "–"

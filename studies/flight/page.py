@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.stats import beta
@@ -16,11 +14,11 @@ from orchestration import Result
 from .. import markdown
 from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT, Array
+from . import conditions
 from .calls import Calls
-from .cases import BESIDE, HOLD_ORBITS, NODES, PAIRINGS, RATE_MAX, SEEDS, SHORT, TRIES, TUNED, share
-from .kept import GOALS, Flights
+from .cases import BESIDE, HOLD_ORBITS, NODES, RATE_MAX, SEEDS, SHORT, TRIES, TUNED, share
+from .kept import GOALS, Flights, angle, quantile
 from .run import HOLD, RATE, errors
-from .tried import FLOWN_ON, TRIED
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 SCHEMES = {"": "planned", " tuned": "law [8], tuned", " paper": "the paper's scheme"}
@@ -56,27 +54,18 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
         holds=_holds(flights),
         peaks=_peaks(hold),
         tries=share(n, TRIES),
-        tried=_tried(flights),
-        flown_on=_flown_on(flights),
-        notable=_notable(flights),
-        pairings=_pairings(flights),
+        tried=conditions.tried(flights),
+        flown_on=conditions.flown_on(flights),
+        notable=conditions.notable(flights),
+        pairings=conditions.pairings(flights),
         failure_rates="; ".join(_failure_rate(flights, g) for g in NAMES),
         calls=_calls(calls),
         seeds=SEEDS,
     )
 
 
-def _quantile(times: Array, q: float) -> float:
-    """Of all cases, those that never settle counted as later than all others."""
-    return float(np.sort(times)[max(0, math.ceil(q * len(times)) - 1)])
-
-
 def _summary(times: Array) -> dict[str, str]:
-    return {"share": finite(times), "median": orbits(_quantile(times, 0.5)), "worst": orbits(float(times.max()))}
-
-
-def _angle(values: Array, which: Any) -> str:
-    return degrees(float(which(values))) if len(values) else "–"
+    return {"share": finite(times), "median": orbits(quantile(times, 0.5)), "worst": orbits(float(times.max()))}
 
 
 def _over_bound(flights: Flights, group: str, bounds: str) -> str:
@@ -98,11 +87,11 @@ def _results(flights: Flights) -> list[list[str]]:
                     f"{name}, {condition}" if scheme else f"**{name}**, {condition}",
                     f"{len(t)}",
                     f"{100.0 * np.isfinite(t).mean():.4g}%",
-                    *(orbits(_quantile(t, q)) for q in (0.5, 0.9, 1.0)),
+                    *(orbits(quantile(t, q)) for q in (0.5, 0.9, 1.0)),
                     f"{100.0 * np.isfinite(fine).mean():.4g}%",
-                    *(orbits(_quantile(fine, q)) for q in (0.5, 1.0)),
-                    _angle(held, np.median),
-                    _angle(held, np.max),
+                    *(orbits(quantile(fine, q)) for q in (0.5, 1.0)),
+                    angle(held, np.median),
+                    angle(held, np.max),
                     _over_bound(flights, group + scheme, group),
                     "" if scheme else flights.of(group)[int(np.argmax(t))]["seed"],
                 ]
@@ -118,7 +107,7 @@ def _goals(flights: Flights, group: str) -> list[str]:
         return "met" if value <= goal * (1.0 + 1e-9) else "**missed**"
 
     above = int((held > goals[2]).sum())
-    found = [round(_quantile(t, 0.5), 3), round(float(t.max()), 3)]
+    found = [round(quantile(t, 0.5), 3), round(float(t.max()), 3)]
     return [
         NAMES[group],
         f"{finite(t)}: " + ("met" if np.isfinite(t).all() else "**missed**"),
@@ -126,7 +115,7 @@ def _goals(flights: Flights, group: str) -> list[str]:
             f"{orbits(value)}: goal {goal:g} {verdict(value, goal)}"
             for value, goal in zip(found, goals[:2], strict=True)
         ),
-        f"median {_angle(held, np.median)}, worst {_angle(held, np.max)}: goal {goals[2]:g}° "
+        f"median {angle(held, np.median)}, worst {angle(held, np.max)}: goal {goals[2]:g}° "
         f"{verdict(float(np.median(held)), goals[2])} at the median, "
         + (f"**missed** by {above} of {len(held)}" if above else "met by each"),
     ]
@@ -159,7 +148,7 @@ def _manoeuvres(flights: Flights) -> list[list[str]]:
             rows.append(
                 [
                     *(name, label, *_summary(t).values(), finite(fine), orbits(float(fine.max()))),
-                    *(_angle(flights.hold_errors(group), np.max), _over_bound(flights, group, which)),
+                    *(angle(flights.hold_errors(group), np.max), _over_bound(flights, group, which)),
                 ]
             )
     return rows
@@ -188,73 +177,6 @@ def _peaks(hold: Result) -> dict[str, str] | None:
         return None
     first, last = np.quantile(delays, (0.1, 0.9))
     return {"first": f"{first:.0f}", "last": f"{last:.0f}", "count": f"{len(delays)}"}
-
-
-def _tried(flights: Flights) -> list[list[str]]:
-    rows = []
-    for t in TRIED:
-        times, held = flights.times(t.name), flights.hold_errors(t.name)
-        failed = sum("the run failed" in line["remark"] for line in flights.of(t.name))
-        rows.append(
-            [
-                t.text + (f" ({failed} runs failed)" if failed else ""),
-                finite(times),
-                *(orbits(_quantile(times, q)) for q in (0.5, 0.9, 1.0)),
-                finite(flights.times(t.name, 1)),
-                _angle(held, np.median),
-                _angle(held, np.max),
-            ]
-        )
-    return rows
-
-
-def _flown_on(flights: Flights) -> dict[str, str] | None:
-    """What became of the cases of FLOWN_ON in three orbits: errors after the time at which they are judged, deg."""
-    on = [flights.column(f"{name} flown on", "late_max_deg") for name in FLOWN_ON]
-    each = len(on[0])
-    if not each:
-        return None
-    settled = [np.isfinite(flights.times(name)[:each]) for name in FLOWN_ON]
-    largest = np.concatenate([errors[good] for errors, good in zip(on, settled, strict=True)])
-    lost = largest[largest > 5.0]
-    return {
-        "cases": f"{each * len(on)}",
-        "each": f"{each}",
-        "settled": f"{len(largest)}",
-        "lost": f"{len(lost)}",
-        "least": degrees(float(lost.min(initial=math.inf))),
-        "largest": degrees(float(lost.max(initial=0.0))),
-    }
-
-
-def _notable(flights: Flights) -> list[Mapping[str, str]]:
-    """What stands out in the table of TRIED, by its own numbers."""
-    usual = _quantile(flights.times("as nominal"), 0.5)
-    lost, slow, coarse = [], [], []
-    for t in TRIED:
-        times, held = flights.times(t.name), flights.hold_errors(t.name)
-        if not np.isfinite(times).all():
-            lost.append(f"{t.text} ({int((~np.isfinite(times)).sum())})")
-        elif _quantile(times, 0.5) > 1.5 * usual:
-            slow.append(t.text)
-        if len(held) and np.median(held) > 0.1:
-            coarse.append(t.text)
-    lists = (
-        ("Not all settle (how many do not)", lost),
-        ("All settle, but half of them more than 1.5 times as late as nominally", slow),
-        ("Held worse than 0.1° rms at the median of those that settle", coarse),
-    )
-    return [{"what": what, "names": "; ".join(names)} for what, names in lists if names]
-
-
-def _pairings(flights: Flights) -> list[list[str]]:
-    rows = []
-    for (law, allocator), name in PAIRINGS.items():
-        line = flights.of(f"{law} + {allocator}")[0]
-        times = [line[f"settled_{d}deg_s"] for d in (5, 1)]
-        hold = f"hold {degrees(float(line['hold_rms_deg'] or 'nan'))} rms"
-        rows.append([name, *(orbits(float(t or "inf") / ORBIT) for t in times), hold if times[0] else line["remark"]])
-    return rows
 
 
 def _failure_rate(flights: Flights, group: str) -> str:
