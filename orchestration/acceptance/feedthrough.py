@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..fmu.interfaces import Reference
+from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model
 from ..swap.as_ours import model
 from ..swap.findings import Finding, Fit
@@ -49,7 +49,7 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
         findings.append(Finding("ok", "feedthrough", "closes no algebraic loop"))
 
 
-def _loops(interface: Reference, theirs: Model, direct: Mapping[Element, frozenset[Element]]) -> list[str]:
+def _loops(interface: Interface, theirs: Model, direct: Mapping[Element, frozenset[Element]]) -> list[str]:
     models = {**interface.others, interface.name: theirs}
     sources: dict[Element, list[tuple[str, Element]]] = {}
     for block, kind in models.items():

@@ -122,8 +122,10 @@ def _text(value: Value) -> str:
     return str(value.value)
 
 
-def _enumerations(root: ET.Element, prefix: str, found: Iterable[tuple[str, tuple[tuple[str, int], ...]]]) -> None:
-    known = {name: items for name, items in found if items}
+def _enumerations(
+    root: ET.Element, prefix: str, enumerations: Iterable[tuple[str, tuple[tuple[str, int], ...]]]
+) -> None:
+    known = {name: items for name, items in enumerations if items}
     if known:
         parent = _element(root, f"{prefix}:Enumerations")
         for name, items in sorted(known.items()):
@@ -132,8 +134,8 @@ def _enumerations(root: ET.Element, prefix: str, found: Iterable[tuple[str, tupl
                 _element(entry, "ssc:Item", name=item, value=str(number))
 
 
-def _units(root: ET.Element, prefix: str, found: Iterable[Unit | None]) -> None:
-    known = {unit.name: unit for unit in found if unit is not None}
+def _units(root: ET.Element, prefix: str, units: Iterable[Unit | None]) -> None:
+    known = {unit.name: unit for unit in units if unit is not None}
     if known:
         parent = _element(root, f"{prefix}:Units")
         for name, unit in sorted(known.items()):
@@ -145,8 +147,8 @@ def _element(
 ) -> ET.Element:
     prefix, _, tag = tag.partition(":")
     full = f"{{{NAMESPACES[prefix]}}}{tag}"
-    found = {**(given or {}), **attributes}
-    return ET.Element(full, found) if parent is None else ET.SubElement(parent, full, found)
+    all_attributes = {**(given or {}), **attributes}
+    return ET.Element(full, all_attributes) if parent is None else ET.SubElement(parent, full, all_attributes)
 
 
 def _bytes(root: ET.Element) -> bytes:

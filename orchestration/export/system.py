@@ -109,7 +109,7 @@ def flat(scenario: Scenario) -> System:
         ]
         values = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
         own = starts_of(fmu.description, model)
-        told = [
+        exported = [
             Value(names[name][n], model.variables[n.element.variable].at([n.element.position]), value)
             for n, value in values.items()
             if _worth(model.variables[n.element.variable], value, own.get(n.element))
@@ -120,7 +120,7 @@ def flat(scenario: Scenario) -> System:
             for n, v, kind in others
             if (name, names[name][n]) not in targets
         ]
-        components.append(Component(name, fmu, tuple(ports), tuple(told), tuple(free)))
+        components.append(Component(name, fmu, tuple(ports), tuple(exported), tuple(free)))
     return System(scenario, tuple(components), tuple(wires), tuple(plan.order.blocks))
 
 
@@ -132,12 +132,12 @@ def _initial(scenario: Scenario) -> dict[Node, Scalar]:
     result = execute(short)
     if result.failure is not None:
         raise result.failure
-    found: dict[Node, Scalar] = {}
+    outputs: dict[Node, Scalar] = {}
     for node in result.columns:
         kind = result.models[node.block].variables[node.element.variable].type
         value = float(result.column(node)[0])
-        found[node] = bool(value) if kind == "boolean" else value if kind == "real" else round(value)
-    return found
+        outputs[node] = bool(value) if kind == "boolean" else value if kind == "real" else round(value)
+    return outputs
 
 
 def _converted(value: Scalar, factor: float, offset: float) -> Scalar:
@@ -145,7 +145,7 @@ def _converted(value: Scalar, factor: float, offset: float) -> Scalar:
 
 
 def _worth(variable: Variable, value: Scalar, own: object) -> bool:
-    """Whether a value is told. Several tools cannot set text and items, so those that are the FMU's own are not."""
+    """Whether a value is written. Several tools cannot set text and items, so those that are the FMU's own are not."""
     return variable.type not in ("string", "enumeration") or value != own
 
 

@@ -120,7 +120,7 @@ def refuse_entities(path: Path, xml: bytes) -> None:
 
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = doctype
-    with suppress(expat.ExpatError):  # told by what reads it next
+    with suppress(expat.ExpatError):  # what reads it next reports it
         parser.Parse(xml, True)
 
 
@@ -128,9 +128,9 @@ def optional_inputs(xml: bytes) -> frozenset[str]:
     """The inputs of which a modelDescription.xml says, in an annotation of ours, that they may stay unconnected."""
     if ANNOTATION.encode() not in xml:
         return frozenset()
-    found = ElementTree.fromstring(xml).iterfind("ModelVariables/ScalarVariable")
+    variables = ElementTree.fromstring(xml).iterfind("ModelVariables/ScalarVariable")
     optional = f"Annotations/Tool[@name='{ANNOTATION}']/Optional"
-    return frozenset(entry.get("name", "") for entry in found if entry.find(optional) is not None)
+    return frozenset(entry.get("name", "") for entry in variables if entry.find(optional) is not None)
 
 
 def fmi_version(xml: bytes) -> str | None:

@@ -71,13 +71,13 @@ _Group = tuple[tuple[int, ...], tuple[int, ...], list[Any]]
 
 def _groups(scalars: list[Any]) -> dict[str, _Group]:
     """Scalars by the name of the whole, where its elements are all there and alike; else each by its own name."""
-    found: dict[str, dict[tuple[int, ...], Any]] = {}
+    by_name: dict[str, dict[tuple[int, ...], Any]] = {}
     for scalar in scalars:
         match = _INDEXED.fullmatch(scalar.name)
         name, index = (match[1], tuple(map(int, match[2].split(",")))) if match else (scalar.name, ())
-        found.setdefault(name, {})[index] = scalar
+        by_name.setdefault(name, {})[index] = scalar
     groups: dict[str, _Group] = {}
-    for name, members in found.items():
+    for name, members in by_name.items():
         whole = _whole(members)
         if whole is not None:
             groups[name] = whole
@@ -136,22 +136,22 @@ def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any,
 
 
 def _dependencies(unknowns: list[Any], elements: dict[str, Element]) -> dict[Element, frozenset[Element] | None]:
-    found: dict[Element, frozenset[Element] | None] = {}
+    dependencies: dict[Element, frozenset[Element] | None] = {}
     for unknown in unknowns:
         if unknown.variable.name in elements:
             known = unknown.dependencies
             inputs = known and (v for v in known if v.causality == "input")
-            found[elements[unknown.variable.name]] = (
+            dependencies[elements[unknown.variable.name]] = (
                 None if known is None else frozenset(elements[v.name] for v in inputs or ())
             )
-    return found
+    return dependencies
 
 
 def _initial(description: Any, elements: dict[str, Element]) -> dict[Element, frozenset[Element] | None]:
-    found = _dependencies(description.initialUnknowns, elements)
+    dependencies = _dependencies(description.initialUnknowns, elements)
     direct = _dependencies(description.outputs, elements)
     for scalar in description.modelVariables:
-        if scalar.causality == "output" and elements[scalar.name] not in found:
+        if scalar.causality == "output" and elements[scalar.name] not in dependencies:
             exact = scalar.initial == "exact"
-            found[elements[scalar.name]] = frozenset() if exact else direct.get(elements[scalar.name])
-    return found
+            dependencies[elements[scalar.name]] = frozenset() if exact else direct.get(elements[scalar.name])
+    return dependencies

@@ -15,7 +15,7 @@ from .model import Element, Model, Variable, shared
 
 
 @dataclass(frozen=True)
-class Reference:
+class Interface:
     """A block's interface."""
 
     name: str
@@ -38,13 +38,13 @@ def own() -> tuple[str, ...]:
     return BLOCKS
 
 
-def reference(name: str, folder: Path) -> Reference:
+def reference(name: str, folder: Path) -> Interface:
     """The interface of this name, or of the FMU at this path. Raises InputError."""
     if is_path(name):
         from .archive import open_fmu
 
         fmu = open_fmu((folder / Path(name).expanduser()).resolve())
-        return Reference(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
+        return Interface(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
     if name not in own():
         ending = hint(name, own())
         raise InputError(f"this project has no interface {name!r}{ending}; the path of a reference FMU ends in .fmu")
@@ -58,7 +58,7 @@ def reference(name: str, folder: Path) -> Reference:
         for position, element in enumerate(variable.elements)
         if element.start is not None
     }
-    return Reference(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
+    return Interface(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
 
 
 def place(block: str) -> str:
@@ -121,7 +121,7 @@ def starts_of(description: Any, model: Model) -> dict[Element, Any]:
         for variable in model.variables.values()
         for position in range(variable.size)
     }
-    found: dict[Element, Any] = {}
+    starts: dict[Element, Any] = {}
     for scalar in description.modelVariables:
         entry = by_label.get("][".join(part.strip() for part in scalar.name.split(",")))
         if entry is None or scalar.start is None or scalar.causality not in ("input", "parameter"):
@@ -129,11 +129,11 @@ def starts_of(description: Any, model: Model) -> dict[Element, Any]:
         variable, element = entry
         text = str(scalar.start)
         if variable.type == "real":
-            found[element] = float(text)
+            starts[element] = float(text)
         elif variable.type in ("integer", "enumeration"):
-            found[element] = int(float(text))
+            starts[element] = int(float(text))
         elif variable.type == "boolean":
-            found[element] = text.lower() in ("true", "1")
+            starts[element] = text.lower() in ("true", "1")
         else:
-            found[element] = text
-    return found
+            starts[element] = text
+    return starts

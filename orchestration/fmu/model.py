@@ -53,7 +53,7 @@ class Variable:
     """Names and values of an enumeration."""
     description: str = ""
     first_index: tuple[int, ...] = ()
-    """What FMI calls the first element: 1 or 0 in each dimension; 1 where nothing is said."""
+    """What FMI calls the first element: 1 or 0 in each dimension; 1 by default."""
     optional: bool = False
     """An input that may stay unconnected at its own start value, as its FMU says."""
 

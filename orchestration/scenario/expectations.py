@@ -85,4 +85,4 @@ class HoldEntry(Model):
     keeps: list[Reference] = Field(min_length=1)
     """The signals that keep their values."""
     limits: dict[str, Reference] = {}
-    """Boolean signals of limits, by what is to be said of them, told where the hold does not end."""
+    """Boolean signals of limits, by a name for each; the summary lists them where the hold does not end."""

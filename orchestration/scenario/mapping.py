@@ -8,8 +8,8 @@ A mapping is a YAML file, or stands in the scenario under a block's `map`:
     start: {mode: 2}                        # values of parameters and inputs that only theirs has
     ignore: [hold_fraction]                 # what of ours theirs does without
 
-For every port, input, output or parameter, it is said once and in one direction: theirs = A ours + c.
-What units can do is not said at all; both sides declare theirs.
+For every port, input, output or parameter, it is stated once and in one direction: theirs = A ours + c.
+What a conversion of units does is not stated; both sides declare their units.
 """
 
 from __future__ import annotations
@@ -140,13 +140,13 @@ class Mapping(_Model):
     """How another team's FMU stands in a block's place."""
 
     file: Annotated[str, Field(strict=True, min_length=1)] | None = None
-    """A file that holds the mapping, relative to the scenario; nothing else is then said here."""
+    """A file that holds the mapping, relative to the scenario; nothing else then stands here."""
     ports: dict[str, _Port] = {}
     """Our inputs, outputs and parameters by name, each with theirs. What has our name need not be listed."""
     start: dict[Name, Any] = {}
     """Values of inputs and parameters that only theirs has, by their names."""
     ignore: list[Annotated[str, Field(strict=True)]] = []
-    """Our inputs, outputs and parameters that theirs does without. What is lost thereby is told."""
+    """Our inputs, outputs and parameters that theirs does without. The run says what is lost."""
 
     @model_validator(mode="after")
     def _file_alone(self) -> Mapping:
@@ -163,9 +163,9 @@ def load(path: Path) -> tuple[Mapping, source.Source]:
     """The mapping that a file holds, and the file's source for messages. Raises InputError."""
     here = Path.cwd()
     read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
-    found = complaints.checked(Mapping, read)
-    if found.file is not None:
+    mapping = complaints.checked(Mapping, read)
+    if mapping.file is not None:
         raise InputError(
             read.error(("file",), "a mapping's file holds the mapping itself; expected ports, start or ignore")
         )
-    return found, read
+    return mapping, read

@@ -43,18 +43,18 @@ class Source:
         """A copy in which `value` takes the place of the start value of `block.parameter`."""
         copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
         blocks = copy.data.get("blocks") if isinstance(copy.data, dict) else None
-        said = f"{option}{name}={value}"
+        place = f"{option}{name}={value}"
         block, dot, variable = name.partition(".")
         if not dot or not variable:
-            raise InputError(f"{said}: expected block.parameter=value")
+            raise InputError(f"{place}: expected block.parameter=value")
         if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
-            raise InputError(f"{said}: there is no block {block!r}{hint(block, blocks or ())}")
+            raise InputError(f"{place}: there is no block {block!r}{hint(block, blocks or ())}")
         starts = blocks[block].get("start")
         if not isinstance(starts, dict):
             blocks[block]["start"] = starts = {}
         starts.pop(variable, None)  # the last one counts, also over elements
         starts[variable] = value
-        copy.options["blocks", block, "start", variable] = said
+        copy.options["blocks", block, "start", variable] = place
         return copy
 
     def with_value(self, key: str, value: Any, option: str) -> Source:

@@ -96,12 +96,12 @@ def _variables(fmu: Fmu) -> dict[str, tuple[Variable, int]]:
     labels = {
         v.label(e.position): (v.at([e.position]), e.position) for v in fmu.model.variables.values() for e in v.elements
     }
-    found = {}
+    variables = {}
     for scalar in fmu.description.modelVariables:
         entry = labels.get("][".join(part.strip() for part in scalar.name.split(",")))
         if entry is not None:
-            found[scalar.name] = entry
-    return found
+            variables[scalar.name] = entry
+    return variables
 
 
 def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: bool) -> dict[str, Any]:
@@ -148,10 +148,10 @@ def _connections(path: Path, structure: Structure, names: dict[Path_, str], fmus
     variables = {place: _variables(fmu) for place, fmu in fmus.items()}
     for place in fmus:
         for name in dict.fromkeys(end.connector for end in structure.flows if end.element == place):
-            found = structure.source(End(place, name))
-            if found is None or (structure.kinds.get(End(place, name)) == "output"):
+            feed = structure.source(End(place, name))
+            if feed is None or (structure.kinds.get(End(place, name)) == "output"):
                 continue
-            source, factor, offset, suppressed = found
+            source, factor, offset, suppressed = feed
             ends = []
             for owner, connector in (source, End(place, name)):
                 if connector not in variables[owner]:
@@ -192,14 +192,14 @@ def _annotation(path: Path, root: ET.Element) -> dict[str, Any]:
 
 def _times(experiment: ET.Element | None, fmus: list[Fmu]) -> dict[str, float]:
     """Step and duration, as far as archive or FMUs say them."""
-    found = {}
+    times = {}
     own = [fmu.description.defaultExperiment for fmu in fmus if fmu.description.defaultExperiment is not None]
     steps = [float(e.stepSize) for e in own if e.stepSize]
     if steps:
-        found["step"] = min(steps)
+        times["step"] = min(steps)
     stops = [float(e.stopTime) for e in own if e.stopTime]
     if experiment is not None and experiment.get("stopTime"):
         stops = [float(experiment.get("stopTime", "0")) - float(experiment.get("startTime", "0"))]
     if stops:
-        found["duration"] = max(stops)
-    return found
+        times["duration"] = max(stops)
+    return times

@@ -141,14 +141,14 @@ class _System:
                 values = inline
             else:
                 continue
-            found = {f"{binding.get('prefix', '')}{name}": given for name, given in _parameters(values)}
+            values_by_name = {f"{binding.get('prefix', '')}{name}": given for name, given in _parameters(values)}
             mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
             if mapping is not None:
-                found = self._mapped(found, mapping)
-            for name, given in found.items():
+                values_by_name = self._mapped(values_by_name, mapping)
+            for name, given in values_by_name.items():
                 self._assign(place, name, given)
 
-    def _mapped(self, found: dict[str, Given], mapping: ET.Element) -> dict[str, Given]:
+    def _mapped(self, values_by_name: dict[str, Given], mapping: ET.Element) -> dict[str, Given]:
         source = mapping.get("source")
         entries = (
             parsed(self._path, inside(self._path, self._folder, source), "ssm:ParameterMapping") if source else mapping
@@ -160,8 +160,8 @@ class _System:
                 raise InputError(
                     f"{shown(self._path)}: the mapping of {name} to {target} has a transformation, which orchestrate does not do"
                 )
-            if name in found:
-                mapped[target] = found[name]
+            if name in values_by_name:
+                mapped[target] = values_by_name[name]
         return mapped
 
     def _assign(self, place: Path_, name: str, given: Given) -> None:

@@ -97,16 +97,16 @@ class Adapter:
         return rotation.transposed(R) if link.inverse else R
 
     def get(self, elements: Sequence[Element]) -> list[float]:
-        found: dict[Element, float] = {}
+        values: dict[Element, float] = {}
         for name in dict.fromkeys(e.variable for e in elements):
             variable = self.model.variables[name]
             link = self._links.get(name)
             if link is None or variable.causality == "input" or (link.A is not None and link.B is None):
-                found.update((e, float(self._value(e))) for e in variable.elements)
+                values.update((e, float(self._value(e))) for e in variable.elements)
             else:
                 theirs = self.inner.get(link.theirs)
-                found.update(zip(variable.elements, self._back(link, theirs), strict=True))
-        return [found[element] for element in elements]
+                values.update(zip(variable.elements, self._back(link, theirs), strict=True))
+        return [values[element] for element in elements]
 
     def _back(self, link: Link, theirs: Sequence[float]) -> list[float]:
         if link.B is None or link.c is None:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..fmu.interfaces import Reference
+from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Floats, Model, Variable
 from ..quantities import ONE, Unit
 from ..scenario.mapping import Mapping
@@ -57,7 +57,7 @@ class Link:
 class Fit:
     """What stands for what, and everything that was fitted."""
 
-    reference: Reference
+    reference: Interface
     theirs: Model
     mapping: Mapping | None = None
     links: dict[str, Link] = field(default_factory=dict)
@@ -71,7 +71,7 @@ class Fit:
     without: dict[str, Variable] = field(default_factory=dict)
     """Optional inputs of ours that theirs lacks: nothing can be connected to them."""
     missing: dict[str, Variable] = field(default_factory=dict)
-    """Outputs and parameters of ours that theirs lacks and that nothing has been said about."""
+    """Outputs and parameters of ours that theirs lacks and that the mapping does not ignore."""
     findings: list[Finding] = field(default_factory=list)
 
     @property

@@ -7,7 +7,7 @@ swap refuses to run where it holds a fault, so the two never disagree.
 from __future__ import annotations
 
 from ..errors import hint
-from ..fmu.interfaces import Reference
+from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..scenario.mapping import Mapping, PortMap
 from ..scenario.references import Name
@@ -16,7 +16,7 @@ from .findings import Fit, Misfit, may_stay_unconnected, named
 from .leftover import extra, lacking
 
 
-def fit(reference: Reference, theirs: Model, mapping: Mapping | None = None) -> Fit:
+def fit(reference: Interface, theirs: Model, mapping: Mapping | None = None) -> Fit:
     """Finds what of theirs stands for what of ours, and says of everything whether it fits."""
     fitted = Fit(reference, theirs, mapping)
     mapping = mapping or Mapping()
@@ -74,7 +74,7 @@ def _mapped(fitted: Fit, name: str, entry: PortMap, taken: dict[Element, str]) -
             fitted.say("error", "mapping", str(error), key=(*key, "theirs"))
             return
     _link(fitted, known[name], tuple(elements), entry, key, taken)
-    for element in elements:  # told once, if it does not fit
+    for element in elements:  # one finding, if it does not fit
         taken.setdefault(element, name)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from ..errors import InputError
 from ..fmu.archive import Fmu, shown
-from ..fmu.interfaces import Reference, is_path, own, place, reference
+from ..fmu.interfaces import Interface, is_path, own, place, reference
 from ..fmu.model import Element
 from ..scenario import mapping as mappings
 from ..scenario.scenario import BlockEntry, Scenario
@@ -41,7 +41,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     """Fits every swapped block to its interface. Raises InputError with everything that does not fit."""
     prepared = Prepared(scenario, {name: fmu.model for name, fmu in fmus.items()})
     errors: list[str] = []
-    references: dict[str, Reference] = {}
+    interfaces: dict[str, Interface] = {}
     for name, entry in scenario.blocks.items():
         asked = interface_of(scenario, name, fmus[name].model.name)
         if asked is None:
@@ -50,26 +50,26 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
                 errors.append(scenario.error(("blocks", name, "map"), message))
             continue
         try:
-            references[name] = _reference(scenario, name, asked)
-            _fit(prepared, name, entry, references[name], fmus[name])
+            interfaces[name] = _reference(scenario, name, asked)
+            _fit(prepared, name, entry, interfaces[name], fmus[name])
         except InputError as error:
             errors += error.messages
     if errors:
         raise InputError(*errors)
-    if references:
+    if interfaces:
         settle(prepared, fmus)
-        prepared.feedthrough = _hook(prepared, references)
+        prepared.feedthrough = _hook(prepared, interfaces)
     return prepared
 
 
-def _reference(scenario: Scenario, name: str, asked: str) -> Reference:
+def _reference(scenario: Scenario, name: str, asked: str) -> Interface:
     try:
         return reference(asked, scenario.source.folder)
     except InputError as error:
         raise InputError(*(scenario.error(("blocks", name, "interface"), m) for m in error.messages)) from None
 
 
-def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Reference, fmu: Fmu) -> None:
+def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface, fmu: Fmu) -> None:
     scenario = prepared.scenario
     mapping, source = read_mapping(scenario, name, entry)
     fitted = fit(interface, fmu.model, mapping)
@@ -135,9 +135,9 @@ def _listed(what: str, names: list[str]) -> str:
     return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}"
 
 
-def _hook(prepared: Prepared, references: Mapping[str, Reference]) -> Hook:
+def _hook(prepared: Prepared, interfaces: Mapping[str, Interface]) -> Hook:
     """Our interface's feedthrough, where an FMU declares none."""
-    for name, interface in references.items():
+    for name, interface in interfaces.items():
         declared = prepared.models[name].feedthrough
         silent = {e.variable for e in interface.model.feedthrough if e in declared and declared[e] is None}
         absent = {
@@ -152,7 +152,7 @@ def _hook(prepared: Prepared, references: Mapping[str, Reference]) -> Hook:
             )
 
     def hook(block: str, element: Element) -> frozenset[Element] | None:
-        interface = references.get(block)
+        interface = interfaces.get(block)
         known = interface.model.feedthrough.get(element) if interface is not None else None
         if known is None:
             return None

@@ -30,13 +30,13 @@ class Prepared:
 
     def adapted(self, block: Block) -> Block:
         """The block behind our interface; itself where there is nothing to adapt."""
-        found = self.fits.get(block.name)
+        fit = self.fits.get(block.name)
         often = self.substeps.get(block.name, 1)
-        if found is None or (found.identical and often == 1):
+        if fit is None or (fit.identical and often == 1):
             return block
-        return Adapter(block, found, often)
+        return Adapter(block, fit, often)
 
     def handed_on(self, starts: Mapping[str, Sequence[Start]]) -> dict[str, dict[Element, Any]]:
         """What the adapted blocks are given for a scenario's start values, by their own elements."""
-        found = {name: fit for name, fit in self.fits.items() if self.models[name] is not fit.theirs}
-        return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in found.items()}
+        adapted = {name: fit for name, fit in self.fits.items() if self.models[name] is not fit.theirs}
+        return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in adapted.items()}

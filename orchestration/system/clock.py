@@ -55,7 +55,7 @@ class Clock:
 
 
 def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
-    """Counts of a scenario's times, and what is to be said of them. Raises InputError where they do not divide."""
+    """Counts of a scenario's times, and notes on them. Raises InputError where they do not divide."""
     step = Fraction(repr(scenario.step))
     ratio = Fraction(repr(scenario.duration)) / step
     steps = _whole(ratio)

@@ -63,25 +63,25 @@ class Faults:
 
 def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> Faults:
     """The faults of the scenario, checked against its blocks. Raises InputError with everything that is wrong."""
-    found = Faults()
-    wrong: list[str] = []
+    faults = Faults()
+    errors: list[str] = []
     for number, fault in enumerate(scenario.faults):
         key: Key = ("faults", number)
         try:
-            span = _span(scenario, key, fault, found.notes)
+            span = _span(scenario, key, fault, faults.notes)
             if span is None:
                 continue
             if fault.set is not None:
-                found.settings.append(_setting(fault.set, models, wiring, span))
+                faults.settings.append(_setting(fault.set, models, wiring, span))
             else:
-                found.disturbances += _disturbances(fault, models, wiring, span)
+                faults.disturbances += _disturbances(fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
-            wrong.append(scenario.error((*key, fault.kind), str(error)))
+            errors.append(scenario.error((*key, fault.kind), str(error)))
         except InputError as error:
-            wrong += error.messages
-    if wrong:
-        raise InputError(*wrong)
-    return found
+            errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    return faults
 
 
 def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span | None:
@@ -146,7 +146,7 @@ def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, spa
     if variable.causality == "parameter":
         raise QuantityError(f"{reference} is a parameter and no signal; remedy: set: {reference} = ...")
     values = _values(fault, reference, variable, positions)
-    found = []
+    disturbances = []
     for position, value in zip(positions, values, strict=True):
         node = Node(block, Element(variable.name, position))
         for link, source, target in _ends(wiring):
@@ -156,12 +156,12 @@ def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, spa
                 own = value
             else:
                 continue
-            found.append(Disturbance(target, source, link.delayed, fault.kind, own, span))
-    if not found and variable.causality == "input":
+            disturbances.append(Disturbance(target, source, link.delayed, fault.kind, own, span))
+    if not disturbances and variable.causality == "input":
         raise QuantityError(f"{reference} is not connected; remedy: set: {reference} = ...")
-    if not found:
+    if not disturbances:
         raise QuantityError(f"{reference} feeds no input, so nothing would change")
-    return found
+    return disturbances
 
 
 def _ends(wiring: Wiring) -> Iterable[tuple[Link, Node, Node]]:

@@ -62,8 +62,8 @@ def _needs(
         inputs = hook(node.block, node.element)
     if inputs is None:
         inputs = model.inputs
-    found = (sources.get(Node(node.block, element)) for element in sorted(inputs))
-    return dict.fromkeys((source for source in found if source is not None), declared is not None)
+    feeds = (sources.get(Node(node.block, element)) for element in sorted(inputs))
+    return dict.fromkeys((source for source in feeds if source is not None), declared is not None)
 
 
 # ---------------------------------------------------------------- algebraic loops
@@ -120,7 +120,7 @@ def components(graph: Mapping[Node, list[Node]]) -> list[list[Node]]:
     index: dict[Node, int] = {}
     low: dict[Node, int] = {}
     stack: list[Node] = []
-    found: list[list[Node]] = []
+    groups: list[list[Node]] = []
     for root in graph:
         if root in index:
             continue
@@ -143,11 +143,11 @@ def components(graph: Mapping[Node, list[Node]]) -> list[list[Node]]:
                     low[work[-1][0]] = min(low[work[-1][0]], low[node])
                 if low[node] == index[node]:
                     at = stack.index(node)
-                    found.append(stack[at:])
+                    groups.append(stack[at:])
                     for member in stack[at:]:
                         del low[member]
                     del stack[at:]
-    return found
+    return groups
 
 
 # ---------------------------------------------------------------- order

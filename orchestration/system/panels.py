@@ -18,7 +18,7 @@ from .wiring import Node
 def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
     needed: dict[Node, None] = {}
-    faults: list[str] = []
+    errors: list[str] = []
     for i, entry in enumerate(scenario.figures):
         wanted: list[tuple[Key, Reference]] = [
             (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
@@ -32,18 +32,18 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
                 for line in panel.lines:
                     value_in(line, unit)
             except QuantityError as error:
-                faults.append(scenario.error(place, str(error)))
+                errors.append(scenario.error(place, str(error)))
             except InputError:
-                pass  # told below
+                pass  # reported below
         if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
-            faults.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
+            errors.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
         for key, name in wanted:
             try:
                 needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
             except InputError as error:
-                faults += error.messages
-    if faults:
-        raise InputError(*faults)
+                errors += error.messages
+    if errors:
+        raise InputError(*errors)
     return list(needed)
 
 

@@ -39,21 +39,21 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     elif not scenario.record.signals and scenario.source.file is not None:
         message = "must not be empty; without it all outputs of all blocks are recorded"
         raise InputError(scenario.error(("record", "signals"), message))
-    faults: list[str] = []
+    errors: list[str] = []
     for number, reference in enumerate(scenario.record.signals or ()):
         key: Key = ("record", "signals", number)
         try:
-            found = (
+            matches = (
                 _matching(scenario, key, reference, models)
                 if not isinstance(reference, Reference)
                 else find(scenario, key, reference, models)[1]
             )
         except InputError as error:
-            faults += error.messages
+            errors += error.messages
         else:
-            nodes.update(dict.fromkeys(found))
-    if faults:
-        raise InputError(*faults)
+            nodes.update(dict.fromkeys(matches))
+    if errors:
+        raise InputError(*errors)
     return list(nodes)
 
 
@@ -71,16 +71,16 @@ def flags(models: Mapping[str, Model]) -> list[Node]:
 def _matching(scenario: Scenario, key: Key, pattern: str, models: Mapping[str, Model]) -> list[Node]:
     """The outputs whose names match `block.*`, `*.omega_*` and the like."""
     literal = re.sub(r"([\[\]?])", r"[\1]", pattern)  # only the star is special
-    found = [
+    matches = [
         Node(block, element)
         for block, model in models.items()
         for variable in model.of("output")
         if variable.type in TYPES and fnmatchcase(f"{block}.{variable.name}", literal)
         for element in variable.elements
     ]
-    if not found:
+    if not matches:
         raise InputError(scenario.error(key, f"no output matches {pattern!r}"))
-    return found
+    return matches
 
 
 def label(node: Node, models: Mapping[str, Model]) -> str:

@@ -24,11 +24,11 @@ class Start:
 
 
 def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[Start]]:
-    """The start values of each block. Raises InputError with every fault that it finds."""
+    """The start values of each block. Raises InputError with everything that is wrong."""
     starts: dict[str, list[Start]] = {}
-    faults: list[str] = []
+    errors: list[str] = []
     for block, entry in scenario.blocks.items():
-        found: dict[Element, Scalar] = {}
+        given: dict[Element, Scalar] = {}
         first: dict[Element, str] = {}
         for name, value in entry.start.items():
             key = ("blocks", block, "start", name)
@@ -36,14 +36,14 @@ def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[S
                 values = values_of(block, models[block], name, value)
                 if key not in scenario.source.options:  # an option takes the place of what the file says
                     _refuse_twice(scenario, key, first, values)
-                found.update(values)
+                given.update(values)
             except (QuantityError, NameUnknown) as error:
                 # The place ends with the variable's name only where the variable is known.
                 known = name.variable in models[block].variables
-                faults.append(_at(scenario, key, key if known else key[:-1], str(error)))
-        starts[block] = [Start(element, value) for element, value in found.items()]
-    if faults:
-        raise InputError(*faults)
+                errors.append(_at(scenario, key, key if known else key[:-1], str(error)))
+        starts[block] = [Start(element, value) for element, value in given.items()]
+    if errors:
+        raise InputError(*errors)
     return starts
 
 
@@ -75,9 +75,9 @@ def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element,
             f"{suggestion(match)}"
         )
     shape = variable.shape if len(positions) == variable.size else ()
-    found = leaves(value, shape, variable)
+    scalars = leaves(value, shape, variable)
     return {
-        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, found, strict=True)
+        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, scalars, strict=True)
     }
 
 
@@ -86,14 +86,14 @@ def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
     wanted = f"expected {_shape_in_words(variable.shape if shape else ())}"
     if hasattr(value, "tolist"):
         value = value.tolist()
-    found = [value]
+    items = [value]
     for length in shape:
-        if not all(isinstance(item, (list, tuple)) and len(item) == length for item in found):
+        if not all(isinstance(item, (list, tuple)) and len(item) == length for item in items):
             raise QuantityError(f"{wanted}, found {_shape_found(value)}")
-        found = [leaf for item in found for leaf in item]
-    if any(isinstance(leaf, (list, tuple)) for leaf in found):
+        items = [leaf for item in items for leaf in item]
+    if any(isinstance(leaf, (list, tuple)) for leaf in items):
         raise QuantityError(f"{wanted}, found {_shape_found(value)}")
-    return found
+    return items
 
 
 def _shape_in_words(shape: tuple[int, ...]) -> str:

@@ -70,11 +70,11 @@ class _End(NamedTuple):
 
 
 def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
-    """All connections of the scenario. Raises InputError with every fault that it finds."""
+    """All connections of the scenario. Raises InputError with everything that is wrong."""
     wiring = Wiring()
-    faults: list[str] = []
+    errors: list[str] = []
     taken: dict[Node, str] = {}
-    delays = _delays(scenario, models, faults)
+    delays = _delays(scenario, models, errors)
     for number, text in enumerate(scenario.connections):
         key: Key = ("connections", number)
         try:
@@ -82,18 +82,18 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
             targets = [node for link in links for node in link.target]
             for node in targets:
                 if node in taken:
-                    raise _Fault(f"{_name(node, models)} already has a source: {taken[node]}")
+                    raise _Mismatch(f"{_name(node, models)} already has a source: {taken[node]}")
             taken.update(dict.fromkeys(targets, text))
-        except (_Fault, NameUnknown) as error:
-            faults.append(scenario.error(key, f"{text}: {error}"))
+        except (_Mismatch, NameUnknown) as error:
+            errors.append(scenario.error(key, f"{text}: {error}"))
             continue
         wiring.links += links
         wiring.warnings += [scenario.error(key, warning) for warning in warnings]
-    if not faults:
-        faults += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
+    if not errors:
+        errors += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
         wiring.warnings += _unused_starts(scenario, models, taken, delays)
-    if faults:
-        raise InputError(*faults)
+    if errors:
+        raise InputError(*errors)
     return wiring
 
 
@@ -104,7 +104,7 @@ def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Varia
     return [v for v in ports if v.causality == "input" and (not v.optional or f"{block}.{v.name}" in given)]
 
 
-class _Fault(ValueError):
+class _Mismatch(ValueError):
     pass
 
 
@@ -112,19 +112,19 @@ def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, 
     """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings."""
     source, target = _end(text.source, models, "output"), _end(text.target, models, "input")
     if source.variable.type != target.variable.type:
-        raise _Fault(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
+        raise _Mismatch(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
     if source.variable.type == "string":
-        raise _Fault("text cannot be connected")
+        raise _Mismatch("text cannot be connected")
     if source.variable.items != target.variable.items:
-        raise _Fault(
+        raise _Mismatch(
             f"the enumerations differ: {source.name} has {_items(source.variable)}, {target.name} has {_items(target.variable)}"
         )
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
-        raise _Fault(f"the shapes differ: {_shape(source)}, {_shape(target)}")
+        raise _Mismatch(f"the shapes differ: {_shape(source)}, {_shape(target)}")
     delayed = {node in delays for node in target.nodes}
     if len(delayed) != 1:
-        raise _Fault("either all elements of a connection are delayed or none")
+        raise _Mismatch("either all elements of a connection are delayed or none")
     pairs = list(zip(source.elements, target.elements, strict=True))
     if not (source.variable.units or target.variable.units):
         pairs = [(source, target)]
@@ -150,11 +150,13 @@ def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, 
 def _end(reference: Reference, models: Mapping[str, Model], causality: str) -> _End:
     block = reference.block
     if block not in models:
-        raise _Fault(f"there is no block {block!r}{hint(block, models)}")
+        raise _Mismatch(f"there is no block {block!r}{hint(block, models)}")
     variable, positions = models[block].find(block, reference.variable, reference.indices, (causality,))
     if variable.causality != causality:
         article = "an" if variable.causality[0] in "aeio" else "a"
-        raise _Fault(f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}")
+        raise _Mismatch(
+            f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}"
+        )
     return _End(block, variable, positions)
 
 
@@ -177,19 +179,19 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
             ),
         )
     if not given.fits(wanted):
-        raise _Fault(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
+        raise _Mismatch(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
     return *given.conversion(wanted), ""
 
 
-def _delays(scenario: Scenario, models: Mapping[str, Model], faults: list[str]) -> dict[Node, int]:
+def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[str]) -> dict[Node, int]:
     """Every input that is to be fed with a delay, with its place in the list."""
-    found: dict[Node, int] = {}
+    delayed: dict[Node, int] = {}
     for number, text in enumerate(scenario.delays):
         try:
-            found.update(dict.fromkeys(_end(text, models, "input").nodes, number))
-        except (_Fault, NameUnknown) as error:
-            faults.append(scenario.error(("delays", number), str(error)))
-    return found
+            delayed.update(dict.fromkeys(_end(text, models, "input").nodes, number))
+        except (_Mismatch, NameUnknown) as error:
+            errors.append(scenario.error(("delays", number), str(error)))
+    return delayed
 
 
 def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[Node, str]) -> list[str]:
@@ -201,7 +203,7 @@ def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[No
 
 
 def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping[Node, str]) -> list[str]:
-    faults = []
+    errors = []
     for block, model in models.items():
         started = {name for key in scenario.blocks[block].start for name in (key, key.variable)}
         for variable in model.of("input"):
@@ -214,8 +216,8 @@ def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping
             if variable.optional:
                 remedy += f"; {variable.name} is optional: it may also stay unconnected as a whole"
             message = f"the input {names} is neither connected nor given a value; remedy: {remedy}"
-            faults.append(scenario.error(("blocks", block), message))
-    return faults
+            errors.append(scenario.error(("blocks", block), message))
+    return errors
 
 
 def _unused_starts(

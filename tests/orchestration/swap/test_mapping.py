@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestration import InputError, load, run
 from orchestration.cli.main import main
-from orchestration.fmu.interfaces import Reference
+from orchestration.fmu.interfaces import Interface
 from orchestration.fmu.model import Element, Model
 from orchestration.quantities import Unit, parse_unit
 from orchestration.scenario.mapping import Mapping
@@ -28,8 +28,8 @@ from ..mocks import Mock, real
 from ..wrong_inputs import SCENARIO
 
 
-def reference(kind: Model, starts=None) -> Reference:
-    return Reference(kind.name, kind, starts or {e: 0.0 for v in kind.of("input", "parameter") for e in v.elements})
+def reference(kind: Model, starts=None) -> Interface:
+    return Interface(kind.name, kind, starts or {e: 0.0 for v in kind.of("input", "parameter") for e in v.elements})
 
 
 def fitted(ours: Model, theirs: Model, **mapping):
