@@ -26,9 +26,10 @@ MARKERS = {
     ),
     "isolate": (
         "orchestration/cli",
+        "orchestration/acceptance/test_page.py",
         "orchestration/instances",
         "orchestration/results/test_endings.py",
-        "orchestration/results/test_report.py",
+        "orchestration/results/test_browser.py",
         "orchestration/system/test_optional.py",
         "orchestration/test_broken.py",
         "orchestration/test_wrong_input.py",

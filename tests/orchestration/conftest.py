@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from . import fmus
+from .results import browser
 from .wrong_inputs import SCENARIO
 
 
@@ -16,3 +19,15 @@ def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path.write_text(SCENARIO + "isolation: none\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     return path
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[browser.Browser]:
+    """A browser with one page."""
+    path = browser.executable()
+    if path is None:
+        if os.environ.get("CI"):
+            pytest.fail("no Chromium; .ci/run installs it")
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    with browser.Browser(path) as found:
+        yield found

@@ -151,3 +151,37 @@ class Browser:
             self.complaints.append(f"{told['entry']['text']} {told['entry'].get('url', '')}")
         elif method == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
+
+
+def pixels(page: Browser, colour: str, plot: int = 0) -> int:
+    """How many points of a plot have about this colour."""
+    rgb = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return page.evaluate(
+        f"""(() => {{
+          const canvas = document.querySelectorAll(".plot canvas")[{plot}], {{ width, height }} = canvas;
+          const copy = new OffscreenCanvas(width, height).getContext("2d", {{ willReadFrequently: true }});
+          copy.drawImage(canvas, 0, 0);
+          const {{ data }} = copy.getImageData(0, 0, width, height);
+          let found = 0;
+          for (let i = 0; i < data.length; i += 4)
+            found += data[i + 3] > 128 && {json.dumps(rgb)}.every((c, k) => Math.abs(c - data[i + k]) < 24);
+          return found;
+        }})()"""
+    )
+
+
+def box(page: Browser, selector: str, place: int = 0) -> list[float]:
+    """Left, top, width and height of an element that has been brought into view."""
+    return page.evaluate(
+        f"""(() => {{
+          const it = document.querySelectorAll({json.dumps(selector)})[{place}];
+          it.scrollIntoView({{ block: "center" }});
+          const r = it.getBoundingClientRect();
+          return [r.x, r.y, r.width, r.height];
+        }})()"""
+    )
+
+
+def values(page: Browser, plot: int = 0) -> list[str]:
+    cells = f"[...document.querySelectorAll('.plot')[{plot}].querySelectorAll('.u-value')]"
+    return page.evaluate(f"{cells}.map(cell => cell.textContent)")

@@ -1,0 +1,81 @@
+"""The page of a comparison: its plots, and that it lets nothing in or out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration.acceptance import page as pages
+from orchestration.acceptance.compare import Comparison, Difference
+from orchestration.acceptance.playback import Played
+
+from ..results.browser import Browser, pixels
+from ..results.swing import EVIL, Reader, data_of, swing, unpacked
+
+
+def compared(note: str = "swings", steps: int = 400) -> Comparison:
+    """Our swing against one that has half its amplitude in the open loop, and ends after so many steps in the loop."""
+    ours, theirs = swing(note=note), swing(steps, note=note)
+    theirs.warnings.append(note)
+    played = Played(ours.models["a"], np.arange(401), {"x": 0.5 * ours["a.x"], "y": ours["a.y"][:, None]}, [])
+    differences = [
+        Difference("x", "rad", False, "1e-06 of the largest", 0.5, "x[1]", 0.0, 0.5, 0.1),
+        Difference("y", "", True, "1e-06 of the largest", 0.0, "", None, 0.0, 0.0),
+        Difference("on", "", True, "no sample", note="theirs lacks it"),
+    ]
+    return Comparison("a", f"their {note}.fmu", ours, theirs, played, differences, 0.1)
+
+
+def test_ours_and_theirs_stand_in_one_plot_and_their_difference_beside_it():
+    comparison = compared()
+    data = data_of(pages.page(comparison))
+    both, apart = data["plots"][:2]
+    assert [(c["name"], c["colour"], c["pale"]) for c in both["curves"]] == [
+        ("x[1], ours", 0, True),
+        ("x[2], ours", 1, True),
+        ("x[1], theirs", 0, False),
+        ("x[2], theirs", 1, False),
+    ]
+    assert apart["label"] == "theirs - ours, rad"
+    shown = unpacked(data["arrays"][apart["curves"][1]["y"]])
+    np.testing.assert_allclose(shown, -0.5 * comparison.ours["a.x"][:, 1], rtol=1e-6)
+
+
+def test_a_run_of_theirs_that_ended_early_leaves_a_gap():
+    data = data_of(pages.page(compared(steps=100)))
+    panel = next(plot for plot in data["plots"] if plot["label"].endswith(", deg"))
+    ours, theirs = (unpacked(data["arrays"][c["y"]]) for c in (panel["curves"][0], panel["curves"][2]))
+    assert panel["curves"][2]["name"] == "one, theirs"
+    assert len(ours) == len(theirs) == 401
+    np.testing.assert_array_equal(theirs[:101], ours[:101])
+    assert np.isnan(theirs[101:]).all()
+
+
+def test_it_says_what_became_of_each_output_and_expectation():
+    words = Reader(pages.page(compared())).words
+    for text in ("differs x 0.5 rad", "ok y 0", "\N{EN DASH} on theirs lacks it", "failed norm", "met stays below 2"):
+        assert text in words, text
+
+
+def test_no_text_of_a_scenario_becomes_html_or_script():
+    tags = [[tag for tag, _ in Reader(pages.page(compared(note))).elements] for note in (EVIL, "harmless")]
+    assert tags[0] == tags[1]
+
+
+@pytest.mark.parametrize("width", [1366, 390])
+def test_a_browser_draws_it_without_a_complaint_and_nothing_stands_out_at_the_side(
+    chromium: Browser, tmp_path: Path, width: int
+):
+    chromium.complaints.clear()
+    chromium.call(
+        "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=width < 500
+    )
+    chromium.open(pages.write(compared(EVIL), tmp_path))
+    chromium.settle()
+    assert chromium.evaluate("document.querySelectorAll('.plot canvas').length") == 6
+    assert pixels(chromium, "#0072b2") > 200
+    assert chromium.evaluate("typeof window.hacked") == "undefined"
+    assert chromium.evaluate("document.documentElement.scrollWidth") == width
+    assert chromium.complaints == []
