@@ -49,7 +49,7 @@ def echo(name: str, kind: Model, pairs: dict[str, str]) -> Mock:
 
 def through(found, theirs: Mock, **inputs):
     """What ours are given comes back: sets inputs by name before the first step, and in it."""
-    assert not found.faults, [str(f) for f in found.faults]
+    assert not found.errors, [str(f) for f in found.faults]
     adapter = Adapter(theirs, found)
     adapter.enter(1.0)
     kind = model(found)
@@ -128,14 +128,14 @@ def test_a_momentum_becomes_a_speed_by_an_inertia():
 def test_a_factor_of_the_wrong_unit_is_refused():
     ours = mocks.model("ours", real("h", "input", unit=unit("N.m.s")))
     theirs = mocks.model("theirs", real("tach", "input", unit=unit("rpm")))
-    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "tach", "divide": "147 g"}}).faults
+    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "tach", "divide": "147 g"}}).errors
     assert "ours, N.m.s, over 147 g does not come out in rpm" in str(fault)
 
 
 def test_a_factor_beyond_a_double_is_refused():
     ours = mocks.model("ours", real("h", "input"))
     theirs = mocks.model("theirs", real("v", "input"))
-    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "v", "divide": 1e-310}}).faults
+    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "v", "divide": 1e-310}}).errors
     assert "the factor 1e-310 is beyond what a double holds" in str(fault)
 
 
@@ -146,7 +146,7 @@ def test_a_factor_beyond_a_double_is_refused():
 def test_a_matrix_is_turned_back_by_its_condition_whatever_its_size(matrix, fits):
     ours = mocks.model("ours", real("y", "output", shape=(2,)))
     theirs = mocks.model("theirs", real("y", "output", shape=(2,)))
-    assert (not fitted(ours, theirs, ports={"y": {"theirs": "y", "matrix": matrix}}).faults) is fits
+    assert (not fitted(ours, theirs, ports={"y": {"theirs": "y", "matrix": matrix}}).errors) is fits
 
 
 @pytest.mark.parametrize(
@@ -167,11 +167,11 @@ def test_a_unit_that_is_declared_to_be_another_is_refused_unless_it_is_stated(de
     own = unit("K" if declared.name == "degC" else "rad/s")
     ours = mocks.model("ours", real("u", "input", unit=own))
     theirs = mocks.model("theirs", real("u", "input", unit=declared))
-    told = "\n".join(map(str, fitted(ours, theirs).faults))
+    told = "\n".join(map(str, fitted(ours, theirs).errors))
     assert (message in told) if message else not told
     if message:
         assert f"or state what is meant, such as 'unit: {declared}', in the mapping" in told
-        assert not fitted(ours, theirs, ports={"u": {"theirs": "u", "unit": declared.name}}).faults
+        assert not fitted(ours, theirs, ports={"u": {"theirs": "u", "unit": declared.name}}).errors
 
 
 def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
@@ -179,16 +179,16 @@ def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
     theirs = mocks.model("theirs", real("gyro", "input", shape=(4,)))
     ports = {"u": ["gyro[1]", "gyro[3]"]}
     found = fitted(ours, theirs, ports=ports)
-    (fault,) = found.faults
+    (fault,) = found.errors
     assert "inputs gyro[2] gyro[4] are of theirs only, and nothing feeds them; remedy: " in str(fault)
     assert not unfed(fault), "no scenario can feed them"
     assert found.findings[0].text == "input u = gyro[1] gyro[3], a real [2]"
     found = fitted(ours, theirs, ports=ports, start={"gyro[2]": 0.1, "gyro[4]": 0.2})
-    assert not found.faults
+    assert not found.errors
     block = Mock("x", theirs, lambda b: None)
     through(found, block, u=[5.0, 6.0])
     assert block.vector("gyro").tolist() == [5.0, 0.1, 6.0, 0.2]
-    (fault,) = fitted(ours, theirs, ports=ports, start={"gyro": [1, 2, 3, 4]}).faults[:1]
+    (fault,) = fitted(ours, theirs, ports=ports, start={"gyro": [1, 2, 3, 4]}).errors[:1]
     assert "gyro[1] gyro[3] stands for our u, whose value it takes" in str(fault)
 
 
@@ -328,7 +328,7 @@ def test_what_does_not_fit_is_refused_with_its_name(mapping, message):
     two = {"shape": (2,), "unit": unit("m")}
     ours = mocks.model("ours", real("u", "input", **two), real("y", "output", **two), real("p", "input", **two))
     theirs = mocks.model("theirs", real("v", "input", **two), real("y", "output", **two), real("p", "input", **two))
-    assert message in "\n".join(map(str, fitted(ours, theirs, **mapping).faults))
+    assert message in "\n".join(map(str, fitted(ours, theirs, **mapping).errors))
 
 
 @pytest.mark.parametrize(
