@@ -49,7 +49,7 @@ def echo(name: str, kind: Model, pairs: dict[str, str]) -> Mock:
 
 def through(found, theirs: Mock, **inputs):
     """What ours are given comes back: sets inputs by name before the first step, and in it."""
-    assert not found.errors, [str(f) for f in found.faults]
+    assert not found.errors, [str(f) for f in found.errors]
     adapter = Adapter(theirs, found)
     adapter.enter(1.0)
     kind = model(found)
