@@ -34,7 +34,13 @@ MARKERS = {
         "orchestration/test_broken.py",
         "orchestration/test_wrong_input.py",
     ),
-    "fly": ("authorities", "studies"),
+    "fly": (
+        "authorities",
+        "plant/sensors/test_loop.py",
+        "plant/test_gravity_gradient.py",
+        "plant/test_invariants.py",
+        "studies",
+    ),
     "tools": ("tools",),
 }
 """What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""

@@ -370,6 +370,7 @@ def test_a_wheel_past_its_limit_is_not_driven_further_and_may_come_back():
         assert given(back).wheel_torque_cmd == pytest.approx(-1e-3 / 1.01 - 0.01 / 1.01 * h_w / 60.0)
 
 
+@pytest.mark.fly
 def test_the_wheel_never_passes_its_limit_on_the_plant_over_hours():
     """A tumbling satellite whose demand would fill the wheel at once: the plant itself never has to cut its torque."""
     near, full, expected, h = 0, 0.0, 0.0, 2.0

@@ -28,10 +28,16 @@ class Surroundings:
     d_B: Array
 
 
+def cross(a: Array, b: Array) -> Array:
+    """a x b of (3,) and (3,): np.cross for stacks of vectors takes ten times as long, most of a flight of the truth."""
+    (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
+    return np.array((a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1))
+
+
 def rate_of_change(s: Surroundings, R: Array, Omega: Array, h_w: float, m_B: Array, dl: float) -> Array:
     """dOmega/dt (3,), rad/s2, of R (3, 3) N from B, Omega (3,) rad/s, h_w N m s, dipole m_B (3,) A m2, motor dl N m."""
-    gyroscopic = np.cross(s.J @ Omega + h_w * E1, Omega)
-    magnetic = np.cross(m_B, R.T @ s.B_N)
+    gyroscopic = cross(s.J @ Omega + h_w * E1, Omega)
+    magnetic = cross(m_B, R.T @ s.B_N)
     rho = R.T @ s.r_hat_N
-    gravity = 3.0 * s.rate_squared * np.cross(rho, s.J @ rho)
+    gravity = 3.0 * s.rate_squared * cross(rho, s.J @ rho)
     return np.asarray(np.linalg.solve(s.J, gyroscopic + magnetic + gravity + s.d_B - dl * E1), np.float64)

@@ -58,7 +58,8 @@ class Truth:
             w, z = y[3:6], y[:3]
             a = float(np.linalg.norm(z))
             bend = 1.0 / 12.0 if a < 1e-4 else (1.0 - 0.5 * a / math.tan(0.5 * a)) / (a * a)
-            dz = w + 0.5 * np.cross(z, w) + bend * np.cross(z, np.cross(z, w))
+            zw = motion.cross(z, w)
+            dz = w + 0.5 * zw + bend * motion.cross(z, zw)
             return [*dz, *motion.rate_of_change(s, R, w, y[6], m_B, dl), dl]
 
         end = solve_ivp(rates, (0.0, h), [0.0, 0.0, 0.0, *self.Omega, self.h_w], rtol=1e-9, atol=1e-12).y[:, -1]
