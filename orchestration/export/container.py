@@ -23,6 +23,7 @@ from .system import System
 def write(system: System, path: Path) -> None:
     """Builds the container. Raises InputError where the toolbox is missing, or the scenario needs what it cannot do."""
     try:
+        # Optional, and needed for containers only.
         from fmu_manipulation_toolbox.assembly import Assembly, AssemblyError
         from fmu_manipulation_toolbox.container import FMUContainerError
     except ImportError:

@@ -11,6 +11,7 @@ from fmus.interface import BLOCKS, load
 
 from ..errors import InputError, hint
 from ..quantities import ONE, QuantityError, Unit, parse_unit
+from .archive import open_fmu
 from .model import Element, Model, Variable, shared
 
 
@@ -41,8 +42,6 @@ def own() -> tuple[str, ...]:
 def reference(name: str, folder: Path) -> Interface:
     """The interface of this name, or of the FMU at this path. Raises InputError."""
     if is_path(name):
-        from .archive import open_fmu
-
         fmu = open_fmu((folder / Path(name).expanduser()).resolve())
         return Interface(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
     if name not in own():

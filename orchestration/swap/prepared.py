@@ -11,8 +11,9 @@ from ..instances.block import Block
 from ..scenario.scenario import Scenario
 from ..system.order import Hook
 from ..system.starts import Start
-from .adapter import Adapter, handed_on
+from .adapter import Adapter
 from .findings import Fit
+from .named_values import handed_on
 
 
 @dataclass
