@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from orchestration import BlockError, InputError, load, run
+from orchestration import BlockError, run
 from orchestration.fmu.archive import open_fmu
 from orchestration.instances.channel import STEPPING
 from orchestration.instances.isolation import IsolatedBlock
 from orchestration.instances.process import Limits
-from orchestration.runner.limits import MEMORY, TIMEOUT, limits
 
 from .. import broken, fmus
 from ..wrong_inputs import SCENARIO
@@ -48,40 +47,6 @@ def test_recorded_inputs_and_slower_blocks_are_the_same_in_processes(loop):
         loop.write_text(f"{text}isolation: {isolation}\n")
         results.append(run(loop))
     np.testing.assert_array_equal(results[0].samples, results[1].samples)
-
-
-def test_only_fmus_given_by_a_path_are_isolated_unless_the_scenario_says_so():
-    blocks = {
-        "ours": {"fmu": "plant"},
-        "ours_apart": {"fmu": "plant", "isolation": "process"},
-        "theirs": {"fmu": "vendor.fmu", "timeout": "5 min", "memory": "1.5 GiB"},
-        "trusted": {"fmu": "vendor.fmu", "isolation": "none"},
-    }
-    data = {"name": "x", "step": 1, "duration": 1, "blocks": blocks}
-    found = {name: limits(load(data), name) for name in blocks}
-    assert found["ours"] is found["trusted"] is None
-    assert found["theirs"] == Limits(300.0, 3 * 2**29)
-    assert found["ours_apart"].timeout == TIMEOUT
-    assert found["ours_apart"].memory <= MEMORY
-    assert limits(load({**data, "isolation": "process"}), "ours") is not None
-
-
-@pytest.mark.parametrize(
-    ("entry", "message"),
-    [
-        ({"isolation": "none", "timeout": 5}, "blocks.a.timeout: only an FMU in a process of its own has this limit"),
-        ({"isolation": "none", "memory": "1 GB"}, "blocks.a.memory: only an FMU in a process of its own has this"),
-        ({"timeout": 0}, "blocks.a.timeout: expected a time above zero"),
-        ({"memory": "much"}, "blocks.a.memory: expected an amount of memory such as '2 GB', found 'much'"),
-        ({"memory": "2 kB"}, "blocks.a.memory: expected at least 1 MB, found 2000 bytes"),
-        ({"isolation": "thread"}, "blocks.a.isolation: expected 'process' or 'none', found 'thread'"),
-    ],
-)
-def test_wrong_limits_are_refused(entry, message):
-    data = {"name": "x", "step": 1, "duration": 1, "blocks": {"a": {"fmu": "a.fmu", **entry}}}
-    with pytest.raises(InputError) as info:
-        limits(load(data), "a")
-    assert message in str(info.value)
 
 
 # ---------------------------------------------------------------- Python FMUs with modules of the same names
