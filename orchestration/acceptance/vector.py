@@ -18,6 +18,7 @@ from ..fmu.interfaces import reference
 from ..fmu.model import Element, Model, Variable
 from ..runner.read import load
 from ..runner.run import execute
+from ..scenario.references import Name
 from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
 from ..system.starts import values_of
@@ -60,7 +61,7 @@ def record(scenario: Path, block: str, folder: Path) -> int:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["name", "value"])
         for key, value in result.manifest["scenario"]["blocks"][name].get("start", {}).items():
-            for element, number in values_of(name, model, key, value).items():
+            for element, number in values_of(name, model, Name(key), value).items():
                 if model.variables[element.variable].causality == "parameter":
                     text = int(number) if isinstance(number, bool) else number
                     writer.writerow([model.variables[element.variable].label(element.position), text])
