@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -39,9 +40,12 @@ class Source:
     def error(self, key: Key, message: str) -> str:
         return f"{self.where(key)}: {message}"
 
+    def _copy(self) -> Source:
+        return Source(deepcopy(self.data), self.file, self.folder, dict(self.lines), dict(self.options))
+
     def with_start(self, name: str, value: Any, option: str = "") -> Source:
         """A copy in which `value` takes the place of the start value of `block.parameter`."""
-        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        copy = self._copy()
         blocks = copy.data.get("blocks") if isinstance(copy.data, dict) else None
         place = f"{option}{name}={value}"
         block, dot, variable = name.partition(".")
@@ -59,7 +63,7 @@ class Source:
 
     def with_value(self, key: str, value: Any, option: str) -> Source:
         """A copy in which `value` takes the place of a top-level entry."""
-        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        copy = self._copy()
         if isinstance(copy.data, dict):
             copy.data[key] = value
         copy.options[key,] = f"{option} {value}"
@@ -67,7 +71,7 @@ class Source:
 
     def with_entry(self, key: Key, value: Any, option: str = "") -> Source:
         """A copy in which `value` stands at a place within dictionaries; None takes the entry out."""
-        copy = Source(_copied(self.data), self.file, self.folder, self.lines, dict(self.options))
+        copy = self._copy()
         holder = copy.data
         for part in key[:-1]:
             holder = holder[part]
@@ -80,7 +84,7 @@ class Source:
 
     def without(self, keys: Iterable[Key]) -> Source:
         """A copy without these entries; those that follow in a list keep the lines on which they stand."""
-        copy = Source(_copied(self.data), self.file, self.folder, dict(self.lines), dict(self.options))
+        copy = self._copy()
         for key in sorted(set(keys), key=lambda key: [(isinstance(part, int), part) for part in key], reverse=True):
             holder = copy.data
             try:
@@ -105,12 +109,6 @@ def _moved(places: dict[Key, Any], key: Key) -> None:
         after = [p for p in later if int(p[n - 1]) > last]
         moved = {(*p[: n - 1], int(p[n - 1]) - 1, *p[n:]): places.pop(p) for p in after}
         places.update(moved)
-
-
-def _copied(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _copied(value) for key, value in data.items()}
-    return [_copied(value) for value in data] if isinstance(data, list) else data
 
 
 def read(path: Path) -> Source:
