@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench figures reproduction flight format docs authorities clean
+.PHONY: run check test lint fmus bench figures reproduction flight format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -62,6 +62,10 @@ docs: $(VENV)/test
 	$(BIN)/orchestrate schema > docs/scenario.schema.json
 	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/errors.md
 	$(BIN)/python -m fmus.native
+
+# The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
+site: $(VENV)/test
+	$(BIN)/python -m docs.site
 
 clean:
 	rm -rf $(VENV) out dist results

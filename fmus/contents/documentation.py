@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from html import escape
+from pathlib import Path
 
 from ..interface import OPTIONAL, Interface, Variable
 
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #ccc;padding:.3em .6em;"
-    "text-align:left;vertical-align:top}code{white-space:nowrap}.wrap code{white-space:normal}"
+    "text-align:left;vertical-align:top}code{white-space:nowrap}.wrap code{white-space:normal}svg{max-width:860px;width:100%}"
 )
 _SOURCE = (
     "Numbers in brackets are those of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
     "Orbit (AIAA 2009-5902). e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
+)
+_DRAWING = Path(__file__).with_name("frames.svg")
+_FRAMES = (
+    "N is the inertial frame: mean equator and equinox of date, with the Earth turned by GMST (not GCRS). "
+    "L (LVLH) has Z to nadir and Y against the orbital angular momentum. B is the body frame; the wheel spins about e1, its X axis. "
+    "'rods' means components along the rod axes u1, u2, u3. 'N from B' maps components in B to components in N: x_N = R_NB x_B."
 )
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
@@ -30,6 +37,7 @@ def index_html(interface: Interface, host: str) -> bytes:
         "which is the block's t = 0. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
         f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>",
     ]
+    parts.append(f"<h2>Frames</h2>\n{_DRAWING.read_text('utf-8')}<p>{escape(_FRAMES)}</p>")
     if interface.equations:
         rows = [
             _row("td", [f"<code>{escape(formula)}</code>", escape(meaning)]) for formula, meaning in interface.equations

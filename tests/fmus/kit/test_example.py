@@ -51,7 +51,7 @@ def test_what_is_generated_is_that_of_its_interface():
             "python -m fmus.kit examples/hardware_allocator"
         )
     assert (EXAMPLE / "Makefile").read_text("utf-8") == kit.makefile(
-        interface, "../../fmus/native/shell", "../../fmus/native/common", "../../fmus/kit"
+        interface, "../../fmus/native/shell", "../../fmus/native/common", "../../fmus/kit", vector=False
     )
 
 

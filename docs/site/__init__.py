@@ -1,0 +1,1 @@
+"""The documentation site: what `make site` gathers, builds and checks."""

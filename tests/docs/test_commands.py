@@ -1,0 +1,70 @@
+"""Every command that a page shows does what the page says, in the order of the page."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+import pytest
+
+from orchestration.cli.main import main
+
+from .commands import PAGES, ROOT, commands, run, workspace
+
+NOT_RUN = {
+    "make check": "this test may be part of it",
+    "make test": "this test is part of it",
+    "python3 -m venv .venv && . .venv/bin/activate": "installs the environment that this test runs in",
+    "pip install -e '.[build]'": "installs the environment that this test runs in",
+    "pip install -e '.[tools]'": "installs the environment that this test runs in",
+}
+"""Commands that are not run, each with the reason."""
+
+SHOWN = [page for page in PAGES if any(True for _ in commands(page))]
+
+
+@pytest.mark.compile
+@pytest.mark.parametrize("page", SHOWN)
+def test_the_commands_of_a_page_do_what_it_says(page: str, tmp_path: Path) -> None:
+    given = [command for command in commands(page) if command.bare not in NOT_RUN]
+    findings = []
+    for command, (status, output) in zip(given, run(given, tmp_path, workspace(tmp_path)), strict=True):
+        if status != command.status:
+            findings.append(f"$ {command.text}\nexit status {status}, the page says {command.status}\n{output}")
+        elif command.output is not None and not matches(command.output, output):
+            findings.append(f"$ {command.text}\nthe page says\n{command.output}\nfound\n{output}")
+    assert not findings, "\n".join(findings)
+
+
+def matches(stated: str, output: str) -> bool:
+    flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    return doctest.OutputChecker().check_output(stated, output, flags)
+
+
+def test_a_command_is_left_out_only_where_a_page_shows_it() -> None:
+    shown = {command.bare for page in PAGES for command in commands(page)}
+    assert set(NOT_RUN) <= shown
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_command_named_in_a_sentence_exists(page: str) -> None:
+    """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module."""
+    text = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    targets = {
+        name for line in re.findall(r"^([\w ]+):", (ROOT / "Makefile").read_text(), re.M) for name in line.split()
+    }
+    for command in re.findall(r"`((?:make|orchestrate|python -m) [^`]+)`", text):
+        tool, *words = command.replace("python -m", "python").split()
+        if tool == "make":
+            assert words[0] in {*targets, "vector"}, command
+        elif tool == "python":
+            assert find_spec(words[0].removeprefix("attitude_cosim.")), command
+        else:
+            context = click.Context(main)
+            known = main.get_command(context, words[0]) or main.get_command(context, "run")
+            assert known
+            options = {name for parameter in known.params for name in parameter.opts}
+            assert {word for word in words if word.startswith("--")} <= options | {"--help"}, command

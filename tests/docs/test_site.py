@@ -1,0 +1,54 @@
+"""The documentation site builds, its links lead somewhere, and it needs no network."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from docs.site import __main__ as site
+from docs.site.frames import TARGET, drawing
+from docs.site.links import check
+from docs.site.pages import with_mathml
+
+from .commands import PAGES, ROOT
+
+
+@pytest.mark.compile
+def test_the_site_builds_with_equations_and_without_a_dead_link():
+    assert site.build(with_gallery=False) == []
+    html = site.OUT / "html"
+    assert "<math" in (html / "docs" / "frames.html").read_text("utf-8")
+    assert "iframe-worker.js" in (html / "index.html").read_text("utf-8")
+
+
+def test_a_dead_link_a_missing_heading_and_a_script_from_the_network_are_found(tmp_path):
+    links = '<a href="b.html"></a><a href="#c"></a><a href="a.html#d" id="d"></a><script src="https://x.org/y.js">'
+    (tmp_path / "a.html").write_text(links)
+    assert [finding.split()[1:3] for finding in check(tmp_path)] == [
+        ["links", "b.html,"],
+        ["links", "#c,"],
+        ["loads", "https://x.org/y.js"],
+    ]
+
+
+def test_equations_become_mathml_and_code_stays():
+    text = with_mathml("`a $b$`, $x_1$\n```\n$y$\n```\n$$\\hat x$$")
+    assert text.startswith("`a $b$`, <math")
+    assert "```\n$y$\n```\n<math" in text
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_path_in_a_page_exists(page):
+    """Links on a code host, and paths in code quotes that begin with a folder of the repository."""
+    text = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", text):
+        if "gallery" not in target:
+            assert ((ROOT / page).parent / target).exists(), target
+    folders = "allocator|controller|docs|examples|fmus|orchestration|plant|scenarios|studies|tests"
+    for path in re.findall(rf"`((?:{folders})/[\w./*-]*)`", text):
+        assert "a_b" in path or list(ROOT.glob(path.rstrip("/"))), path
+
+
+def test_the_drawing_of_the_frames_is_what_its_script_makes():
+    assert TARGET.read_text("utf-8") == drawing(), "python -m docs.site.frames"
