@@ -53,7 +53,7 @@ __all__ = [
 ]
 __all__ += ["element_name", "load", "package_of", "parse"]
 
-BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "controller_planned")
+BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "plant_judge", "controller_planned")
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""

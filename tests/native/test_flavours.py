@@ -181,12 +181,35 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def plant_judge_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """To each reference; and, in a third of the cases, to one that is given by the inputs."""
+    angle = rng.choice([0.0, 1e-9, rng.uniform(0.0, math.pi), math.pi - 1e-9, math.pi])
+    desired = _rotation(rng)
+    given = {"R_d": desired, "Omega_d": rng.normal(scale=0.1, size=3)} if rng.integers(3) == 0 else {}
+    u = inputs(
+        "plant_judge",
+        R_NB=desired @ Rotation.from_rotvec(angle * _unit(rng)).as_matrix(),
+        omega_B=rng.normal(scale=0.1, size=3),
+        r_N=_unit(rng) * rng.uniform(6.6e6, 4e7),
+        v_N=rng.normal(scale=5e3, size=3),
+        **given,
+    )
+    p = parameters(
+        "plant_judge",
+        reference=str(rng.choice(["lvlh", "inertial", "rate"])),
+        R_d0=_rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
+        Omega_d0=rng.normal(scale=0.1, size=3),
+    )
+    return p, u
+
+
 CASES = {
     "controller": controller_case,
     "allocator": allocator_case,
     "allocator_bounded": allocator_bounded_case,
     "plant": plant_case,
     "plant_sensors": plant_sensors_case,
+    "plant_judge": plant_judge_case,
 }
 
 
@@ -243,7 +266,7 @@ def test_the_python_block_has_the_interfaces_threshold() -> None:
     assert ABSENT_MIN_IN_PYTHON == ABSENT_MIN
 
 
-@pytest.mark.parametrize("block", ["controller", "allocator", "allocator_bounded", "plant", "plant_sensors"])
+@pytest.mark.parametrize("block", list(CASES))
 def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
     wrong: dict[str, list[dict[str, Any]]] = {
         "controller": [
@@ -271,6 +294,13 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
         ],
         "plant": [{"rod_period": 5e-4}],
         "plant_sensors": [{"sample_period": 5e-7}],
+        "plant_judge": [
+            {"R_d0": np.diag([1.0, 1.0, -1.0])},
+            {"R_NB": np.zeros((3, 3))},
+            {"R_NB": np.diag([1.0, 1.0, 1.001])},
+            {"R_d": np.diag([1.0, 1.0, -1.0]), "Omega_d": [0.0, 0.0, 0.0]},
+            {"v_N": [1.0, 0.0, 0.0]},
+        ],
     }
     python = module(block)
     names = {v.name for v in load(block).of("parameter")}
