@@ -7,7 +7,7 @@ import re
 import pytest
 
 from docs.site import __main__ as site
-from docs.site.frames import TARGET, drawing
+from docs.site import frames, packages
 from docs.site.links import check
 from docs.site.pages import with_mathml
 
@@ -50,5 +50,6 @@ def test_a_path_in_a_page_exists(page):
         assert "a_b" in path or list(ROOT.glob(path.rstrip("/"))), path
 
 
-def test_the_drawing_of_the_frames_is_what_its_script_makes():
-    assert TARGET.read_text("utf-8") == drawing(), "python -m docs.site.frames"
+@pytest.mark.parametrize("script", [frames, packages])
+def test_a_drawing_is_what_its_script_makes(script):
+    assert script.TARGET.read_text("utf-8") == script.drawing(), f"python -m {script.__name__}"
