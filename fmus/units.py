@@ -3,7 +3,8 @@
     value in base units = factor * value in this unit + offset
 
 The radian counts as a base unit, as in FMI, so "rad/s" and "1/s" differ. SI units are understood here, in FMI's way of
-writing (`N.m`, `m3/s2`, `kg.m2`) and in the usual other ones (`N m`, `m^2`); any other unit is looked up with Pint.
+writing (`N.m`, `m3/s2`, `kg.m2`) and in the usual other ones (`N m`, `Nm`, `N-m`, `m^2`, `m²`); any other unit is looked
+up with Pint.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-Exponents = tuple[int, ...]
+from .unit_table import BASES, ONE_WORD, SI, UNITS, Exponents
+
 _ONE: Exponents = (0,) * len(BASES)
 
 
@@ -67,58 +68,10 @@ ONE = Unit("")
 SECOND = Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
 
 
-def _unit(exponents: str, factor: float = 1.0, offset: float = 0.0) -> tuple[Exponents, float, float]:
-    powers = dict.fromkeys(BASES, 0)
-    for term in exponents.split():
-        base, power = re.fullmatch(r"([a-zA-Z]+)(-?\d*)", term).groups()  # type: ignore[union-attr]
-        powers[base] = int(power or 1)
-    return tuple(powers.values()), factor, offset
-
-
-_PREFIXABLE = {
-    "m": _unit("m"),
-    "g": _unit("kg", 1e-3),
-    "s": _unit("s"),
-    "A": _unit("A"),
-    "K": _unit("K"),
-    "mol": _unit("mol"),
-    "cd": _unit("cd"),
-    "rad": _unit("rad"),
-    "Hz": _unit("s-1"),
-    "N": _unit("kg m s-2"),
-    "Pa": _unit("kg m-1 s-2"),
-    "J": _unit("kg m2 s-2"),
-    "W": _unit("kg m2 s-3"),
-    "C": _unit("A s"),
-    "V": _unit("kg m2 s-3 A-1"),
-    "F": _unit("kg-1 m-2 s4 A2"),
-    "ohm": _unit("kg m2 s-3 A-2"),
-    "Wb": _unit("kg m2 s-2 A-1"),
-    "T": _unit("kg s-2 A-1"),
-    "H": _unit("kg m2 s-2 A-2"),
-}
-_PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6}
-_PREFIXES |= {"G": 1e9, "T": 1e12, "\N{MICRO SIGN}": 1e-6, "\N{GREEK SMALL LETTER MU}": 1e-6}
-_UNITS = {
-    **{prefix + name: (e, p * f, o) for prefix, p in _PREFIXES.items() for name, (e, f, o) in _PREFIXABLE.items()},
-    **_PREFIXABLE,
-    "1": _unit(""),
-    "%": _unit("", 1e-2),
-    "min": _unit("s", 60.0),
-    "h": _unit("s", 3600.0),
-    "d": _unit("s", 86400.0),
-    "deg": _unit("rad", math.pi / 180),
-    "arcmin": _unit("rad", math.pi / 10800),
-    "arcsec": _unit("rad", math.pi / 648000),
-    "rev": _unit("rad", 2 * math.pi),
-    "rpm": _unit("rad s-1", math.pi / 30),
-    "degC": _unit("K", 1.0, 273.15),
-}
-_SI = _PREFIXABLE.keys() | {prefix + name for prefix in _PREFIXES for name in _PREFIXABLE}
-_FACTOR = re.compile(r"([^\s\d./*^\N{MIDDLE DOT}()+-]+|1)(?:(?:\^|\*\*)?\(?([-+]?\d+)\)?)?")
+_FACTOR = re.compile(r"([^\s\d./*^\N{MIDDLE DOT}()+-]+|1)(?:(?:\^|\*\*)?(?:\(([-+]?\d+)\)|([-+]?\d+)))?")
 _BETWEEN = re.compile(r"\s*(\*(?!\*)|\.|\N{MIDDLE DOT}|/|\s)\s*")
-
-
+_PLAIN = {ord(sign): plain for sign, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⋅", "0123456789-.", strict=True)}
+_HYPHEN = re.compile(r"(?<=[^\W\d_])-(?=[^\W\d_])")
 _TOKEN = re.compile(
     r"\s+|[./()\N{MIDDLE DOT}]|\*(?!\*)|(?<!.)1(?!\w)|(?<!\w)[^\W\d](?:[^\W\d]|\d{1,2}(?!\d))*|[%\N{DEGREE SIGN}]"
     r"|(?P<power>(?:(?:\^|\*\*)\s*\(?[-+]?|\(?[-+])\d{1,2}(?!\d)\)?)"
@@ -140,21 +93,22 @@ def _is_written_as_usual(text: str) -> bool:
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> Unit:
     """The unit of this name, from the table above or else from Pint. Raises QuantityError."""
-    if not _is_written_as_usual(text):
+    plain = _HYPHEN.sub(".", text.translate(_PLAIN)).strip()
+    if not _is_written_as_usual(plain):
         raise QuantityError(f"unknown unit {text!r}; expected names such as N.m/s2, digits only as exponents")
-    factors = _factors(text.strip())
-    if factors is None or any(name not in _UNITS for name, _ in factors):
-        unit = _from_pint(text, factors)
+    factors = _factors(plain)
+    if factors is None or any(name not in UNITS for name, _ in factors):
+        unit = _from_pint(text, plain, factors)
         for product in _run_together(text):
             if unit.exponents != parse_unit(product).exponents:
                 read = str(_registry().Unit(text)).replace("_", " ")
                 raise QuantityError(f"the unit {text!r} would be read as {read!r}; did you mean {product!r}?")
         return unit
     if len(factors) == 1 and factors[0][1] == 1:
-        return Unit(text, *_UNITS[factors[0][0]])
+        return Unit(text, *UNITS[factors[0][0]])
     exponents, factor = _ONE, Fraction(1)
     for name, power in factors:
-        base, scale, offset = _UNITS[name]
+        base, scale, offset = UNITS[name]
         if offset:
             raise QuantityError(f"{name!r} has an offset, so it cannot stand in the product {text!r}")
         exponents = tuple(a + power * b for a, b in zip(exponents, base, strict=True))
@@ -178,18 +132,29 @@ def _decimal(number: float) -> Fraction:
 
 
 def _factors(text: str) -> list[tuple[str, int]] | None:
-    """`N.m/s2` as [(N, 1), (m, 1), (s, -2)]; None where the text is written otherwise."""
+    """`mNm/(rad/s2)` as [(mN, 1), (m, 1), (rad, -1), (s, 2)]; None where the text is written otherwise."""
     factors: list[tuple[str, int]] = []
-    position, sign = 0, 1
-    while match := _FACTOR.match(text, position):
-        factors.append((match[1], sign * int(match[2] or 1)))
-        if match.end() == len(text):
-            return factors
-        between = _BETWEEN.match(text, match.end())
+    position, sign, groups = 0, 1, [1]
+    while True:
+        while text.startswith("(", position):
+            groups.append(sign)
+            position += 1
+        match = _FACTOR.match(text, position)
+        power = int(match[2] or match[3] or 1) if match else 0
+        if match is None or power == 0:
+            return None
+        *first, last = ONE_WORD.get(match[1], (match[1],))
+        factors += [*((name, sign) for name in first), (last, sign * power)]
+        position = match.end()
+        while text.startswith(")", position) and len(groups) > 1:
+            groups.pop()
+            position += 1
+        if position == len(text):
+            return factors if len(groups) == 1 else None
+        between = _BETWEEN.match(text, position)
         if between is None:
             return None
-        position, sign = between.end(), -1 if between[1] == "/" else 1
-    return None
+        position, sign = between.end(), groups[-1] * (-1 if between[1] == "/" else 1)
 
 
 @lru_cache(maxsize=1)
@@ -204,24 +169,25 @@ def _registry() -> Any:
 
 def _meant(text: str) -> str:
     """ "; did you mean 'N.m'?" of the names of two units that are run together, or of one in another case."""
-    found = [*_run_together(text), *(name for name in _UNITS if name.casefold() == text.casefold() and name != text)]
+    found = [*_run_together(text), *(name for name in UNITS if name.casefold() == text.casefold() and name != text)]
     return f"; did you mean {' or '.join(map(repr, found[:3]))}?" if found else ""
 
 
 def _run_together(text: str) -> list[str]:
     """ "Nm" as ["N.m"]."""
-    return [f"{text[:i]}.{text[i:]}" for i in range(1, len(text)) if text[:i] in _SI and text[i:] in _SI]
+    return [f"{text[:i]}.{text[i:]}" for i in range(1, len(text)) if text[:i] in SI and text[i:] in SI]
 
 
-def _from_pint(text: str, factors: list[tuple[str, int]] | None) -> Unit:
-    expression = "*".join(f"{name}**({power})" for name, power in factors) if factors else text
+def _from_pint(text: str, plain: str, factors: list[tuple[str, int]] | None) -> Unit:
+    expression = "*".join(f"{name}**({power})" for name, power in factors) if factors else plain
     registry = _registry()
     try:
-        zero = registry.Quantity(0.0, expression).to_base_units()
-        one = registry.Quantity(1.0, expression).to_base_units()
+        zero, one, two = (registry.Quantity(n, expression).to_base_units() for n in (0.0, 1.0, 2.0))
         powers = {str(base): power for base, power in one.unit_items()}
     except Exception:
         raise QuantityError(f"unknown unit {text!r}{_meant(text)}") from None
+    if not math.isclose(two.magnitude - one.magnitude, one.magnitude - zero.magnitude, rel_tol=1e-9):
+        raise QuantityError(f"the unit {text!r} is logarithmic; expected the number itself, in a linear unit")
     names = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
     exponents = [powers.pop(name, 0) for name in names]
     if powers or any(power != int(power) for power in exponents):

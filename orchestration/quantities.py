@@ -24,6 +24,8 @@ def convert(value: float, unit: Unit, to: Unit) -> float:
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
 
+_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)")
+
 
 def parse(text: str) -> tuple[float, Unit | None]:
     """Number and unit of "98 deg"; no unit for "98". Raises QuantityError."""
@@ -31,6 +33,8 @@ def parse(text: str) -> tuple[float, Unit | None]:
     if match is None:
         raise QuantityError(f"expected a number with a unit such as '98 deg', found {text!r}")
     number, unit = match.groups()
+    if comma := _COMMA.match(text):
+        raise QuantityError(f"expected a decimal point, {comma[1]}.{comma[2]}, found a decimal comma in {text!r}")
     return float(number), parse_unit(unit) if unit else None
 
 

@@ -23,6 +23,7 @@ RAD = parse_unit("rad")
         ("7 s-1", 7.0, "1/s"),
         ("4 N.m/(rad/s)", 4.0, "N.m.s/rad"),
         ("-2.5e-3 uT", -2.5e-9, "T"),
+        ("10 mNms", 1e-2, "N.m.s"),
     ],
 )
 def test_units_may_be_written_in_several_ways(text, value, same):
@@ -35,6 +36,12 @@ def test_angles_are_exact_to_the_last_bit_and_own_units_untouched():
     assert value_in("98 deg", RAD) == math.radians(98)
     assert value_in("0.1 s", quantities.SECOND) == 0.1
     assert value_in(0.1, RAD) == 0.1
+
+
+@pytest.mark.parametrize(("text", "meant"), [("51,6 deg", r"51\.6"), ("-0,5", r"-0\.5"), (" 1,000 km", r"1\.000")])
+def test_a_decimal_comma_is_named_and_not_taken_for_a_unit(text, meant):
+    with pytest.raises(QuantityError, match=f"expected a decimal point, {meant}, found a decimal comma"):
+        parse(text)
 
 
 def test_units_that_only_pint_knows():

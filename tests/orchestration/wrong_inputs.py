@@ -311,9 +311,9 @@ CASES = [
     Case("a number for text", f"loop.yaml:9: {MOTOR}.start.label: expected text, found 5", "inertia: 0.5", "label: 5"),
     Case(
         "two units run together",
-        f"loop.yaml:9: {MOTOR}.start.inertia: the unit 'Nm' would be read as 'number meter'; did you mean 'N.m'?",
+        f"loop.yaml:9: {MOTOR}.start.inertia: the unit 'Pas' would be read as 'pascal'; did you mean 'Pa.s'?",
         "inertia: 0.5",
-        "inertia: 1 Nm",
+        "inertia: 1 Pas",
     ),
     Case(
         "an element twice",

@@ -33,7 +33,9 @@ START = "inertia: 0.5"
         (START, "inertia: !!float abc", "loop.yaml:9: blocks.motor.start.inertia: expected a number, found 'abc'"),
         (START, "<<: {inertia: 0.5}", "loop.yaml:9: merging by '<<' is not supported; remedy: write the entries out"),
         (START, "inertia: 1 9**9**9**9 m", "loop.yaml:9: blocks.motor.start.inertia: unknown unit '9**9**9**9 m'"),
-        (START, "inertia: 1 Nm", "the unit 'Nm' would be read as 'number meter'; did you mean 'N.m'?"),
+        (START, "inertia: 1 Pas", "the unit 'Pas' would be read as 'pascal'; did you mean 'Pa.s'?"),
+        (START, "inertia: 10 dB", "loop.yaml:9: blocks.motor.start.inertia: the unit 'dB' is logarithmic"),
+        (START, "inertia: '0,5'", "loop.yaml:9: blocks.motor.start.inertia: expected a decimal point, 0.5, found"),
         (
             START,
             "'axis[1]': 1\n      'axis[ 1 ]': 2",
@@ -132,6 +134,6 @@ def test_what_is_usual_is_still_understood(unit):
 
 
 def test_units_that_are_run_together_or_in_another_case_are_guessed():
-    for unit, meant in (("As", "'A.s'"), ("Kg", "'kg'"), ("mNm", "'mN.m'"), ("KM", "'km'")):
+    for unit, meant in (("sA", "'s.A'"), ("Kg", "'kg'"), ("mPas", "'mPa.s'"), ("KM", "'km'")):
         with pytest.raises(QuantityError, match=f"did you mean .*{meant}"):
             parse_unit(unit)
