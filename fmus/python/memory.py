@@ -33,6 +33,7 @@ class Snapshot:
     values: tuple[Any, ...]
     mode: str
     time: float
+    stop: float | None
     dirty: bool
     state: Any
     error: str | None = None
@@ -157,7 +158,7 @@ def from_bytes(data: bytes, identity: str, block: ModuleType) -> Snapshot:
         entries |= {"values": tuple(entries["values"]), "state": state}
         return Snapshot(**entries)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        return Snapshot((), "", math.nan, True, None, f"the serialized FMU state cannot be restored: {error}")
+        return Snapshot((), "", math.nan, None, True, None, f"the serialized FMU state cannot be restored: {error}")
 
 
 def _encode(value: Any, name: str) -> Any:

@@ -16,12 +16,14 @@
 
 #define PATH_SIZE 1024
 #define TEXT_SIZE 1024
+#define NAME_SIZE 256
 
 typedef struct {
     fmi2Component inner;
     const fmi2CallbackFunctions *host;
     fmi2CallbackFunctions callbacks;
     bool log_all;
+    char name[NAME_SIZE];
 } Shell;
 
 /* Appends text to a buffer that holds `used` characters, as far as there is room; returns how many it holds then. */
@@ -32,6 +34,21 @@ static size_t append(char *buffer, size_t size, size_t used, const char *text)
     }
     buffer[used] = '\0';
     return used;
+}
+
+/* Appends a number in decimal. */
+static size_t append_integer(char *buffer, size_t size, size_t used, long long number)
+{
+    char digits[24];
+    size_t first = sizeof digits - 1;
+    unsigned long long left = number < 0 ? 0ull - (unsigned long long)number : (unsigned long long)number;
+    digits[first] = '\0';
+    do {
+        digits[--first] = (char)('0' + left % 10);
+        left /= 10;
+    } while (left > 0);
+    used = number < 0 ? append(buffer, size, used, "-") : used;
+    return append(buffer, size, used, digits + first);
 }
 
 /* Whether a text begins with another, or is the same if `whole`. */
@@ -186,7 +203,6 @@ static void release(void *memory)
     X(fmi2GetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]), (I, r, n, v))                  \
     X(fmi2SetReal, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Real v[]), (I, r, n, v))                \
     X(fmi2SetInteger, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer v[]), (I, r, n, v))          \
-    X(fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[]), (I, r, n, v))          \
     X(fmi2SetString, (fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[]), (I, r, n, v))            \
     X(fmi2GetFMUstate, (fmi2Component c, fmi2FMUstate * s), (I, s))                                                            \
     X(fmi2SetFMUstate, (fmi2Component c, fmi2FMUstate s), (I, s))                                                              \
@@ -216,6 +232,7 @@ static struct {
                                  fmi2Boolean);
     void (*free_instance)(fmi2Component);
     fmi2Status (*free_state)(fmi2Component, fmi2FMUstate *);
+    fmi2Status (*set_boolean)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Boolean[]);
     HANDED_THROUGH(POINTER)
 } inner;
 
@@ -247,6 +264,7 @@ static bool connect_inner(char *text, size_t size)
     FETCH(instantiate, "fmi2Instantiate")
     FETCH(free_instance, "fmi2FreeInstance")
     FETCH(free_state, "fmi2FreeFMUstate")
+    FETCH(set_boolean, "fmi2SetBoolean")
     HANDED_THROUGH(FETCH_NAMED)
     connected = complete;
     if (!complete) {
@@ -326,6 +344,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     shell->callbacks.logger = forward;
     shell->callbacks.componentEnvironment = shell;
     shell->log_all = log != fmi2False;
+    (void)append(shell->name, sizeof shell->name, 0, name);
     shell->inner = inner.instantiate(name, type, guid, resources, &shell->callbacks, visible, fmi2True);
     if (shell->inner == NULL) {
         release(shell);
@@ -351,6 +370,27 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
     }
     ((Shell *)c)->log_all = on != fmi2False;
     return fmi2OK;
+}
+
+/* PythonFMU takes every number but 0 for true. */
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[])
+{
+    if (c == NULL) {
+        return fmi2Error;
+    }
+    Shell *const shell = c;
+    for (size_t i = 0; r != NULL && v != NULL && i < n; i++) {
+        if (v[i] != fmi2False && v[i] != fmi2True) {
+            char text[TEXT_SIZE];
+            size_t used = append(text, sizeof text, 0, "setBoolean: the value reference ");
+            used = append_integer(text, sizeof text, used, r[i]);
+            used = append(text, sizeof text, used, ": expected fmi2False (0) or fmi2True (1), found ");
+            (void)append_integer(text, sizeof text, used, v[i]);
+            shell->host->logger(shell->host->componentEnvironment, shell->name, fmi2Error, "logStatusError", text);
+            return fmi2Error;
+        }
+    }
+    return truthful(inner.set_boolean(shell->inner, r, n, v));
 }
 
 /* PythonFMU leaves the pointer in place; the standard asks for NULL, and a second call must do nothing. */

@@ -28,6 +28,10 @@ _CODE = __package__.rpartition(".")[0]
 _INSTANTIATED, _INITIALIZING, _STEPPING, _TERMINATED = "instantiated", "initializing", "stepping", "terminated"
 _TIME_TOLERANCE = 1e-6
 """Of a step: how far doStep's time may be from the block's own."""
+_BEYOND_STOP = 0.01
+"""Of a step: by how much it may end beyond the stop time, for masters that add up times."""
+_ROUNDING = 1e-12
+"""Of a time."""
 
 
 class BlockSlave(Fmi2Slave):
@@ -51,6 +55,7 @@ class BlockSlave(Fmi2Slave):
         self._values = self.layout.starts.copy()
         self._mode = _INSTANTIATED
         self._time = 0.0
+        self._stop: float | None = None  # infinite where the host gave none; None until setupExperiment
         self._dirty = True  # the outputs among the values are not those of state, inputs and parameters
         self._state: Any = None
         self._p: Any = None  # the block's Parameters and Inputs, None where the values have changed
@@ -74,16 +79,23 @@ class BlockSlave(Fmi2Slave):
     # ------------------------------------------------------------ the course of a simulation
 
     @guarded
-    def setup_experiment(self, start_time: float, *_: Any) -> None:
-        """The block's t = 0 is the experiment's start time."""
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, *_: Any) -> None:
+        """The block's t = 0 is the experiment's start time; no step ends beyond `stop_time`."""
         self._expect(_INSTANTIATED, "setupExperiment")
         if not math.isfinite(start_time):
             raise Refused(f"setupExperiment: the start time is {start_time}; expected a finite number")
+        if stop_time is not None and not start_time <= stop_time < math.inf:
+            raise Refused(
+                f"setupExperiment: the stop time is {stop_time}; expected a finite number, at least the start time {start_time}"
+            )
         self._time = start_time
+        self._stop = math.inf if stop_time is None else stop_time
 
     @guarded
     def enter_initialization_mode(self) -> None:
         self._expect(_INSTANTIATED, "enterInitializationMode")
+        if self._stop is None:
+            raise Refused("enterInitializationMode: expected setupExperiment before it")
         self._mode = _INITIALIZING
 
     @guarded
@@ -99,12 +111,17 @@ class BlockSlave(Fmi2Slave):
         self._expect(_STEPPING, "doStep")
         if not 0.0 < step_size < math.inf:
             raise Refused(f"doStep: the step is {step_size} s; expected a finite number above 0")
-        if not abs(current_time - self._time) <= _TIME_TOLERANCE * step_size + 1e-12 * abs(self._time):
+        if not abs(current_time - self._time) <= _TIME_TOLERANCE * step_size + _ROUNDING * abs(self._time):
             raise Refused(f"doStep: the step starts at {current_time} s, but the block is at {self._time} s")
+        end = current_time + step_size
+        if end > self._stop + _BEYOND_STOP * step_size + _ROUNDING * abs(self._stop):
+            raise Refused(
+                f"doStep: the step ends at {end} s; expected the stop time {self._stop} s or before (to a hundredth of the step)"
+            )
         p, u = self._read()
         state, outputs = self.block.step(self._state, u, p, step_size)
         self._values = self.layout.store(outputs, self._values)
-        self._state, self._dirty, self._time = state, False, current_time + step_size
+        self._state, self._dirty, self._time = state, False, end
         return True
 
     @guarded
@@ -208,14 +225,15 @@ class BlockSlave(Fmi2Slave):
     @guarded
     def _get_fmu_state(self) -> Snapshot:
         check_state(self._state)
-        return Snapshot(tuple(self._values), self._mode, self._time, self._dirty, self._state)
+        return Snapshot(tuple(self._values), self._mode, self._time, self._stop, self._dirty, self._state)
 
     @guarded
     def _set_fmu_state(self, state: Snapshot) -> None:
         if state.error is not None:
             raise Refused(f"setFMUstate: {state.error}")
         self._values = list(state.values)
-        self._mode, self._time, self._dirty, self._state = state.mode, state.time, state.dirty, state.state
+        self._mode, self._time, self._stop = state.mode, state.time, state.stop
+        self._dirty, self._state = state.dirty, state.state
         self._p = self._u = None
 
     @classmethod

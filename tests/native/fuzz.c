@@ -180,7 +180,8 @@ static void one_call(fmi2Component c, fmi2FMUstate states[STATES], double *time)
     fmi2Status status;
     switch (pick(16)) {
     case 0:
-        if (expect(fmi2SetupExperiment(c, 0, 0.0, pick(10) == 0 ? number() : 0.0, (int)pick(2), number()))) {
+        if (expect(
+                fmi2SetupExperiment(c, 0, 0.0, pick(10) == 0 ? number() : 0.0, (int)pick(2), pick(10) == 0 ? number() : 1e6))) {
             *time = 0.0;
         }
         break;

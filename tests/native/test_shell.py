@@ -150,6 +150,7 @@ def test_a_plant_that_cannot_be_is_refused_when_initialization_ends(changes: dic
     with Instance("plant") as it:
         for name, value in changes.items():
             it.set(name, value)
+        it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
         it.call("EnterInitializationMode")
         with pytest.raises(Refused, match=f"^{ERROR}: fmi2ExitInitializationMode: {message}"):
             it.call("ExitInitializationMode")
@@ -239,6 +240,7 @@ def test_the_experiment_may_start_at_any_time() -> None:
 
 def test_in_initialization_mode_outputs_follow_the_inputs_and_nothing_is_latched() -> None:
     with Instance("controller") as it, running("controller", omega_B=[0.0, 0.0, 0.0]) as other:
+        it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
         it.call("EnterInitializationMode")
         it.set("omega_B", [0.3, 0.2, 0.1])
         first = it.get("rate_error_B")
@@ -426,6 +428,7 @@ def test_numbers_in_messages_read_as_printf_g(value: float) -> None:
 @pytest.mark.parametrize("block", ["plant", "controller_planned"])
 def test_both_blocks_with_an_epoch_read_the_same_dates_and_refuse_the_same_texts(block: str) -> None:
     with Instance(block) as it:
+        it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
         it.call("EnterInitializationMode")
         for text in dates.REFUSED:
             it.set("epoch", text)

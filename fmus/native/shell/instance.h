@@ -41,8 +41,10 @@ typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mod
 typedef struct {
     Ports ports;
     double time; /* of the master, s */
+    double stop; /* beyond which no step may end, s; infinite where the master gave none */
     Mode mode;
-    bool fresh; /* ports.y fit the state and the inputs */
+    bool set_up; /* fmi2SetupExperiment was called */
+    bool fresh;  /* ports.y fit the state and the inputs */
 } Memory;
 
 typedef struct {

@@ -63,6 +63,7 @@ void restore_starts(Instance *c)
         }
     }
     c->memory.mode = MODE_SETUP;
+    c->memory.stop = INFINITY;
     c->law_current = false;
 }
 
@@ -156,14 +157,19 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
 {
     fmi2Status status;
     Instance *c = enter(component, "fmi2SetupExperiment", IN_SETUP, &status);
-    (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
+    (void)tolerance_defined, (void)tolerance;
     if (c == NULL) {
         return status;
     }
     if (!isfinite(start)) {
         return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"startTime", "a finite number", NULL, start});
     }
+    if (stop_defined != fmi2False && !(stop >= start && isfinite(stop))) {
+        return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"stopTime", "a finite number, at least startTime", NULL, stop});
+    }
     c->memory.time = start; /* the block's t = 0 */
+    c->memory.stop = stop_defined != fmi2False ? stop : INFINITY;
+    c->memory.set_up = true;
     return fmi2OK;
 }
 
@@ -171,10 +177,14 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
 {
     fmi2Status status;
     Instance *c = enter(component, "fmi2EnterInitializationMode", IN_SETUP, &status);
-    if (c != NULL) {
-        c->memory.mode = MODE_INITIALIZATION;
+    if (c == NULL) {
+        return status;
     }
-    return status;
+    if (!c->memory.set_up) {
+        return refuse_text(c, "fmi2EnterInitializationMode", "expected fmi2SetupExperiment before it");
+    }
+    c->memory.mode = MODE_INITIALIZATION;
+    return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component component)

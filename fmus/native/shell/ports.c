@@ -172,6 +172,12 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference refe
     fmi2Status status;
     Instance *c = begin_set(component, "fmi2SetBoolean", references, n, values, KIND_BOOLEAN, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
+        if (values[i] != fmi2False && values[i] != fmi2True) {
+            const Fault f = {variables[references[i]].name, "fmi2False (0) or fmi2True (1)", NULL, values[i]};
+            return refuse_fault(c, "fmi2SetBoolean", &f);
+        }
+    }
+    for (size_t i = 0; c != NULL && i < n; ++i) {
         const bool value = values[i] != fmi2False;
         memcpy(place(c, &variables[references[i]]), &value, sizeof value);
         touched(c, &variables[references[i]]);

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+static const double BEYOND_STOP = 0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
+static const double ROUNDING = 1e-12;   /* of a time */
+
 /* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it. */
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before)
 {
@@ -16,11 +19,18 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     if (!(h > 0.0 && isfinite(h))) {
         return refuse_fault(c, "fmi2DoStep", &(Fault){"communicationStepSize", "a finite number above 0", NULL, h});
     }
-    if (!(fabs(t - memory->time) <= 1e-6 * h + 1e-12 * fabs(memory->time))) {
+    if (!(fabs(t - memory->time) <= 1e-6 * h + ROUNDING * fabs(memory->time))) {
         Message m = message("fmi2DoStep: currentCommunicationPoint: expected ");
         put_number(&m, memory->time);
         put(&m, ", where the last step ended, found ");
         put_number(&m, t);
+        return refuse(c, &m);
+    }
+    if (t + h > memory->stop + BEYOND_STOP * h + ROUNDING * fabs(memory->stop)) {
+        Message m = message("fmi2DoStep: expected a step that ends at stopTime = ");
+        put_number(&m, memory->stop);
+        put(&m, " or before (to a hundredth of the step), found one that ends at ");
+        put_number(&m, t + h);
         return refuse(c, &m);
     }
     if (make_law_current(c, "fmi2DoStep") != fmi2OK) {

@@ -349,6 +349,7 @@ def test_what_is_no_number_is_refused_where_it_comes_in(name, value):
 def test_parameters_that_do_not_fit_are_refused_by_name(changes, message):
     with Instance(BLOCK) as it:
         feed(it, changes)
+        it.call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
         it.call("EnterInitializationMode")
         with pytest.raises(Refused, match=f"fmi2ExitInitializationMode: {message}"):
             it.call("ExitInitializationMode")
