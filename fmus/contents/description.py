@@ -17,6 +17,8 @@ LOG_CATEGORIES = {
 }
 TOOL = "attitude-cosim"
 """The tool that the annotation of an optional input names: FMI 2.0 has no attribute for it."""
+FRAME_N = "N is the mean equator and equinox of date"
+"""In the description of each port with components in N: read as GCRS, positions and field would be wrong."""
 DIMENSIONLESS = "1"
 """The unit of every Real without one, so that a master can tell dimensionless from not declared."""
 
@@ -90,6 +92,8 @@ def guid_from(digest: str) -> str:
 def about(variable: Variable) -> str:
     """The description with the frame of its components, and which value means that an optional input is not connected."""
     more = [f"frame: {variable.frame}"] if variable.frame else []
+    if variable.frame and "N" in variable.frame.split():
+        more.append(FRAME_N)
     if variable.optional:
         more.append(OPTIONAL)
     return f"{variable.description} ({'; '.join(more)})" if more else variable.description

@@ -34,7 +34,8 @@ def index_html(interface: Interface, host: str) -> bytes:
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
         "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
-        "which is the block's t = 0. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
+        "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of itself "
+        "beyond it is refused. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
         f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>",
     ]
     parts.append(f"<h2>Frames</h2>\n{_DRAWING.read_text('utf-8')}<p>{escape(_FRAMES)}</p>")

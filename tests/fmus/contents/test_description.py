@@ -37,6 +37,8 @@ def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], b
         assert found.initial == {"input": "exact", "output": "calculated", "parameter": "exact"}[variable.causality]
         assert variable.description in found.description
         assert variable.frame is None or variable.frame in found.description
+        in_N = variable.frame is not None and "N" in variable.frame.split()
+        assert ("mean equator and equinox of date" in found.description) == in_N
         own = variable.units[variable.elements.index(element)]
         assert found.unit == ((own or "1") if variable.type == "real" else None)
         assert found.displayUnit == variable.display_unit
