@@ -113,10 +113,10 @@ class BlockSlave(Fmi2Slave):
             raise Refused(f"doStep: the step is {step_size} s; expected a finite number above 0")
         if not abs(current_time - self._time) <= _TIME_TOLERANCE * step_size + _ROUNDING * abs(self._time):
             raise Refused(f"doStep: the step starts at {current_time} s, but the block is at {self._time} s")
-        end = current_time + step_size
-        if end > self._stop + _BEYOND_STOP * step_size + _ROUNDING * abs(self._stop):
+        end, stop = current_time + step_size, math.inf if self._stop is None else self._stop
+        if end > stop + _BEYOND_STOP * step_size + _ROUNDING * abs(stop):
             raise Refused(
-                f"doStep: the step ends at {end} s; expected the stop time {self._stop} s or before (to a hundredth of the step)"
+                f"doStep: the step ends at {end} s; expected the stop time {stop} s or before (to a hundredth of the step)"
             )
         p, u = self._read()
         state, outputs = self.block.step(self._state, u, p, step_size)
