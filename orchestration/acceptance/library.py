@@ -8,7 +8,7 @@ from typing import Any
 import fmpy
 
 from ..swap.findings import Finding
-from ..swap.sample_time import sample_time
+from ..system.rates import sample_time
 from . import binaries
 from .loader import Unresolved, unresolved
 

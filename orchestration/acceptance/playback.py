@@ -101,7 +101,7 @@ def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs:
     recorded = Recorded(f"record of {name}", record, rows)
     sources, targets = (tuple(Node(block, element) for element in rows) for block in (recorded.name, name))
     with ExitStack() as stack:
-        block = opened.prepared.adapted(opened.instantiate(stack)[name])
+        block = opened.adapted(opened.instantiate(stack)[name])
         master = Master(
             {recorded.name: recorded, name: block},
             Wiring([Link("playback", sources, targets)]),

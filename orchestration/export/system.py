@@ -82,7 +82,10 @@ def flat(scenario: Scenario) -> System:
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
         fit = prepared.fits.get(name)
-        if prepared.substeps.get(name, 1) != 1 or (fit is not None and not fit.identical):
+        if substeps := opened.rates.substeps.get(name):
+            message = f"its FMU cannot vary its step of {float(substeps.length):.10g} s and is stepped {substeps.count} times in each of the scenario's, which only this orchestrator can do; cannot be exported"
+            raise InputError(scenario.error(("blocks", name), message))
+        if fit is not None and not fit.identical:
             message = "its ports are mapped to those of another interface, which only this orchestrator can do; cannot be exported"
             raise InputError(scenario.error(("blocks", name), message))
     names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}

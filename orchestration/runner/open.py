@@ -19,6 +19,7 @@ from ..instances.slave import Slave
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
+from ..system.rates import Rates, rates
 from .limits import limits
 from .plan import Plan, plan
 
@@ -29,12 +30,18 @@ class Opened:
 
     fmus: dict[str, Fmu]
     prepared: Prepared
+    rates: Rates
     plan: Plan
+
+    def adapted(self, block: Block) -> Block:
+        """The instance as the master sees it: behind our interface, and stepped as its FMU can be stepped."""
+        substeps = self.rates.substeps.get(block.name)
+        return self.prepared.adapted(substeps.before(block) if substeps else block)
 
     def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Block]:
         """An instance of each FMU; closed, and its files removed, when the stack ends. Raises InputError.
 
-        Where an FMU is adapted to our interface, `prepared.adapted` puts the adapter before the instance.
+        `adapted` puts before an instance what it needs.
         """
         scenario = self.plan.scenario
         bounds = {name: limits(scenario, name) for name in self.fmus}
@@ -67,9 +74,10 @@ def open_scenario(scenario: Scenario) -> Opened:
     """Locates and opens the FMUs, prepares what is swapped and plans the run. Raises InputError with all errors."""
     fmus = _open_fmus(scenario)
     prepared = prepare(scenario, fmus)
-    ready = plan(prepared.scenario, prepared.models, prepared.feedthrough)
-    ready.notes[:0] = prepared.notes
-    return Opened(fmus, prepared, ready)
+    timed = rates(prepared.scenario, fmus)
+    ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
+    ready.notes[:0] = [*prepared.notes, *timed.notes]
+    return Opened(fmus, prepared, timed, ready)
 
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:

@@ -60,7 +60,7 @@ def execute(
     ready, prepared = opened.plan, opened.prepared
     with ExitStack() as stack:
         instances = opened.instantiate(stack, verbose)
-        blocks = {name: prepared.adapted(block) for name, block in instances.items()}
+        blocks = {name: opened.adapted(block) for name, block in instances.items()}
         result = run_blocks(ready, blocks, progress, compiled)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it

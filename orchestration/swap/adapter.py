@@ -1,7 +1,7 @@
 """Another team's block behind our interface: the master sees our names, units and quantities.
 
 Every value that passes is theirs = A ours + c, the whole of a block in one product; quaternions are
-made and read beside it. A block with a sample time of its own is stepped so often in each step.
+made and read beside it.
 """
 
 from __future__ import annotations
@@ -14,28 +14,16 @@ import numpy as np
 
 from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats
-from ..instances.block import Block
-from .findings import Fit
 from .named_values import NamedValues
 
 
 class Adapter(NamedValues):
-    """See `block.Block`. `substeps` steps of theirs make one of ours."""
-
-    def __init__(self, inner: Block, fit: Fit, substeps: int = 1) -> None:
-        super().__init__(inner, fit)
-        self.substeps = substeps
+    """See `block.Block`."""
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
         self._wire_inputs(inputs)
         self._wire_outputs(outputs, live, into)
-        step, substeps = self.inner.do_step, self.substeps
-
-        def often(time: float, length: float) -> None:
-            for n in range(substeps):
-                step(time + n * length / substeps, length / substeps)
-
-        self.do_step = step if substeps == 1 else often
+        self.do_step = self.inner.do_step
         return self._given
 
     set_inputs: Callable[[], None]

@@ -1,8 +1,7 @@
 """Another team's FMU in a block's place: what a scenario's `interface` and `map` mean for a run.
 
 `prepare` looks at every block whose FMU is given by its path and whose interface is known. It refuses
-what does not fit, leaves out what refers to ignored outputs, honours the sample time of a block that
-cannot vary its step, and says all of it in notes.
+what does not fit, leaves out what refers to ignored outputs, and says all of it in notes.
 """
 
 from __future__ import annotations
@@ -57,7 +56,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     if errors:
         raise InputError(*errors)
     if interfaces:
-        settle(prepared, fmus)
+        settle(prepared)
         prepared.feedthrough = _hook(prepared, interfaces)
     return prepared
 

@@ -21,21 +21,17 @@ class Prepared:
     """A scenario with its swapped blocks understood."""
 
     scenario: Scenario
-    """Without what refers to ignored outputs, and with the sample times of the blocks."""
+    """Without what refers to ignored outputs."""
     models: dict[str, Model]
     """What the master sees of each block."""
     fits: dict[str, Fit] = field(default_factory=dict)
-    substeps: dict[str, int] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     feedthrough: Hook | None = None
 
     def adapted(self, block: Block) -> Block:
         """The block behind our interface; itself where there is nothing to adapt."""
         fit = self.fits.get(block.name)
-        often = self.substeps.get(block.name, 1)
-        if fit is None or (fit.identical and often == 1):
-            return block
-        return Adapter(block, fit, often)
+        return block if fit is None or fit.identical else Adapter(block, fit)
 
     def handed_on(self, starts: Mapping[str, Sequence[Start]]) -> dict[str, dict[Element, Any]]:
         """What the adapted blocks are given for a scenario's start values, by their own elements."""

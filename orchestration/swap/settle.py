@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from ..errors import InputError
-from ..fmu.archive import Fmu
 from ..scenario.load import load
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from .prepared import Prepared
-from .sample_time import timed
 
 
-def settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
-    """Takes out of the scenario what refers to ports that are not there, and fixes how often each block is stepped.
+def settle(prepared: Prepared) -> None:
+    """Takes out of the scenario what refers to ports that are not there.
 
     Raises InputError with all that cannot be taken out.
     """
@@ -43,11 +41,6 @@ def settle(prepared: Prepared, fmus: Mapping[str, Fmu]) -> None:
             )
             errors.append(scenario.error(key, text))
     source = scenario.source.without(gone) if gone else scenario.source
-    for name in prepared.fits:
-        try:
-            source = timed(prepared, source, name, fmus[name])
-        except InputError as error:
-            errors += error.messages
     if errors:
         raise InputError(*errors)
     if source is not scenario.source:

@@ -14,7 +14,7 @@ from orchestration.runner.read import read
 from orchestration.swap import option as swap
 
 from .. import fmus, vendor
-from ..swap.test_mapping import STEP, orchestrate, swapped
+from ..swapped import STEP, orchestrate, swapped
 from ..wrong_inputs import SCENARIO
 
 ARGUMENTS = ("compare", "loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")

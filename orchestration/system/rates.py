@@ -3,22 +3,51 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 from ..errors import InputError
 from ..fmu.archive import Fmu
+from ..instances.substeps import Substeps
+from ..scenario.load import load
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key, Source
-from .prepared import Prepared
 
 _SUBSTEPS_MAX = 10_000
 
 
-def timed(prepared: Prepared, source: Source, name: str, fmu: Fmu) -> Source:
-    """The scenario's source with the sample time of a block that cannot vary its step."""
-    scenario = prepared.scenario
+@dataclass
+class Rates:
+    """A scenario in which every block is stepped as its FMU can be stepped."""
+
+    scenario: Scenario
+    substeps: dict[str, Substeps] = field(default_factory=dict)
+    """Of the blocks that are stepped several times in each of their steps."""
+    notes: list[str] = field(default_factory=list)
+
+
+def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
+    """Finds how often each block is stepped. Raises InputError with every step that does not divide."""
+    found = Rates(scenario)
+    source, errors = scenario.source, list[str]()
+    for name, fmu in fmus.items():
+        try:
+            source = _timed(found, source, name, fmu.description)
+        except InputError as error:
+            errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    if source is not scenario.source:
+        found.scenario = load(source)
+    return found
+
+
+def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
+    scenario = found.scenario
     try:
-        own_step = sample_time(fmu.description)
+        own_step = sample_time(description)
     except ValueError as error:
         raise InputError(scenario.error(("blocks", name, "fmu"), str(error))) from None
     if own_step is None:
@@ -37,11 +66,11 @@ def timed(prepared: Prepared, source: Source, name: str, fmu: Fmu) -> Source:
             scenario.error(key, f"{message}; remedy: a smaller base step, or a larger stepSize in the FMU")
         )
     if (1 / ratio).denominator == 1:
-        prepared.substeps[name] = int(1 / ratio)
-        prepared.notes.append(f"{name}: {why}: {int(1 / ratio)} of them in each step of {float(step):.10g} s")
+        found.substeps[name] = Substeps(int(1 / ratio), own_step)
+        found.notes.append(f"{name}: {why}: {int(1 / ratio)} of them in each step of {float(step):.10g} s")
         return source
     if given is None and ratio.denominator == 1:
-        prepared.notes.append(f"{name}: {why}: it is stepped once in {int(ratio)} base steps ('every: {int(ratio)}')")
+        found.notes.append(f"{name}: {why}: it is stepped once in {int(ratio)} base steps ('every: {int(ratio)}')")
         return source.with_entry(("blocks", name, "every"), int(ratio))
     remedy = f"'every: {int(own_step / base)}'" if (own_step / base).denominator == 1 else _steps(own_step, base)
     message = f"{why}, which is no multiple of the step, {float(step):.10g} s; remedy: {remedy}"

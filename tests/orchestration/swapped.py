@@ -1,0 +1,32 @@
+"""A loop with another team's FMU beside it, and the commands on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from orchestration.cli.main import main
+
+from . import fmus, vendor
+from .wrong_inputs import SCENARIO
+
+STEP = "<ModelVariables>"
+"""What follows a DefaultExperiment in their description."""
+
+
+def orchestrate(*arguments):
+    result = CliRunner().invoke(main, [str(a) for a in arguments])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def swapped(folder: Path, monkeypatch, *changes, scenario: str = SCENARIO, **options) -> Path:
+    """A folder with loop.yaml, its two FMUs, and vendor.fmu with mapping.yaml for the regulator."""
+    fmus.write_pair(folder)
+    vendor.write(folder, *changes, runnable=True, **options)
+    path = folder / "loop.yaml"
+    path.write_text(scenario, "utf-8")
+    monkeypatch.chdir(folder)
+    return path
