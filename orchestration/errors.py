@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any
@@ -43,6 +44,20 @@ class ResultsError(RuntimeError):
     """The results could not be written. Exit status 4. `result` is what could not be, where it is known."""
 
     result: Any = None
+
+
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+"""What a terminal may obey instead of showing: all but line ends and tabs, with what turns the direction of writing."""
+
+
+def printable(text: str) -> str:
+    """Text from anywhere with its control characters escaped, for a terminal: `\\x1b` for ESC."""
+    return _CONTROLS.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
+
+
+def printable_json(text: str) -> str:
+    """JSON with the same characters escaped as JSON escapes them."""
+    return _CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def nearest(name: str, names: Iterable[str]) -> str | None:

@@ -76,6 +76,8 @@ def _text(data: bytes, start: int) -> str:
 _MACHINES = {62: "x86_64", 183: "aarch64", 3: "x86", 40: "arm", 243: "riscv64"}
 _DYNSYM, _DYNAMIC, _VERNEED = 11, 6, 0x6FFFFFFE
 _NEEDED, _RPATH, _RUNPATH = 1, 15, 29
+_ENTRIES_MAX = 1000
+"""Libraries of which versions are asked for."""
 
 
 def _elf(data: bytes) -> Library:
@@ -123,17 +125,25 @@ def _elf_dynamic(data: bytes, section: tuple[int, ...], strings: int, library: L
 
 def _elf_versions(data: bytes, section: tuple[int, ...], strings: int, library: Library) -> None:
     at = section[4]
-    for _ in range(section[7]):
+    for _ in range(min(section[7], _ENTRIES_MAX)):
         _, count, _, first, following = struct.unpack_from("<HHIII", data, at)
         entry = at + first
         for _ in range(count):
             _, _, _, name, after = struct.unpack_from("<IHHII", data, entry)
             library.versions.add(_text(data, strings + name))
             entry += after
+            if after == 0:
+                break
         at += following
+        if following == 0:
+            break
 
 
 # ---------------------------------------------------------------- PE
+
+
+_SECTIONS_MAX = 96
+"""What Windows loads."""
 
 
 def _pe(data: bytes) -> Library:
@@ -141,6 +151,8 @@ def _pe(data: bytes) -> Library:
     if data[header : header + 4] != b"PE\0\0":
         raise Unreadable("it is no Windows library")
     machine, count = struct.unpack_from("<HH", data, header + 4)
+    if count > _SECTIONS_MAX:
+        raise Unreadable("its tables are damaged")
     optional, magic = header + 24, struct.unpack_from("<H", data, header + 24)[0]
     directories = optional + (112 if magic == 0x20B else 96)
     sections = optional + struct.unpack_from("<H", data, header + 20)[0]
@@ -157,6 +169,8 @@ def _pe(data: bytes) -> Library:
     if exports:
         table = place(exports)
         number, names = struct.unpack_from("<I", data, table + 24)[0], struct.unpack_from("<I", data, table + 32)[0]
+        if number > len(data) // 4:
+            raise Unreadable("its tables are damaged")
         for i in range(number):
             (name,) = struct.unpack_from("<I", data, place(names) + 4 * i)
             library.exported.add(_text(data, place(name)))

@@ -6,48 +6,42 @@ ports by the same rules, see `fit`.
 
 from __future__ import annotations
 
-import zipfile
+import tempfile
 from pathlib import Path
 from typing import Any
 
-from fmpy.model_description import ValidationError, read_model_description
 from fmpy.validation import validate_fmu
 
 from ..errors import InputError
-from ..fmu.archive import entries, fmi_version, open_fmu, optional_inputs, refuse_entities, shown
-from ..fmu.description import describe
+from ..fmu import zipped
+from ..fmu.archive import Head, described, open_fmu, read_head, shown
 from ..fmu.interfaces import reference, starts_of
+from ..fmu.model import Model
 from ..scenario.mapping import load
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
 from . import feedthrough, library, starts
 
 
-def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding], Fit | None]:
+def check(path: Path, as_: str, map_: Path | None = None, lenient: bool = False) -> tuple[list[Finding], Fit | None]:
     """All findings, and how its ports fit where they could be looked at.
 
-    Raises InputError where the FMU, the interface or the mapping cannot be read at all.
+    `lenient`: what is not valid in its description is a warning, as it is for a block with `validation: lenient`.
+    Raises InputError where the FMU, the interface or the mapping cannot be read at all, or the FMU cannot be unpacked.
     """
     interface = reference(as_, Path.cwd())
     mapping = load(map_)[0] if map_ is not None else None
-    if not path.exists() or path.is_dir():
+    if not path.exists():
         open_fmu(path)  # raises the error
-    names = entries(path)
-    with zipfile.ZipFile(path) as archive:
-        try:
-            files = {
-                name: archive.read(name) for name in names if name.startswith("binaries/") and not name.endswith("/")
-            }
-            xml = archive.read("modelDescription.xml")
-        except Exception as error:
-            raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
-    refuse_entities(path, xml)
+    head = read_head(path)
     findings: list[Finding] = []
-    description = _description(path, xml, findings)
-    if description is None:
+    read = _description(path, head, findings, lenient)
+    if read is None:
         return findings, None
-    library.look(description, files, findings)
-    theirs = describe(description, optional_inputs(xml))
+    description, theirs = read
+    with tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True) as folder:
+        zipped.unpack(path, Path(folder), "FMU")
+        library.look(description, library.files(Path(folder)), findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
     starts.look(fitted, starts_of(description, theirs), findings)
@@ -56,33 +50,29 @@ def check(path: Path, as_: str, map_: Path | None = None) -> tuple[list[Finding]
     return findings, fitted
 
 
-def _description(path: Path, xml: bytes, findings: list[Finding]) -> Any:
-    if (version := fmi_version(xml) or "unknown") != "2.0":
+def _description(path: Path, head: Head, findings: list[Finding], lenient: bool) -> tuple[Any, Model] | None:
+    """FMPy's ModelDescription and the model, where FMI's version and the kind are ours and they can be read."""
+    if head.version != "2.0":
+        version = head.version or "unknown"
         findings.append(
             Finding("error", "FMI", f"version {version}; expected 2.0", "export it for FMI 2.0, co-simulation")
         )
         return None
     try:
-        description = read_model_description(str(path))
-    except ValidationError as error:
-        for problem in error.problems[:10]:
-            findings.append(
-                Finding("error", "FMI", f"modelDescription.xml: {problem}", "correct it in the exporting tool")
-            )
-        try:
-            description = read_model_description(str(path), validate=False)
-        except Exception:
-            return None
-    except Exception as error:  # FMPy and lxml raise what they please
-        text = f"modelDescription.xml cannot be read: {' '.join(str(error).split())}"
-        findings.append(Finding("error", "FMI", text, "export it anew"))
+        description, model, problems = described(path, head.optional, lenient=True)
+    except InputError as error:
+        text = str(error).removeprefix(f"{shown(path)}: ").removeprefix(f"{shown(path)} ")
+        remedy = "export it for co-simulation" if "model exchange only" in text else "correct it in the exporting tool"
+        findings.append(Finding("error", "FMI", text, remedy))
         return None
-    if description.coSimulation is None:
-        findings.append(Finding("error", "FMI", "version 2.0, for model exchange only", "export it for co-simulation"))
-        return None
+    remedy = "correct it in the exporting tool" + ("" if lenient else ", or run it all the same: 'validation: lenient'")
+    findings += [
+        Finding("warning" if lenient else "error", "FMI", f"modelDescription.xml: {problem}", remedy)
+        for problem in problems[:10]
+    ]
     tool = f", made by {description.generationTool}" if description.generationTool else ""
     findings.append(Finding("ok", "FMI", f"version 2.0, co-simulation{tool}"))
-    return description
+    return description, model
 
 
 def _validator(path: Path, findings: list[Finding]) -> None:

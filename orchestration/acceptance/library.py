@@ -3,37 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import fmpy
 
+from ..fmu.archive import expected_library, libraries
 from ..swap.findings import Finding
 from ..system.rates import sample_time
 from . import binaries
 from .loader import Unresolved, unresolved
 
 
-def look(description: Any, files: Mapping[str, bytes], findings: list[Finding]) -> None:
-    """Its libraries and what it asks of its host."""
+def files(folder: Path) -> dict[str, Path]:
+    """The files under binaries/ of an unpacked FMU, by their names in it."""
+    found = (path for path in sorted(folder.glob("binaries/**/*")) if path.is_file())
+    return {path.relative_to(folder).as_posix(): path for path in found}
+
+
+def look(description: Any, files: Mapping[str, Path], findings: list[Finding]) -> None:
+    """Its libraries and what it asks of its host; `files` are those of its binaries."""
     flags = description.coSimulation
     offered: dict[str, str] = {}
     for name in sorted(files):
         platform, _, file = name.removeprefix("binaries/").partition("/")
         if file.rpartition(".")[0] == flags.modelIdentifier:
             offered[platform] = name
-    listed = ", ".join(offered) or "none"
-    if fmpy.platform in offered:
+    if expected_library(flags.modelIdentifier) in files:
         others = ", ".join(name for name in offered if name != fmpy.platform)
         text = f"{fmpy.platform}, this platform" + (f"; also {others}" if others else "; no other")
         findings.append(Finding("ok", "binary", text))
     else:
-        wanted = f"binaries/{fmpy.platform}/{flags.modelIdentifier}{fmpy.sharedLibraryExtension}"
-        text = f"none for this platform: expected {wanted}, found binaries for {listed}"
+        wanted = expected_library(flags.modelIdentifier)
+        text = f"none for this platform: expected {wanted}, found {libraries(files)}"
         findings.append(
             Finding("error", "binary", text, f"build it for {fmpy.platform}, or run on one of its platforms")
         )
     for platform, name in offered.items():
-        _library(platform, files[name], files, findings)
+        _library(platform, files[name].read_bytes(), files, findings)
     if flags.needsExecutionTool:
         text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
@@ -54,7 +61,7 @@ def look(description: Any, files: Mapping[str, bytes], findings: list[Finding]) 
             findings.append(Finding("warning", "step", text, "declare DefaultExperiment.stepSize in the FMU"))
 
 
-def _library(platform: str, data: bytes, files: Mapping[str, bytes], findings: list[Finding]) -> None:
+def _library(platform: str, data: bytes, files: Mapping[str, Path], findings: list[Finding]) -> None:
     here = platform == fmpy.platform
     try:
         library = binaries.read(data)

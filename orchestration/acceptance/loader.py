@@ -26,7 +26,7 @@ class Unresolved:
     """Symbols of Python, which this process has but another may not."""
 
 
-def unresolved(library: Library, beside: dict[str, bytes]) -> Unresolved:
+def unresolved(library: Library, beside: dict[str, Path]) -> Unresolved:
     """What a library of this machine would not find; `beside` are the files that lie in its folder."""
     left = Unresolved()
     if library.kind != "ELF" or not sys.platform.startswith("linux"):
@@ -60,9 +60,9 @@ def _version(text: str) -> tuple[int, ...]:
     return tuple(map(int, re.findall(r"\d+", text))) if re.fullmatch(r"\d+(\.\d+)*", text) else ()
 
 
-def _needed(name: str, search: list[str], beside: dict[str, bytes]) -> Library | None:
+def _needed(name: str, search: list[str], beside: dict[str, Path]) -> Library | None:
     if any("$ORIGIN" in folder or "${ORIGIN}" in folder for folder in search) and name in beside:
-        return _read_or_empty(beside[name])
+        return _read_or_empty(beside[name].read_bytes())
     for folder in [f for f in search if f.startswith("/")]:
         if (Path(folder) / name).exists():
             return _library_at(Path(folder) / name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from ..acceptance.check import check
 from ..acceptance.vector import play
 from ..fmu.archive import shown
 from ..swap.findings import Finding
-from .console import say
+from .console import say, say_json
 from .status import DOES_NOT_FIT
 
 
@@ -29,23 +28,33 @@ from .status import DOES_NOT_FIT
 @click.option(
     "--tolerance", default=1e-6, show_default=True, help="Of the vector, relative to each output's largest value."
 )
+@click.option(
+    "--lenient", is_flag=True, help="What is not valid in its description is a warning, as by 'validation: lenient'."
+)
 @click.option("--json", "json_", is_flag=True, help="Print the findings as JSON.")
 @click.pass_context
 def command(
-    ctx: click.Context, fmu: Path, as_: str, map_: Path | None, vector: Path | None, tolerance: float, json_: bool
+    ctx: click.Context,
+    fmu: Path,
+    as_: str,
+    map_: Path | None,
+    vector: Path | None,
+    tolerance: float,
+    lenient: bool,
+    json_: bool,
 ) -> None:
     """Say whether an FMU can take a block's place, and what to do where it cannot.
 
     Nothing of it is run, unless a test vector is asked for. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
-    findings, fitted = check(fmu, as_, map_)
+    findings, fitted = check(fmu, as_, map_, lenient)
     if vector is not None and fitted is not None and not _errors(findings):
         findings += play(fmu, fitted, vector, tolerance)
     fits = not _errors(findings)
     if json_:
         listed = [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in findings]
         about = {"fmu": str(fmu), "as": as_, "map": None if map_ is None else str(map_), "fits": fits}
-        click.echo(json.dumps({**about, "findings": listed}, indent=2, ensure_ascii=False))
+        say_json({**about, "findings": listed})
     else:
         _print(fmu, as_, map_, findings)
     ctx.exit(0 if fits else DOES_NOT_FIT)
@@ -69,7 +78,7 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
         level = "ERROR" if finding.level == "error" else finding.level
         head = click.style(f"{level:<8}", **styles[finding.level])
         first, *more = finding.text.splitlines()
-        say(f"{head}{finding.topic:<{width}}  {first}")
+        say(f"{finding.topic:<{width}}  {first}", head=head)
         for line in [*more, *([f"-> {finding.remedy}"] if finding.remedy else [])]:
             say(f"{'':8}{'':{width}}  {line}")
     counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}

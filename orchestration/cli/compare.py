@@ -13,7 +13,7 @@ from ..errors import BlockError, InputError
 from ..results import folder
 from ..runner.read import load, read
 from ..swap.option import swapped
-from .console import complain, notes, say, table
+from .console import complain, notes, say, say_json, table
 from .overrides import overridden
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
 from .summary import mark
@@ -78,7 +78,7 @@ def command(
     (target / "comparison.json").write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", "utf-8")
     page = write(comparison, target)
     if json_:
-        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
+        say_json(data)
     else:
         _print(comparison, page)
     if comparison.failure is not None:
@@ -94,15 +94,15 @@ def _print(comparison: Comparison, page: Path) -> None:
     say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
     rows = rows_of_differences(comparison)
     header, *lines = table(DIFFERENCES, [cells for _, cells in rows])
-    say(f"{mark()}{header}")
+    say(header, head=mark())
     for (passed, cells), line in zip(rows, lines, strict=True):
-        say(mark("" if cells[5] == "" else "ok" if passed else "differs") + line)
+        say(line, head=mark("" if cells[5] == "" else "ok" if passed else "differs"))
     say("\nclosed loop: the expectations of the scenario")
     claims = [(a.name, a.text, "left out" if b is None else b.text, a.expected) for a, b in comparison.claims]
     header, *lines = table(("expectation", "ours", "theirs", "expected"), claims)
-    say(f"{mark()}{header}")
+    say(header, head=mark())
     for (_, b), line in zip(comparison.claims, lines, strict=True):
-        say(mark("" if b is None else b.status) + line)
+        say(line, head=mark("" if b is None else b.status))
     say()
     say(verdict(comparison), bold=True, fg="green" if comparison.passed else "red")
     say(f"report in {page}")

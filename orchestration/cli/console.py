@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -11,17 +12,24 @@ from typing import Any
 
 import click
 
+from ..errors import printable, printable_json
+
 _PATIENCE = 0.3
 """Seconds that a run may last without a progress bar."""
 _lost: list[OSError] = []
 """Why what was to be printed could not be."""
 
 
-def say(text: str = "", error: bool = False, **style: Any) -> None:
-    """Prints a line; colours only on a terminal, and not where NO_COLOR is set. It ends nothing where it cannot."""
+def say(text: str = "", error: bool = False, head: str = "", **style: Any) -> None:
+    """Prints a line; colours only on a terminal, and not where NO_COLOR is set. It ends nothing where it cannot.
+
+    Control characters of the text are escaped, since it may hold what an FMU or an archive says. `head` is put before
+    it as it is, in its own colours.
+    """
+    text = printable(text)
     try:
         click.echo(
-            click.style(text, **style) if style else text,
+            head + (click.style(text, **style) if style else text),
             err=error,
             color=False if os.environ.get("NO_COLOR") else None,
         )
@@ -30,6 +38,11 @@ def say(text: str = "", error: bool = False, **style: Any) -> None:
         if not error and not isinstance(problem, BrokenPipeError):  # who closes a pipe has seen enough
             _lost.append(problem)
             complain(f"what was to be printed cannot be written: {problem.strerror}")
+
+
+def say_json(data: Any) -> None:
+    """Prints data as JSON."""
+    click.echo(printable_json(json.dumps(data, indent=2, ensure_ascii=False)))
 
 
 def silence(error: bool = False) -> None:

@@ -39,9 +39,9 @@ def summary(result: Result) -> None:
             for o in result.outcomes
         ]
         header, *lines = table(("expectation", "found", "expected", "margin"), lines_)
-        say(f"\n{mark()}{header}")
+        say(header, head=f"\n{mark()}")
         for outcome, line in zip(result.outcomes, lines, strict=True):
-            say(mark(outcome.status) + line)
+            say(line, head=mark(outcome.status))
     if result.holds:
         say()
     for hold in result.holds:

@@ -1,35 +1,35 @@
 """Opening an FMU: what can be checked of it before any of its code runs, and its unpacking.
 
-FMPy reads and validates modelDescription.xml.
+FMPy reads and validates modelDescription.xml, lxml its version and its size before.
 """
 
 from __future__ import annotations
 
 import hashlib
 import re
-import stat
-import zipfile
-import zlib
-from contextlib import suppress
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
-from xml.parsers import expat
 
 import fmpy
 from fmpy.model_description import ValidationError, read_model_description
+from lxml import etree
 
 from ..errors import InputError, hint
-from .description import describe
+from . import zipped
+from .description import describe, starts_of
 from .model import Model
+from .zipped import shown
+
+__all__ = ["Fmu", "Head", "described", "expected_library", "libraries", "open_fmu", "read_head", "shown"]
 
 ANNOTATION = "attitude-cosim"
 """Under this name an FMU says which of its inputs are optional, for which FMI 2.0 has no word."""
-_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
-"""What zipfile raises for a damaged archive, or one that it cannot read."""
-_FILES_MAX, _BYTES_MAX, _XML_MAX = 50_000, 8 * 10**9, 64 * 10**6
-"""Of an FMU that is honest: files, what they hold unpacked, and what its modelDescription.xml holds."""
+XML_MAX, VARIABLES_MAX = 64_000_000, 100_000
+"""Bytes of a modelDescription.xml, and scalar variables that it declares."""
+_UNREADABLE = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError)
+"""What a description that is not valid brings about where FMPy or `describe` reads it."""
 
 
 @dataclass(frozen=True)
@@ -41,130 +41,140 @@ class Fmu:
     description: Any
     """FMPy's ModelDescription."""
     model: Model
+    problems: tuple[str, ...] = ()
+    """What is not valid in its modelDescription.xml, where that was asked to be passed over."""
 
     @property
     def library(self) -> str:
-        return _library(self.description.coSimulation.modelIdentifier)
+        return expected_library(self.description.coSimulation.modelIdentifier)
 
     def extract(self, folder: Path) -> None:
-        """Unpacks it into an empty folder."""
-        try:
-            fmpy.extract(self.path, folder)
-        except _DAMAGED as error:
-            raise InputError(f"{shown(self.path)} is a damaged zip archive: {error}") from None
-        except OSError as error:
-            raise InputError(f"{shown(self.path)} cannot be unpacked: {error.strerror}") from None
+        """Unpacks it into an empty folder. Raises InputError."""
+        zipped.unpack(self.path, folder, "FMU")
 
 
-def _library(identifier: str) -> str:
+@dataclass(frozen=True)
+class Head:
+    """What can be said of a modelDescription.xml before FMPy reads it."""
+
+    version: str | None
+    """The version of FMI that it declares."""
+    variables: int
+    optional: frozenset[str]
+    """The inputs of which an annotation of ours says that they may stay unconnected."""
+
+
+def expected_library(identifier: str) -> str:
+    """Where the library for this platform stands in an FMU."""
     return f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
 
 
-def open_fmu(path: Path) -> Fmu:
-    """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line."""
+def libraries(names: Iterable[str]) -> str:
+    """The libraries among the names of an FMU's entries, for a message: those for this platform, else the platforms."""
+    files = sorted(name for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name))
+    here = [name for name in files if name.split("/")[1] == fmpy.platform]
+    platforms = sorted({name.split("/")[1] for name in files})
+    return ", ".join(here) or f"binaries for {', '.join(platforms) or 'none'}"
+
+
+def open_fmu(path: Path, lenient: bool = False) -> Fmu:
+    """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line.
+
+    `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the same.
+    """
     if not path.exists():
         near = hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
-    if path.is_dir():
-        raise InputError(f"{shown(path)} is a folder; expected an .fmu file")
-    names = entries(path)
-    description, optional = _description(path)
-    identifier = description.coSimulation.modelIdentifier
-    if _library(identifier) not in names:
-        offered = sorted({name.split("/")[1] for name in names if re.match(r"binaries/[^/]+/[^/]+", name)})
-        raise InputError(
-            f"{shown(path)} has no binary for this platform: expected {_library(identifier)}, found binaries for {', '.join(offered) or 'none'}"
-        )
-    return Fmu(path, hashlib.sha256(path.read_bytes()).hexdigest(), description, describe(description, optional))
-
-
-def shown(path: Path) -> Path:
-    """The path as the user knows it: relative to the current folder where it lies in it."""
-    here = Path.cwd()
-    return path.relative_to(here) if path.is_relative_to(here) else path
-
-
-def entries(path: Path) -> set[str]:
-    """The names in the archive. Raises InputError where it is none, or would unpack to a place outside its folder."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            entries = archive.infolist()
-    except zipfile.BadZipFile:
-        with path.open("rb") as file:
-            truncated = file.read(2) == b"PK"
-        what = "is a damaged or truncated zip archive" if truncated else "is no FMU: an FMU is a zip archive"
-        raise InputError(f"{shown(path)} {what}") from None
-    except OSError as error:
-        raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
-    names = [entry.filename for entry in entries]
-    if outside := next((n for n in names if n.startswith("/") or "\\" in n or ":" in n or ".." in n.split("/")), None):
-        raise InputError(f"{shown(path)} would unpack to a place outside its folder: {outside}")
-    if link := next((entry.filename for entry in entries if stat.S_ISLNK(entry.external_attr >> 16)), None):
-        raise InputError(f"{shown(path)} holds a symbolic link, {link}; expected files only")
-    size = sum(entry.file_size for entry in entries)
-    if len(entries) > _FILES_MAX or size > _BYTES_MAX:
-        raise InputError(
-            f"{shown(path)} would unpack to {len(entries)} files of {size / 1e9:.3g} GB; expected at most {_FILES_MAX} files of {_BYTES_MAX / 1e9:.3g} GB"
-        )
-    if "modelDescription.xml" not in names:
-        raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
-    return set(names)
-
-
-def refuse_entities(path: Path, xml: bytes) -> None:
-    """Entities can grow without bound and can read files; FMI has no use for the DOCTYPE that defines them."""
-
-    def doctype(*_: Any) -> None:
-        message = "modelDescription.xml has a DOCTYPE, which an FMU does not need and which can do harm"
-        raise InputError(f"{shown(path)}: {message}")
-
-    parser = expat.ParserCreate()
-    parser.StartDoctypeDeclHandler = doctype
-    with suppress(expat.ExpatError):  # what reads it next reports it
-        parser.Parse(xml, True)
-
-
-def optional_inputs(xml: bytes) -> frozenset[str]:
-    """The inputs of which a modelDescription.xml says, in an annotation of ours, that they may stay unconnected."""
-    if ANNOTATION.encode() not in xml:
-        return frozenset()
-    variables = ElementTree.fromstring(xml).iterfind("ModelVariables/ScalarVariable")
-    optional = f"Annotations/Tool[@name='{ANNOTATION}']/Optional"
-    return frozenset(entry.get("name", "") for entry in variables if entry.find(optional) is not None)
-
-
-def fmi_version(xml: bytes) -> str | None:
-    """The version that modelDescription.xml declares, found without parsing it; None where it declares none."""
-    match = re.search(rb"<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*[\"']([^\"']*)", xml)
-    return match[1].decode("ascii", "replace") if match else None
-
-
-def _description(path: Path) -> tuple[Any, frozenset[str]]:
-    """What FMPy reads of it, and its optional inputs."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = archive.getinfo("modelDescription.xml").file_size
-            if size > _XML_MAX:
-                raise InputError(
-                    f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {_XML_MAX / 1e6:.3g} MB"
-                )
-            head = archive.read("modelDescription.xml")
-    except _DAMAGED as error:
-        raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
+    names = zipped.names(path, "FMU")
+    head = read_head(path)
     # The version decides first: the schema's complaints about another version would only confuse.
-    if (version := fmi_version(head)) not in ("2.0", None):
-        raise InputError(f"{shown(path)} is an FMU of FMI {version}; expected FMI 2.0 for co-simulation")
-    refuse_entities(path, head)
+    if head.version != "2.0":
+        version = f"is an FMU of FMI {head.version}" if head.version else "declares no fmiVersion"
+        raise InputError(f"{shown(path)} {version}; expected FMI 2.0 for co-simulation")
+    description, model, problems = described(path, head.optional, lenient)
+    library = expected_library(description.coSimulation.modelIdentifier)
+    if library not in names:
+        raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {libraries(names)}")
+    with path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return Fmu(path, digest, description, model, tuple(problems))
+
+
+def read_head(path: Path) -> Head:
+    """What an FMU's modelDescription.xml says of itself. Raises InputError where it holds none, too much, or no XML."""
+    with zipped.reading(path, "FMU") as archive:
+        if "modelDescription.xml" not in archive.namelist():
+            raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
+        size = archive.getinfo("modelDescription.xml").file_size
+        if size > XML_MAX:
+            raise InputError(
+                f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {XML_MAX / 1e6:.3g} MB"
+            )
+        xml = archive.read("modelDescription.xml")
     try:
-        description = read_model_description(str(path))
-    except ValidationError as error:
-        some = [f"  {problem}" for problem in error.problems[:5]]
-        more = [f"  and {len(error.problems) - 5} more"] if len(error.problems) > 5 else []
-        raise InputError("\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more])) from None
-    except Exception as error:  # FMPy and lxml raise what they please
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+        root = etree.fromstring(xml, parser, base_url="modelDescription.xml")
+    except (etree.XMLSyntaxError, LookupError, ValueError) as error:
+        if b"<!DOCTYPE" in xml.replace(b"\0", b""):  # in any encoding: its entities may be what cannot be read
+            raise _doctype(path) from None
+        raise InputError(f"{shown(path)}: modelDescription.xml cannot be read: {_line(error)}") from None
+    if root.getroottree().docinfo.doctype:
+        raise _doctype(path)
+    variables = root.findall("ModelVariables/*")
+    if len(variables) > VARIABLES_MAX:
         raise InputError(
-            f"{shown(path)}: modelDescription.xml cannot be read: {' '.join(str(error).split())}"
-        ) from None
+            f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
+        )
+    optional = f"Annotations/Tool[@name='{ANNOTATION}']/Optional"
+    marked = frozenset(v.get("name", "") for v in variables if v.find(optional) is not None)
+    return Head(root.get("fmiVersion"), len(variables), marked)
+
+
+def _doctype(path: Path) -> InputError:
+    """Entities can grow without bound and can read files; FMI has no use for the DOCTYPE that defines them."""
+    message = "modelDescription.xml has a DOCTYPE, which an FMU does not need and which can do harm"
+    return InputError(f"{shown(path)}: {message}")
+
+
+def described(path: Path, optional: Collection[str], lenient: bool) -> tuple[Any, Model, list[str]]:
+    """FMPy's ModelDescription, the model made of it, and what is not valid in it.
+
+    Raises InputError where it cannot be read, is not for co-simulation, or is not valid and `lenient` is not set.
+    """
+    problems: list[str] = []
+    try:
+        try:
+            description = read_model_description(path)
+        except ValidationError as error:
+            problems = list(error.problems)
+            description = read_model_description(path, validate=False)
+    except Exception as error:  # FMPy and lxml raise what they please
+        raise _unreadable(path, problems, error) from None
+    if problems and not lenient:
+        raise _not_valid(path, problems)
     if description.coSimulation is None:
         raise InputError(f"{shown(path)} is for model exchange only; expected an FMU for co-simulation")
-    return description, optional_inputs(head)
+    try:
+        model = describe(description, optional)
+        starts_of(description, model)
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None
+    except _UNREADABLE as error:
+        raise _unreadable(path, problems, error) from None
+    return description, model, problems
+
+
+def _unreadable(path: Path, problems: list[str], error: Exception) -> InputError:
+    if problems:
+        return _not_valid(path, problems)
+    return InputError(f"{shown(path)}: modelDescription.xml cannot be read: {_line(error)}")
+
+
+def _not_valid(path: Path, problems: list[str]) -> InputError:
+    some = [f"  {problem}" for problem in problems[:5]]
+    more = [f"  and {len(problems) - 5} more"] if len(problems) > 5 else []
+    return InputError("\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more]))
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

@@ -155,3 +155,38 @@ def _initial(description: Any, elements: dict[str, Element]) -> dict[Element, fr
             exact = scalar.initial == "exact"
             dependencies[elements[scalar.name]] = frozenset() if exact else direct.get(elements[scalar.name])
     return dependencies
+
+
+def starts_of(description: Any, model: Model) -> dict[Element, Any]:
+    """The start values of an FMU's inputs and parameters, items of enumerations as numbers. Raises InputError."""
+    by_label = {
+        variable.label(position): (variable, Element(variable.name, position))
+        for variable in model.variables.values()
+        for position in range(variable.size)
+    }
+    starts: dict[Element, Any] = {}
+    for scalar in description.modelVariables:
+        entry = by_label.get("][".join(part.strip() for part in scalar.name.split(",")))
+        if entry is None or scalar.start is None or scalar.causality not in ("input", "parameter"):
+            continue
+        variable, element = entry
+        starts[element] = _start(variable, scalar)
+    return starts
+
+
+def _start(variable: Variable, scalar: Any) -> float | int | bool | str:
+    text = str(scalar.start)
+    if variable.type == "string":
+        return text
+    if variable.type == "boolean":
+        if text.strip().lower() not in ("true", "1", "false", "0"):
+            raise _wrong_start(scalar, "true or false")
+        return text.strip().lower() in ("true", "1")
+    try:
+        return float(text) if variable.type == "real" else int(float(text))
+    except (ValueError, OverflowError):
+        raise _wrong_start(scalar, "a number") from None
+
+
+def _wrong_start(scalar: Any, expected: str) -> InputError:
+    return InputError(f"modelDescription.xml: {scalar.name} has the start value {scalar.start!r}; expected {expected}")

@@ -12,7 +12,10 @@ from fmus.interface import BLOCKS, load
 from ..errors import InputError, hint
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .archive import open_fmu
+from .description import starts_of
 from .model import Element, Model, Variable, shared
+
+__all__ = ["Interface", "is_path", "own", "place", "reference", "starts_of"]
 
 
 @dataclass(frozen=True)
@@ -111,28 +114,3 @@ def _named(unit: str | None) -> Unit:
         return parse_unit(unit) if unit else ONE
     except QuantityError:  # an interface may name what only its own FMU defines
         return Unit(unit or "", None)
-
-
-def starts_of(description: Any, model: Model) -> dict[Element, Any]:
-    """The start values of an FMU's inputs and parameters, items of enumerations as numbers."""
-    by_label = {
-        variable.label(position): (variable, Element(variable.name, position))
-        for variable in model.variables.values()
-        for position in range(variable.size)
-    }
-    starts: dict[Element, Any] = {}
-    for scalar in description.modelVariables:
-        entry = by_label.get("][".join(part.strip() for part in scalar.name.split(",")))
-        if entry is None or scalar.start is None or scalar.causality not in ("input", "parameter"):
-            continue
-        variable, element = entry
-        text = str(scalar.start)
-        if variable.type == "real":
-            starts[element] = float(text)
-        elif variable.type in ("integer", "enumeration"):
-            starts[element] = int(float(text))
-        elif variable.type == "boolean":
-            starts[element] = text.lower() in ("true", "1")
-        else:
-            starts[element] = text
-    return starts

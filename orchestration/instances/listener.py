@@ -7,6 +7,7 @@ import sys
 import threading
 from collections import deque
 
+from ..errors import printable
 from .channel import MARK
 from .log import LINES_MAX, shortened
 from .process import GRACE
@@ -56,4 +57,4 @@ class Listener:
         if text:
             self.lines.append(text)
             if self._verbose:
-                print(f"{self._name}: {text}", file=sys.stderr)
+                print(printable(f"{self._name}: {text}"), file=sys.stderr)

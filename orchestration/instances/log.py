@@ -17,6 +17,8 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
+from ..errors import printable
+
 LINES_MAX = 20
 _LENGTH_MAX = 500
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
@@ -53,7 +55,7 @@ class Log:
             if callable(self.echo):
                 self.echo(self.lines[-1])
             elif self.echo:
-                print(f"{self.name}: {self.lines[-1]}", file=sys.stderr)
+                print(printable(f"{self.name}: {self.lines[-1]}"), file=sys.stderr)
 
 
 def shortened(line: str) -> str:

@@ -76,27 +76,39 @@ def open_scenario(scenario: Scenario) -> Opened:
     prepared = prepare(scenario, fmus)
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
-    ready.notes[:0] = [*prepared.notes, *timed.notes]
+    ready.notes[:0] = [*_not_valid(scenario, fmus), *prepared.notes, *timed.notes]
     return Opened(fmus, prepared, timed, ready)
 
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
     errors: list[str] = []
-    paths: dict[Path, Fmu] = {}
+    known: dict[tuple[Path, bool], Fmu] = {}
     for name, entry in scenario.blocks.items():
         if entry.flavour and is_path(entry.fmu):
             message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
             errors.append(scenario.error(("blocks", name, "flavour"), message))
         try:
             path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
-            fmus[name] = paths[path] = paths.get(path) or open_fmu(path)
+            lenient = entry.validation == "lenient"
+            fmus[name] = known[path, lenient] = known.get((path, lenient)) or open_fmu(path, lenient)
         except InputError as error:
             key = ("blocks", name, "fmu")
             errors += [scenario.error(key, message + _remedy(message, scenario, name)) for message in error.messages]
     if errors:
         raise InputError(*errors)
     return fmus
+
+
+def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
+    """What is not valid in the descriptions of FMUs that run all the same, by `validation: lenient`."""
+    return [
+        scenario.error(
+            ("blocks", name, "validation"), f"{shown(fmu.path)}: modelDescription.xml is not valid: {problem}"
+        )
+        for name, fmu in fmus.items()
+        for problem in fmu.problems
+    ]
 
 
 def locate(fmu: str, folder: Path, flavour: str) -> Path:
@@ -120,8 +132,12 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
 
 
 def _remedy(message: str, scenario: Scenario, name: str) -> str:
-    """What helps where a block of this project was built, and its file has been spoilt since."""
+    """What helps where a description is not valid, or where a file of this project's own has been spoilt."""
     entry = scenario.blocks[name]
+    if "modelDescription.xml is not valid" in message:
+        return (
+            "\n  remedy: correct it in the exporting tool, or 'validation: lenient' beside it, to run it all the same"
+        )
     if "damaged" not in message or is_path(entry.fmu):
         return ""
     option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"

@@ -27,6 +27,9 @@ class BlockEntry(Model):
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
     """Whether the FMU runs in a process of its own; default: the scenario's."""
+    validation: Literal["strict", "lenient"] = "strict"
+    """Whether an FMU whose modelDescription.xml is not valid is refused, or runs as far as it can be read, each finding a
+    warning."""
     timeout: Period | None = None
     """How long one call of an FMU in a process of its own may take before it is ended; default: 60 s."""
     memory: Bytes | None = None

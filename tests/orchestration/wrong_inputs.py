@@ -566,7 +566,7 @@ CASES = [
     ),
     Case(
         "a folder instead of an FMU",
-        f"{MOTOR}.fmu: motor.fmu is a folder; expected an .fmu file",
+        f"{MOTOR}.fmu: motor.fmu is a folder; expected a file",
         spoil=lambda f: ((f / "motor.fmu").unlink(), (f / "motor.fmu").mkdir()),
     ),
     Case(
