@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 from ..errors import InputError
 from ..fmu import zipped
-from ..fmu.archive import Head, described, open_fmu, read_head, shown
+from ..fmu.archive import Head, described, open_fmu, read_head
 from ..fmu.interfaces import reference, starts_of
 from ..fmu.model import Model
 from ..scenario.mapping import load
@@ -61,9 +61,9 @@ def _description(path: Path, head: Head, findings: list[Finding], lenient: bool)
     try:
         description, model, problems = described(path, head.optional, lenient=True)
     except InputError as error:
-        text = str(error).removeprefix(f"{shown(path)}: ").removeprefix(f"{shown(path)} ")
-        remedy = "export it for co-simulation" if "model exchange only" in text else "correct it in the exporting tool"
-        findings.append(Finding("error", "FMI", text, remedy))
+        if "model exchange only" not in str(error):
+            raise
+        findings.append(Finding("error", "FMI", "version 2.0, for model exchange only", "export it for co-simulation"))
         return None
     remedy = "correct it in the exporting tool" + ("" if lenient else ", or run it all the same: 'validation: lenient'")
     findings += [
