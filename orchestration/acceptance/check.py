@@ -20,7 +20,7 @@ from ..fmu.model import Model
 from ..scenario.mapping import load
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
-from . import feedthrough, library, starts
+from . import feedthrough, inputs, library, starts
 
 
 def check(path: Path, as_: str, map_: Path | None = None, lenient: bool = False) -> tuple[list[Finding], Fit | None]:
@@ -45,6 +45,7 @@ def check(path: Path, as_: str, map_: Path | None = None, lenient: bool = False)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
     starts.look(fitted, starts_of(description, theirs), findings)
+    inputs.look(fitted, findings)
     feedthrough.look(fitted, findings)
     _validator(path, findings)
     return findings, fitted

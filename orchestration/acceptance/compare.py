@@ -23,6 +23,7 @@ from ..runner.run import execute
 from ..scenario.source import Source
 from ..system.wiring import fed
 from . import playback
+from .inputs import given, theirs_alone
 from .tolerances import Tolerance, tolerances
 
 ROUNDING = 1e-15
@@ -94,8 +95,11 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
         raise InputError(f"{loaded.source.file or 'scenario'} has no block {block!r}")
     fmu = open_scenario(loaded).fmus[block]
     ports = [v for v in fmu.model.of("input", "output") if v.type in TYPES]
-    open_scenario(load(theirs))  # what does not fit is refused before ours is run
-    ours = execute(load(_recording(source, block, [v.name for v in ports if v.causality == "input"])))
+    swapped = open_scenario(load(theirs))  # what does not fit is refused before ours is run
+    extra = theirs_alone(swapped, block)
+    signals = [f"{block}.{v.name}" for v in ports if v.causality == "input"]
+    signals += [f"{node.block}.{node.element.variable}" for link in extra for node in link.source]
+    ours = execute(load(_recording(source, block, signals)))
     if ours.failure is not None:
         ours.failure.result = ours
         raise ours.failure
@@ -103,8 +107,13 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     with_theirs = load(theirs)
     entry = with_theirs.source.data["blocks"][block]
     inputs = {v.name: ours[f"{block}.{v.name}"] for v in fed(loaded, block, ports) if f"{block}.{v.name}" in ours}
+    inputs |= given(ours, extra, swapped)
+    if extra:
+        mapping = swapped.prepared.fits[block].mapping
+        assert mapping is not None
+        entry = {**entry, "map": mapping.model_copy(update={"inputs": {}}).model_dump(exclude_none=True)}
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
-    names = [v.name for v in ports if v.causality == "input" and v.name in played.model.variables]
+    names = [f"{block}.{v.name}" for v in ports if v.causality == "input" and v.name in played.model.variables]
     other = execute(load(_recording(theirs, block, names)))
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
@@ -113,10 +122,10 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     return comparison
 
 
-def _recording(source: Source, block: str, inputs: Sequence[str]) -> Source:
-    """The scenario, with all that the block is given and gives recorded at every step."""
+def _recording(source: Source, block: str, more: Sequence[str]) -> Source:
+    """The scenario, with all that the block gives, and more signals, recorded at every step."""
     record = source.data.get("record") or {}
-    signals = [*(record.get("signals") or ["*"]), f"{block}.*", *(f"{block}.{name}" for name in inputs)]
+    signals = [*(record.get("signals") or ["*"]), f"{block}.*", *more]
     return source.with_entry(("record",), {"signals": list(dict.fromkeys(signals))})
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model
 from ..swap.as_ours import model
 from ..swap.findings import Finding, Fit
@@ -23,11 +22,12 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
     if silent:
         text = f"it does not say on which inputs {', '.join(silent)} depend directly; what our interface says is taken"
         findings.append(Finding("warning", "feedthrough", text, "list the dependencies in its ModelStructure"))
+    fed = frozenset(element for name in fitted.feeding for element in theirs.variables[name].elements)
     direct: dict[Element, frozenset[Element]] = {}
     for element, known in ours.feedthrough.items():
         declared = theirs.feedthrough.get(element)
-        direct[element] = (known or frozenset()) if declared is None else declared
-    loops = _loops(fitted.reference, theirs, direct)
+        direct[element] = (known or frozenset()) | fed if declared is None else declared
+    loops = _loops(fitted, theirs, direct)
     for loop in loops:
         text = f"an algebraic loop through {loop}: all of these depend on each other at one instant"
         remedy = "let it act on inputs of the step before, or break the loop by 'delays' in the scenario"
@@ -49,13 +49,20 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
         findings.append(Finding("ok", "feedthrough", "closes no algebraic loop"))
 
 
-def _loops(interface: Interface, theirs: Model, direct: Mapping[Element, frozenset[Element]]) -> list[str]:
+def _loops(fitted: Fit, theirs: Model, direct: Mapping[Element, frozenset[Element]]) -> list[str]:
+    interface = fitted.reference
     models = {**interface.others, interface.name: theirs}
     sources: dict[Element, list[tuple[str, Element]]] = {}
     for block, kind in models.items():
         for variable in kind.of("output"):
             for element in variable.elements:
                 sources.setdefault(element, []).append((block, element))
+
+    for name, signal in fitted.feeding.items():
+        output = interface.others.get(signal.block, theirs).variables.get(signal.variable)
+        if signal.block in interface.others and output is not None:
+            into = theirs.variables[name].elements
+            sources.update((e, [(signal.block, given) for given in output.elements]) for e in into)
 
     def needs(block: str, element: Element) -> list[tuple[str, Element]]:
         known = direct.get(element, frozenset()) if block == interface.name else models[block].feedthrough.get(element)

@@ -5,6 +5,7 @@ A mapping is a YAML file, or stands in the scenario under a block's `map`:
     ports:                                  # our name: theirs
       h_w: {theirs: tach, divide: 1.47e-5 kg.m2}
       b_B: {theirs: [bx, by, bz], matrix: [[0, 1, 0], [1, 0, 0], [0, 0, -1]]}
+    inputs: {mag_B: plant.b_B}              # inputs that only theirs has, each with a signal of the scenario
     start: {mode: 2}                        # values of parameters and inputs that only theirs has
     ignore: [hold_fraction]                 # what of ours theirs does without
 
@@ -23,7 +24,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from ..errors import InputError, as_written
 from ..quantities import QuantityError, parse, parse_unit, real
 from . import complaints, source
-from .references import Name
+from .references import Name, Reference
 
 
 class _Model(BaseModel):
@@ -143,6 +144,8 @@ class Mapping(_Model):
     """A file that holds the mapping, relative to the scenario; nothing else then stands here."""
     ports: dict[str, _Port] = {}
     """Our inputs, outputs and parameters by name, each with theirs. What has our name need not be listed."""
+    inputs: dict[Name, Reference] = {}
+    """Inputs that only theirs has, each with the output of another block of the scenario that feeds it."""
     start: dict[Name, Any] = {}
     """Values of inputs and parameters that only theirs has, by their names."""
     ignore: list[Annotated[str, Field(strict=True)]] = []
@@ -150,7 +153,7 @@ class Mapping(_Model):
 
     @model_validator(mode="after")
     def _file_alone(self) -> Mapping:
-        if self.file is not None and (self.ports or self.start or self.ignore):
+        if self.file is not None and (self.ports or self.inputs or self.start or self.ignore):
             raise ValueError("expected either a file or a mapping, found both")
         return self
 
@@ -166,6 +169,6 @@ def load(path: Path) -> tuple[Mapping, source.Source]:
     mapping = complaints.checked(Mapping, read)
     if mapping.file is not None:
         raise InputError(
-            read.error(("file",), "a mapping's file holds the mapping itself; expected ports, start or ignore")
+            read.error(("file",), "a mapping's file holds the mapping itself; expected ports, inputs, start or ignore")
         )
     return mapping, read

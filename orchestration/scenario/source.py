@@ -26,12 +26,14 @@ class Source:
     """Relative paths start here."""
     lines: dict[Key, int] = field(default_factory=dict)
     options: dict[Key, str] = field(default_factory=dict)
+    origins: dict[Key, str] = field(default_factory=dict)
+    """Where stands what was put in from another file."""
 
     def where(self, key: Key) -> str:
         """`file.yaml:14: blocks.plant.start`, or `--set plant.x=1`, of the innermost part that is known."""
         for end in range(len(key), -1, -1):
-            if key[:end] in self.options:
-                return self.options[key[:end]]
+            if other := self.options.get(key[:end]) or self.origins.get(key[:end]):
+                return other
         name = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in key).lstrip(".")
         line = next((self.lines[key[:end]] for end in range(len(key), -1, -1) if key[:end] in self.lines), None)
         place = self.file if line is None or self.file is None else f"{self.file}:{line}"
@@ -41,7 +43,9 @@ class Source:
         return f"{self.where(key)}: {message}"
 
     def _copy(self) -> Source:
-        return Source(deepcopy(self.data), self.file, self.folder, dict(self.lines), dict(self.options))
+        return Source(
+            deepcopy(self.data), self.file, self.folder, dict(self.lines), dict(self.options), dict(self.origins)
+        )
 
     def with_start(self, name: str, value: Any, option: str = "") -> Source:
         """A copy in which `value` takes the place of the start value of `block.parameter`."""
@@ -82,6 +86,14 @@ class Source:
             copy.options[key] = option
         return copy
 
+    def with_item(self, key: str, value: Any, origin: str) -> Source:
+        """A copy in which `value`, which stands at `origin`, is the last of a list at the top."""
+        copy = self._copy()
+        items = copy.data.setdefault(key, [])
+        copy.origins[key, len(items)] = origin
+        items.append(value)
+        return copy
+
     def without(self, keys: Iterable[Key]) -> Source:
         """A copy without these entries; those that follow in a list keep the lines on which they stand."""
         copy = self._copy()
@@ -93,7 +105,7 @@ class Source:
                 del holder[key[-1]]
             except (KeyError, IndexError):
                 continue  # went with what held it
-            for places in (copy.lines, copy.options):
+            for places in (copy.lines, copy.options, copy.origins):
                 _moved(places, key)
         return copy
 

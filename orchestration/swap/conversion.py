@@ -80,6 +80,8 @@ def _conversion(fitted: Fit, ours: Variable, theirs: Variable, entry: PortMap, l
     if scale is None:
         if not own.fits(unit):
             remedy = "give a 'scale' with a unit in the mapping, or change the FMU"
+            if is_rate(own, unit):
+                remedy = f"none in a mapping: {NO_MEMORY}; change the FMU"
             if own.exponents[:-1] == unit.exponents[:-1]:
                 remedy = f"they differ by the radian only: state what it is, such as 'unit: {own}', in the mapping"
             raise Misfit("unit", f"the units do not fit: ours is {own}, theirs {unit}", remedy)
@@ -100,6 +102,17 @@ def _conversion(fitted: Fit, ours: Variable, theirs: Variable, entry: PortMap, l
     if not factor or not math.isfinite(factor):
         raise Misfit("unit", f"the factor {scale} is beyond what a double holds", "correct the factor")
     return factor * own.factor / unit.factor, (factor * own.offset - unit.offset) / unit.factor
+
+
+NO_MEMORY = "one is the rate of change of the other, and a mapping has no memory, so no mapping serves"
+
+
+def is_rate(one: Unit, other: Unit) -> bool:
+    """Whether one is the rate of change of the other, but for a mass or an inertia: a torque beside a speed or a momentum."""
+    if one.exponents is None or other.exponents is None:
+        return False
+    kg, m, s, *more = (a - b for a, b in zip(one.exponents[:-1], other.exponents[:-1], strict=True))
+    return not any(more) and (abs(s), (kg, m)) in {(1, (n, power * n)) for n in (-1, 0, 1) for power in (0, 2)}
 
 
 def _unit(fitted: Fit, ours: Variable, theirs: Variable, entry: PortMap, label: str) -> Unit:

@@ -12,6 +12,7 @@ from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Floats, Model, Variable
 from ..quantities import ONE, Unit
 from ..scenario.mapping import Mapping
+from ..scenario.references import Name, Reference
 
 Level = Literal["ok", "note", "warning", "error"]
 
@@ -64,6 +65,8 @@ class Fit:
     """By our name."""
     extra: list[Variable] = field(default_factory=list)
     """Inputs, outputs and parameters that only theirs has, under their own names."""
+    fed: dict[Name, Reference] = field(default_factory=dict)
+    """Inputs among these, whole or element by element, with the signal of the scenario that the mapping connects."""
     start: dict[Element, Any] = field(default_factory=dict)
     """Values of some of these, from the mapping, as FMI stores them."""
     ignored: dict[str, Variable] = field(default_factory=dict)
@@ -73,6 +76,11 @@ class Fit:
     missing: dict[str, Variable] = field(default_factory=dict)
     """Outputs and parameters of ours that theirs lacks and that the mapping does not ignore."""
     findings: list[Finding] = field(default_factory=list)
+
+    @property
+    def feeding(self) -> dict[str, Reference]:
+        """The signals of `fed` by the whole variable."""
+        return {n if n in self.theirs.variables else n.variable: signal for n, signal in self.fed.items()}
 
     @property
     def errors(self) -> list[Finding]:

@@ -32,6 +32,7 @@ def fit(reference: Interface, theirs: Model, mapping: Mapping | None = None) -> 
             lacking(fitted, ours, taken)
         else:
             _link(fitted, ours, tuple(same.elements), PortMap(theirs=[Name(name)], inverse=False), (), taken)
+    _connected(fitted, mapping, taken)
     extra(fitted, mapping, taken)
     return fitted
 
@@ -76,6 +77,33 @@ def _mapped(fitted: Fit, name: str, entry: PortMap, taken: dict[Element, str]) -
     _link(fitted, known[name], tuple(elements), entry, key, taken)
     for element in elements:  # one finding, if it does not fit
         taken.setdefault(element, name)
+
+
+def _connected(fitted: Fit, mapping: Mapping, taken: dict[Element, str]) -> None:
+    """Takes what the mapping connects to inputs that only theirs has. Whether it is there, the wiring finds."""
+    seen: set[Element] = set()
+    for name, signal in mapping.inputs.items():
+        key = ("inputs", name)
+        try:
+            elements = _elements(fitted.theirs, name)
+        except NameUnknown as error:
+            fitted.say("error", "mapping", str(error), key=key)
+            continue
+        variable = fitted.theirs.variables[elements[0].variable]
+        ours = next((taken[element] for element in variable.elements if element in taken), None)
+        if variable.causality != "input":
+            text = f"{variable.name} is of causality {variable.causality}, expected input"
+            fitted.say("error", "causality", text, "connect an input of theirs", key)
+        elif ours is not None:
+            text = f"{variable.name} stands for our {ours}, whose signal it takes"
+            fitted.say(
+                "error", "mapping", text, f"leave it out of ports or of inputs, or connect {ours} in the scenario", key
+            )
+        elif seen.intersection(elements):
+            fitted.say("error", "mapping", f"{name} is connected more than once", "connect each of theirs once", key)
+        else:
+            fitted.fed[name] = signal
+            seen.update(elements)
 
 
 def _elements(model: Model, name: Name) -> list[Element]:

@@ -11,6 +11,7 @@ from ..quantities import ONE, QuantityError
 from ..scenario.mapping import Mapping as PortMapping
 from ..scenario.references import Name
 from ..system.starts import values_of
+from .conversion import NO_MEMORY, is_rate
 from .findings import Fit, named
 
 
@@ -26,6 +27,8 @@ def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
     text = f"{ours.causality} {ours.name}, {kind}, is missing"
     if meant:
         text += f"; by name or unit it may be {' or '.join(meant[:3])}"
+    elif rates := [v for v in free if v.size == ours.size and is_rate(ours.unit or ONE, v.unit or ONE)]:
+        text += f"; {rates[0].name}, in {rates[0].unit}, cannot stand for it: {NO_MEMORY}"
     if ours.optional:
         fitted.without[ours.name] = ours
         text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
@@ -63,6 +66,7 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
             )
         else:
             _started(fitted, variable, name, value, taken)
+    fed = fitted.feeding
     partial: dict[str, list[str]] = {}
     for variable in fitted.theirs.of("input", "output", "parameter"):
         left = [e for e in variable.elements if e not in taken and e not in fitted.start]
@@ -84,12 +88,15 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
                 fitted.say("note", "extra", text, "none needed, if that is meant")
             continue
         fitted.extra.append(variable)
-        if variable.optional:
+        if variable.name in fed:
+            text = f"input {variable.name}, {variable.kind}, is of theirs only; {fed[variable.name].whole} feeds it, as the mapping says"
+            fitted.say("ok", "extra", text)
+        elif variable.optional:
             text = f"input {variable.name}, {variable.kind}, is of theirs only, and optional"
             fitted.say("note", "extra", text, "none needed, or connect it in the scenario")
         elif variable.causality == "input":
             text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
-            remedy = "give it a value under start in the mapping, or connect it in the scenario"
+            remedy = f"give it a value under start in the mapping, or connect it: 'inputs: {{{variable.name}: {_signal(fitted, variable)}}}' there"
             fitted.say("error", "extra", text, remedy)
     outputs = [f"{v.name}, {v.kind}" for v in fitted.extra if v.causality == "output"]
     if outputs:
@@ -111,6 +118,9 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
         values = values_of("theirs", fitted.theirs, name, value)
     except (QuantityError, NameUnknown) as error:
         return fitted.say("error", "mapping", str(error), key=key)
+    if (signal := fitted.feeding.get(variable.name)) is not None:
+        text = f"{signal} feeds {variable.name}, as inputs in the mapping says"
+        return fitted.say("error", "mapping", text, "leave it out of start or of inputs", key)
     standing = [element for element in values if element in taken]
     if standing:
         port = taken[standing[0]]
@@ -119,6 +129,13 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
         return fitted.say("error", "mapping", text, f"give the value to {port} in the scenario", key)
     fitted.start.update(values)
     return fitted.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
+
+
+def _signal(fitted: Fit, variable: Variable) -> str:
+    """An output of the project's other blocks that has the unit and shape of an input."""
+    outputs = ((block, v) for block, kind in fitted.reference.others.items() for v in kind.of("output"))
+    alike = (f"{block}.{v.name}" for block, v in outputs if v.shape == variable.shape and _unit_fits(v, variable))
+    return next(alike, "BLOCK.OUTPUT")
 
 
 def _s(items: Sequence[Any]) -> str:

@@ -13,6 +13,8 @@ from ..fmu.archive import Fmu, shown
 from ..fmu.interfaces import Interface, is_path, own, place, reference
 from ..fmu.model import Element
 from ..scenario import mapping as mappings
+from ..scenario.load import load
+from ..scenario.references import Connection
 from ..scenario.scenario import BlockEntry, Scenario
 from ..scenario.source import Key, Source
 from ..system.order import Hook
@@ -57,6 +59,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
         raise InputError(*errors)
     if interfaces:
         settle(prepared)
+        _connect(prepared)
         prepared.feedthrough = _hook(prepared, interfaces)
     return prepared
 
@@ -83,9 +86,23 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface,
     if errors:
         raise InputError(*errors)
     prepared.fits[name] = fitted
+    for theirs, signal in fitted.fed.items():
+        key: Key = ("inputs", theirs)
+        origin = source.where(key) if source else scenario.source.where(("blocks", name, "map", *key))
+        prepared.connections.append((Connection(f"{signal} -> {name}.{theirs}"), origin))
     if not fitted.identical:
         prepared.models[name] = model(fitted)
     prepared.notes += [f"{name}: {note}" for note in _notes(fitted)]
+
+
+def _connect(prepared: Prepared) -> None:
+    """Puts into the scenario what the mappings connect, unless it says so already, as that of a manifest does."""
+    source, there = prepared.scenario.source, {(c.source, c.target) for c in prepared.scenario.connections}
+    for connection, origin in prepared.connections:
+        if (connection.source, connection.target) not in there:
+            source = source.with_item("connections", str(connection), origin)
+    if source is not prepared.scenario.source:
+        prepared.scenario = load(source)
 
 
 def read_mapping(scenario: Scenario, name: str, entry: BlockEntry) -> tuple[mappings.Mapping | None, Source | None]:
@@ -155,6 +172,8 @@ def _hook(prepared: Prepared, interfaces: Mapping[str, Interface]) -> Hook:
         known = interface.model.feedthrough.get(element) if interface is not None else None
         if known is None:
             return None
-        return frozenset(e for e in known if e.variable in prepared.models[block].variables)
+        theirs = prepared.models[block].variables
+        more = (e for name in prepared.fits[block].feeding for e in theirs[name].elements)
+        return frozenset(e for e in known if e.variable in theirs) | frozenset(more)
 
     return hook

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..fmu.model import Element, Model
 from ..instances.block import Block
+from ..scenario.references import Connection
 from ..scenario.scenario import Scenario
 from ..system.order import Hook
 from ..system.starts import Start
@@ -26,6 +27,8 @@ class Prepared:
     """What the master sees of each block."""
     fits: dict[str, Fit] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    connections: list[tuple[Connection, str]] = field(default_factory=list)
+    """What the mappings connect to inputs that only theirs have, and where that stands."""
     feedthrough: Hook | None = None
 
     def adapted(self, block: Block) -> Block:

@@ -78,16 +78,16 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     for number, text in enumerate(scenario.connections):
         key: Key = ("connections", number)
         try:
-            links, warnings = _links(text, models, delays)
-            targets = [node for link in links for node in link.target]
+            made, warnings = links(text, models, delays)
+            targets = [node for link in made for node in link.target]
             for node in targets:
                 if node in taken:
-                    raise _Mismatch(f"{_name(node, models)} already has a source: {taken[node]}")
+                    raise Mismatch(f"{_name(node, models)} already has a source: {taken[node]}")
             taken.update(dict.fromkeys(targets, text))
-        except (_Mismatch, NameUnknown) as error:
+        except (Mismatch, NameUnknown) as error:
             errors.append(scenario.error(key, f"{text}: {error}"))
             continue
-        wiring.links += links
+        wiring.links += made
         wiring.warnings += [scenario.error(key, warning) for warning in warnings]
     if not errors:
         errors += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
@@ -104,27 +104,30 @@ def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Varia
     return [v for v in ports if v.causality == "input" and (not v.optional or f"{block}.{v.name}" in given)]
 
 
-class _Mismatch(ValueError):
-    pass
+class Mismatch(ValueError):
+    """The two ends of a connection do not fit."""
 
 
-def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
-    """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings."""
+def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
+    """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings.
+
+    Raises Mismatch and NameUnknown.
+    """
     source, target = _end(text.source, models, "output"), _end(text.target, models, "input")
     if source.variable.type != target.variable.type:
-        raise _Mismatch(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
+        raise Mismatch(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
     if source.variable.type == "string":
-        raise _Mismatch("text cannot be connected")
+        raise Mismatch("text cannot be connected")
     if source.variable.items != target.variable.items:
-        raise _Mismatch(
+        raise Mismatch(
             f"the enumerations differ: {source.name} has {_items(source.variable)}, {target.name} has {_items(target.variable)}"
         )
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
-        raise _Mismatch(f"the shapes differ: {_shape(source)}, {_shape(target)}")
+        raise Mismatch(f"the shapes differ: {_shape(source)}, {_shape(target)}")
     delayed = {node in delays for node in target.nodes}
     if len(delayed) != 1:
-        raise _Mismatch("either all elements of a connection are delayed or none")
+        raise Mismatch("either all elements of a connection are delayed or none")
     pairs = list(zip(source.elements, target.elements, strict=True))
     if not (source.variable.units or target.variable.units):
         pairs = [(source, target)]
@@ -134,7 +137,7 @@ def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, 
         factor, offset, warning = _conversion(*pair)
         groups.setdefault((factor, offset), []).append(pair)
         warnings.update({warning: None} if warning else {})
-    links = [
+    made = [
         Link(
             text,
             tuple(node for end, _ in group for node in end.nodes),
@@ -144,19 +147,17 @@ def _links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, 
         )
         for change, group in groups.items()
     ]
-    return links, list(warnings)
+    return made, list(warnings)
 
 
 def _end(reference: Reference, models: Mapping[str, Model], causality: str) -> _End:
     block = reference.block
     if block not in models:
-        raise _Mismatch(f"there is no block {block!r}{hint(block, models)}")
+        raise Mismatch(f"there is no block {block!r}{hint(block, models)}")
     variable, positions = models[block].find(block, reference.variable, reference.indices, (causality,))
     if variable.causality != causality:
         article = "an" if variable.causality[0] in "aeio" else "a"
-        raise _Mismatch(
-            f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}"
-        )
+        raise Mismatch(f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}")
     return _End(block, variable, positions)
 
 
@@ -179,7 +180,7 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
             ),
         )
     if not given.fits(wanted):
-        raise _Mismatch(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
+        raise Mismatch(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
     return *given.conversion(wanted), ""
 
 
@@ -189,7 +190,7 @@ def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[str]) 
     for number, text in enumerate(scenario.delays):
         try:
             delayed.update(dict.fromkeys(_end(text, models, "input").nodes, number))
-        except (_Mismatch, NameUnknown) as error:
+        except (Mismatch, NameUnknown) as error:
             errors.append(scenario.error(("delays", number), str(error)))
     return delayed
 
