@@ -25,8 +25,9 @@ and `step`, in seconds. Each `[variables.NAME]` has
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
 terminals of one name fit each other. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
 
-In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, and `@group`
-the names that `[groups]` gives for it.
+In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
+`name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that `[groups]`
+gives for it.
 """
 
 from __future__ import annotations
@@ -201,11 +202,25 @@ def _check_dependencies(variables: dict[str, Variable], file: str) -> None:
     for variable in variables.values():
         for key, allowed in (("depends_on", {"input"}), ("initially_depends_on", {"input", "parameter"})):
             for name in getattr(variable, key):
-                base = variables.get(name.removesuffix("[i]"))
+                base = variables.get(name.partition("[")[0])
+                index = name.partition("[")[2]
+                if base is not None and not _index_fits(index, base.shape, variable.shape):
+                    raise InterfaceError(
+                        f"{file}: variables.{variable.name}: {key}: {name!r} does not fit the shapes "
+                        f"{list(base.shape)} and {list(variable.shape)}; expected [i], or [i,:] or [:,i] of a matrix"
+                    )
                 if base is None or base.causality not in allowed:
                     raise InterfaceError(
                         f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}"
                     )
+
+
+def _index_fits(index: str, known: tuple[int, ...], output: tuple[int, ...]) -> bool:
+    if index == "i]":
+        return known == output
+    if index in ("i,:]", ":,i]"):
+        return len(known) == 2 and bool(output) and output[0] == known[0 if index == "i,:]" else 1]
+    return not index
 
 
 def _terminals(entries: dict[str, list[str]], variables: dict[str, Variable], file: str) -> dict[str, tuple[str, ...]]:

@@ -88,14 +88,22 @@ class Interface:
 
     def feedthrough(self, variable: Variable, position: int) -> list[Element]:
         """The inputs on which element `position` (from 0) of an output depends directly."""
-        return list(self._resolve(variable.depends_on, position))
+        return list(self._resolve(variable.depends_on, variable, position))
 
     def initial_dependencies(self, variable: Variable, position: int) -> list[Element]:
         """The inputs and parameters on which element `position` of an output depends initially."""
-        return list(self._resolve(variable.initially_depends_on, position))
+        return list(self._resolve(variable.initially_depends_on, variable, position))
 
-    def _resolve(self, names: tuple[str, ...], position: int) -> Iterator[Element]:
+    def _resolve(self, names: tuple[str, ...], output: Variable, position: int) -> Iterator[Element]:
+        i = position // output.shape[1] if len(output.shape) == 2 else position
         for name in names:
-            base, same_index, _ = name.partition("[i]")
-            elements = self.variables[base].elements
-            yield from (elements[position],) if same_index else elements
+            base, _, index = name.partition("[")
+            known = self.variables[base]
+            if index == "i]":
+                yield known.elements[position]
+            elif index == "i,:]":
+                yield from known.elements[i * known.shape[1] : (i + 1) * known.shape[1]]
+            elif index == ":,i]":
+                yield from known.elements[i :: known.shape[1]]
+            else:
+                yield from known.elements

@@ -12,6 +12,9 @@ from fmpy.fmi2 import FMU2Slave
 from scipy.spatial.transform import Rotation
 
 from fmus.build import ensure
+from fmus.interface import BLOCKS, InterfaceError, load, parse
+
+from .feedthrough import declared_pairs, real_pairs
 
 Q0 = Rotation.from_rotvec([0.9, -0.7, 0.5]).as_matrix()
 EXCITED: dict[str, dict[str, float | bool | int | str]] = {
@@ -134,3 +137,71 @@ def test_nothing_changes_an_output_initially_but_what_it_declares(case, tmp_path
     host.fmu.freeInstance()
     assert not undeclared
     assert moved > len(host.variables) // 4, "the test must see changes"
+
+
+CAUTION = "the interface also stands in for another team's FMU that declares nothing, and whose law may use it"
+UNSEEN = {
+    "allocator": {("dipole_cmd", "tau_cmd_B[1]"): CAUTION, ("", "omega_B[1]"): CAUTION},
+    "allocator_bounded": {("", "omega_B[1]"): CAUTION},
+}
+"""Declared, and never seen: by output, all of them where it is empty, and element of an input."""
+
+
+@pytest.mark.parametrize(
+    ("block", "flavour"), [(block, flavour) for block in BLOCKS for flavour in load(block).flavours]
+)
+def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(block, flavour):
+    real, declared = real_pairs(ensure(block, flavour), block, POINTS.get(block, 24)), declared_pairs(block)
+    assert sorted(real - declared) == []
+    listed = UNSEEN.get(block, {})
+    unseen = {
+        pair for pair in declared - real if not any((o, pair[1]) in listed for o in (pair[0].partition("[")[0], ""))
+    }
+    assert sorted(unseen) == []
+    known = {(output.partition("[")[0], element) for output, element in declared - real}
+    for output, element in listed:
+        assert any(element == e and output in (o, "") for o, e in known), f"{element} is seen: take it off the list"
+
+
+POINTS = {"controller_planned": 48, "allocator": 80}
+
+
+@pytest.mark.parametrize(
+    ("depends_on", "expected"),
+    [
+        ("matrix[i]", ["matrix[2,1]"]),
+        ("matrix[i,:]", ["matrix[2,1]", "matrix[2,2]"]),
+        ("matrix[:,i]", ["matrix[1,2]", "matrix[2,2]"]),
+        ("matrix", ["matrix[1,1]", "matrix[1,2]", "matrix[2,1]", "matrix[2,2]"]),
+    ],
+)
+def test_a_dependency_names_an_element_a_row_a_column_or_all(depends_on, expected):
+    parsed = parse(SMALL.format(depends_on=depends_on))
+    assert [e.name for e in parsed.feedthrough(parsed.variables["out"], 2)] == expected
+    with pytest.raises(InterfaceError, match="out: depends_on: 'vector\\[i,:\\]' does not fit the shapes"):
+        parse(SMALL.format(depends_on="vector[i,:]"))
+
+
+SMALL = """
+[block]
+name = "small"
+description = "of two ports"
+[experiment]
+stop = 1.0
+step = 0.1
+[variables.matrix]
+causality = "input"
+shape = [2, 2]
+description = "in"
+start = [[0.0, 0.0], [0.0, 0.0]]
+[variables.vector]
+causality = "input"
+shape = [2]
+description = "in"
+start = [0.0, 0.0]
+[variables.out]
+causality = "output"
+shape = [2, 2]
+description = "out"
+depends_on = ["{depends_on}"]
+"""

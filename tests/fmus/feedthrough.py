@@ -1,0 +1,151 @@
+"""Which inputs each output follows at once: every input is moved after a step, and every output is read."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from scipy.spatial.transform import Rotation
+
+from fmus.interface import Interface, load
+
+from .host import Host
+
+ROUNDING = 1e-11
+"""Of an output's size at this point, and of all its elements' largest."""
+STEPS = {"controller_planned": 80}
+FULL = np.array([[2.13, 0.1, 0.2], [0.1, 3.04, 0.3], [0.2, 0.3, 3.09]])
+R_N, V_N = np.array([6971000.0, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
+
+
+def settings(block: str) -> Iterator[dict[str, Any]]:
+    """Parameters under which different branches of the block's law act."""
+    rod_axes = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
+    choices: dict[str, dict[str, tuple[Any, ...]]] = {
+        "controller": {
+            "reference": ("lvlh", "inertial", "rate"),
+            "J_B": (FULL,),
+            "gain_schedule": ("error", "constant"),
+            "phi": ("linear", "logarithm", "square_root"),
+            "compensate_gravity": (False, True),
+        },
+        "controller_planned": {
+            "reference": ("lvlh", "inertial"),
+            "control_period": (0.1,),
+            "J_B": (FULL,),
+            "L0": (0.02 * FULL,),
+            "rod_axes": (rod_axes,),
+        },
+        "plant_judge": {"reference": ("lvlh", "inertial", "rate")},
+        "plant": {
+            "rod_axes": (rod_axes,),
+            "h_w0": (0.0, 0.03),
+            "rod_gain": ([0.9, 0.8, 0.7],),
+            "residual_dipole_B": ([0.1, 0.2, 0.3],),
+            "wheel_viscous_friction": (1e-6,),
+        },
+        "plant_sensors": {"attitude_noise": (0.0, 0.1), "attitude_bias_B": ([0.1, 0.2, 0.3],), "field_noise": (1e-6,)},
+        "allocator": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
+        "allocator_bounded": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
+    }
+    names = choices.get(block, {})
+    for values in itertools.product(*names.values()):
+        yield dict(zip(names, values, strict=True))
+
+
+def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[str, Any]:
+    """Inputs that a flight may have; of the optional ones all, none or some by `kind`."""
+    rate = rng.choice([1e-4, 1e-2, 1e-1])
+    sizes: dict[str, Any] = {
+        "R_NB": Rotation.random(random_state=rng).as_matrix(),
+        "omega_B": rate * rng.normal(size=3),
+        "r_N": R_N * rng.uniform(0.98, 1.02) + 1e5 * rng.normal(size=3),
+        "v_N": V_N * rng.uniform(0.98, 1.02) + 50.0 * rng.normal(size=3),
+        "h_w": 1e-2 * rng.normal(),
+        "b_B": 2e-5 * rng.normal(size=3),
+        "u_applied": [*(0.1 * rng.normal(size=3)), 1e-5 * rng.normal()],
+        "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
+        "dipole_ff": 3.0 * rng.normal(size=3),
+        "wheel_torque_ff": 1e-4 * rng.normal(),
+        "dipole_cmd": 20.0 * rng.normal(size=3),
+        "wheel_torque_cmd": 3e-3 * rng.normal(),
+        "R_d": Rotation.random(random_state=rng).as_matrix(),
+        "Omega_d": 1e-2 * rng.normal(size=3),
+    }
+    given = {v.name: sizes[v.name] for v in interface.of("input")}
+    for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
+        if kind >> bit & 1:
+            del given[name]
+    return (
+        given
+        if ("R_d" in given) == ("Omega_d" in given)
+        else {k: v for k, v in given.items() if k not in ("R_d", "Omega_d")}
+    )
+
+
+def moves(name: str, value: float) -> tuple[float, ...]:
+    """What an element of an input is moved to: a little, and, where the block takes it, far."""
+    if name in ("R_NB", "R_d"):
+        return (value + 3e-5, value - 3e-5)
+    return (value * 1.01 + 1e-9, -value, 5.0 * value, 50.0 * value)
+
+
+def _outputs(it: Host, names: list[str]) -> np.ndarray:
+    return np.concatenate([np.ravel(it.get(name)).astype(float) for name in names])
+
+
+def real_pairs(path: Path, block: str, points: int, seed: int = 1) -> set[tuple[str, str]]:
+    """(output element, input element) wherever an output was seen to follow an input after a step, with Get after Set."""
+    with Host(path) as host:
+        return _real_pairs(host, block, points, seed)
+
+
+def _real_pairs(it: Host, block: str, points: int, seed: int) -> set[tuple[str, str]]:
+    interface = load(block)
+    names = [v.name for v in interface.of("output")]
+    elements = [e.name for v in interface.of("output") for e in v.elements]
+    sizes = [len(v.elements) for v in interface.of("output")]
+    optional = sum(v.optional for v in interface.of("input"))
+    rng = np.random.default_rng(seed)
+    seen: set[tuple[str, str]] = set()
+    for number, setting in zip(range(points), itertools.cycle(settings(block)), strict=False):
+        given = inputs(interface, rng, number % (1 << optional))
+        it.fmu.reset()
+        it.started(**{name: _as_set(interface, name, value) for name, value in (setting | given).items()})
+        it.step(0, count=STEPS.get(block, 3))
+        base = _outputs(it, names)
+        largest = np.repeat([np.abs(p).max() for p in np.split(base, np.cumsum(sizes)[:-1])], sizes)
+        limit = ROUNDING * np.maximum(largest, 1e-12)
+        for v in interface.of("input"):
+            flat = np.ravel(given.get(v.name, [])).astype(float)
+            for i, moved in ((i, m) for i, value in enumerate(flat) for m in moves(v.name, value)):
+                values = flat.copy()
+                values[i] = moved
+                try:
+                    it.set(v.name, values)
+                    now = _outputs(it, names)
+                except FMICallException:  # no rotation, say
+                    continue
+                seen |= {(elements[j], v.elements[i].name) for j in np.flatnonzero(np.abs(now - base) > limit)}
+            if v.name in given:
+                it.set(v.name, flat)
+    return seen
+
+
+def _as_set(interface: Interface, name: str, value: Any) -> Any:
+    variable = interface.variables[name]
+    return variable.items.index(value) + 1 if variable.type == "enumeration" else value
+
+
+def declared_pairs(block: str) -> set[tuple[str, str]]:
+    interface = load(block)
+    return {
+        (e.name, d.name)
+        for v in interface.of("output")
+        for i, e in enumerate(v.elements)
+        for d in interface.feedthrough(v, i)
+    }
