@@ -9,9 +9,11 @@ import click
 from ..errors import InputError
 from ..export import container as container_writer
 from ..export import ssp as ssp_writer
-from ..export.system import flat
+from ..export.system import check_plain, flat
 from ..fmu.archive import shown
+from ..fmu.interfaces import is_path
 from ..runner.read import load, read
+from ..scenario.scenario import Scenario
 from .console import say
 from .overrides import overridden
 
@@ -27,10 +29,25 @@ from .overrides import overridden
     metavar="FILE.fmu",
     help="As one FMU that holds them all (needs fmu-manipulation-toolbox).",
 )
+@click.option(
+    "--for-orchestrate",
+    is_flag=True,
+    help="Keep rates, faults and delays in the SSP archive's annotation, which only orchestrate reads.",
+)
 @click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
 @click.option("--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's.")
-def command(scenario: Path, ssp: Path | None, container: Path | None, step: str | None, flavour: str | None) -> None:
-    """Write a scenario as a file that other FMI tools read."""
+def command(
+    scenario: Path,
+    ssp: Path | None,
+    container: Path | None,
+    for_orchestrate: bool,
+    step: str | None,
+    flavour: str | None,
+) -> None:
+    """Write a scenario as a file that other FMI tools read.
+
+    The FMUs are run for one step, those of others in processes of their own: inputs get their values of t = 0 as start values.
+    """
     if ssp is None and container is None:
         raise InputError("expected --ssp FILE.ssp or --container FILE.fmu, or both")
     source = overridden(read(scenario), step=step, flavour=flavour)
@@ -40,10 +57,26 @@ def command(scenario: Path, ssp: Path | None, container: Path | None, step: str 
             raise InputError(f"{path}: expected a name that ends in {suffix}")
         if not path.absolute().parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
-    system = flat(load(source))
+    loaded = load(source)
+    if container is not None:
+        check_plain(loaded, "a container")
+    if ssp is not None and not for_orchestrate:
+        check_plain(loaded, "SSP", "--for-orchestrate keeps it in an annotation, which no other tool reads")
+    if foreign := [name for name, entry in loaded.blocks.items() if is_path(entry.fmu)]:
+        say(f"note: runs the FMUs of others for one step, for the values at t = 0: {', '.join(foreign)}", error=True)
+    if ssp is not None and (kept := _guards(loaded)):
+        say(f"note: the archive does not carry {', '.join(kept)}: who runs it decides that", error=True)
+    system = flat(loaded)
     for path, suffix in targets:
         try:
             (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)
         except OSError as error:
             raise InputError(f"{path}: {error.strerror}") from None
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
+
+
+def _guards(scenario: Scenario) -> list[str]:
+    """What the scenario says of how its FMUs are run, by its keys."""
+    blocks = scenario.blocks.values()
+    keys = ("isolation", "timeout", "memory", "validation")
+    return [k for k in keys if any(k in entry.model_fields_set for entry in (scenario, *blocks))]

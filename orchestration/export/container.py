@@ -46,21 +46,10 @@ def write(system: System, path: Path) -> None:
 
 
 def _check(system: System) -> None:
-    scenario = system.scenario
     converted = next((w for w in system.wires if (w.factor, w.offset) != (1.0, 0.0)), None)
     if converted is not None:
         raise InputError(
             f"{'.'.join(converted.source)} -> {'.'.join(converted.target)}: a container passes values as they are, and these units differ"
-        )
-    if scenario.delays:
-        raise InputError(scenario.error(("delays",), "a container has no delays of single connections"))
-    often = next((name for name, entry in scenario.blocks.items() if entry.every != 1), None)
-    if often is not None:
-        raise InputError(
-            scenario.error(
-                ("blocks", often, "every"),
-                "a container steps all its blocks at one rate; expected 1 (remedy: no 'every', and the slowest block's step for all)",
-            )
         )
 
 

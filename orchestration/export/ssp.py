@@ -13,7 +13,8 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..quantities import Unit
-from ..ssp.words import ANNOTATION, NAMESPACES, PARAMETER_SET, STRUCTURE
+from ..ssp.annotation import BLOCK_KEYS, KEYS
+from ..ssp.words import ANNOTATION, NAMESPACES, OPENMODELICA, OPENMODELICA_ANNOTATION, PARAMETER_SET, STRUCTURE
 from .system import Component, System, Value
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
@@ -61,21 +62,36 @@ def _structure(system: System) -> bytes:
                 # Said in full, so that a tool that knows no units converts too, and one that does, not twice.
                 connection.set("suppressUnitConversion", "true")
                 _element(connection, "ssc:LinearTransformation", factor=repr(wire.factor), offset=repr(wire.offset))
+    _annotations(top, system)
     ports = [port for component in system.components for port in component.ports]
     _enumerations(root, "ssd", ((port.variable.name, port.variable.items) for port in ports))
     _units(root, "ssd", (port.variable.unit for port in ports))
     _element(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(scenario.duration)))
-    annotation = _element(_element(root, "ssd:Annotations"), "ssc:Annotation", type=ANNOTATION)
-    ET.SubElement(annotation, "scenario").text = json.dumps(_rest(system), ensure_ascii=False)
     return _bytes(root)
+
+
+def _annotations(top: ET.Element, system: System) -> None:
+    """OpenModelica's first: OMSimulator takes the first one of the system for its own, and none at the root."""
+    annotations = _element(top, "ssd:Annotations")
+    entry = _element(annotations, "ssc:Annotation", type=OPENMODELICA_ANNOTATION)
+    simulation = ET.SubElement(
+        ET.SubElement(entry, f"{{{OPENMODELICA}}}Annotations"), f"{{{OPENMODELICA}}}SimulationInformation"
+    )
+    ET.SubElement(
+        simulation,
+        f"{{{OPENMODELICA}}}FixedStepMaster",
+        {"description": "oms-ma", "stepSize": repr(float(system.scenario.step))}
+        | {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"},
+    )
+    ours = _element(annotations, "ssc:Annotation", type=ANNOTATION)
+    ET.SubElement(ours, "scenario").text = json.dumps(_rest(system), ensure_ascii=False)
 
 
 def _rest(system: System) -> dict[str, Any]:
     """What the scenario says beyond components, connections and values."""
-    data = {k: v for k, v in system.scenario.source.data.items() if k not in ("blocks", "connections", "flavour")}
+    data = {k: v for k, v in system.scenario.source.data.items() if k in KEYS}
     given = system.scenario.source.data["blocks"]
-    kept = ("every", "isolation", "timeout", "memory")
-    blocks = {name: {k: v for k, v in entry.items() if k in kept} for name, entry in given.items()}
+    blocks = {name: {k: v for k, v in entry.items() if k in BLOCK_KEYS} for name, entry in given.items()}
     return data | {"blocks": {name: entry for name, entry in blocks.items() if entry}}
 
 

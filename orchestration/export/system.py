@@ -76,6 +76,20 @@ class System:
     """The components in the order in which the scenario steps them."""
 
 
+def check_plain(scenario: Scenario, what: str, remedy: str = "") -> None:
+    """Refuses what only this orchestrator does, and what `what` would leave out without a word. Raises InputError."""
+    remedies = f"; {remedy}" if remedy else ""
+    if scenario.delays:
+        raise InputError(scenario.error(("delays",), f"{what} has no delays of single connections{remedies}"))
+    if scenario.faults:
+        raise InputError(scenario.error(("faults",), f"{what} has no faults{remedies}"))
+    for name, entry in scenario.blocks.items():
+        if entry.every != 1:
+            one = "expected 1 (remedy: no 'every', and the slowest block's step for all)"
+            message = f"{what} steps all its blocks at one rate; {one}{remedies}"
+            raise InputError(scenario.error(("blocks", name, "every"), message))
+
+
 def flat(scenario: Scenario) -> System:
     """The system of a scenario. Raises InputError where it cannot run or needs more than wires, and BlockError."""
     opened = open_scenario(scenario)

@@ -6,16 +6,14 @@ and the duration come from the archive's or the FMUs' default experiments, or fr
 
 from __future__ import annotations
 
-import json
 import re
 import tempfile
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 from ..errors import InputError, hint
+from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Variable
@@ -23,8 +21,10 @@ from ..quantities import convert
 from ..scenario.source import Source
 from ..system.wiring import Node
 from . import structure as structures
-from .structure import End, Given, Path_, Structure, inside, parsed
-from .words import ANNOTATION, NAMESPACES, STRUCTURE
+from .annotation import annotation
+from .documents import inside, parsed
+from .structure import End, Given, Path_, Structure
+from .words import NAMESPACES, STRUCTURE
 
 _KEPT: list[tempfile.TemporaryDirectory[str]] = []
 """The unpacked archives; they go when the process ends."""
@@ -40,14 +40,18 @@ def read(path: Path) -> Source:
     structure = structures.read(path, folder, system)
     if not structure.components:
         raise InputError(f"{shown(path)}: the system has no components")
-    data = _annotation(path, root)
     names = _names(structure.components)
-    fmus = {place: open_fmu(inside(path, folder, source)) for place, source in structure.components.items()}
+    data = annotation(path, root, names.values())
+    own = data.pop("blocks", {})
+    fmus = _opened(path, folder, structure.components)
     entries: dict[str, Any] = {}
     for place, fmu in fmus.items():
         start = _starts(path, place, fmu, structure, bool(data.get("delays")))
-        known = {k: v for k, v in data.get("blocks", {}).get(names[place], {}).items() if k != "fmu"}
-        entries[names[place]] = {"fmu": str(fmu.path), **known, **({"start": start} if start else {})}
+        entries[names[place]] = {
+            "fmu": str(fmu.path),
+            **own.get(names[place], {}),
+            **({"start": start} if start else {}),
+        }
     connections = list(_connections(path, structure, names, fmus))
     experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
     scenario = _times(experiment, list(fmus.values())) | {"name": _word(root.get("name") or path.stem)} | data
@@ -56,34 +60,38 @@ def read(path: Path) -> Source:
 
 
 def _unpacked(path: Path) -> Path:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-            if any(name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/") for name in names):
-                raise InputError(f"{shown(path)} would unpack to a place outside its folder")
-            if STRUCTURE not in names:
-                raise InputError(f"{shown(path)} is no SSP archive: it holds no {STRUCTURE}")
-            kept = tempfile.TemporaryDirectory(prefix="orchestrate-ssp-", ignore_cleanup_errors=True)
-            _KEPT.append(kept)
-            archive.extractall(kept.name)
-    except zipfile.BadZipFile:
-        raise InputError(f"{shown(path)} is no SSP archive, or a damaged one: it is no zip archive") from None
-    except OSError as error:
-        raise InputError(f"{shown(path)} cannot be read: {error.strerror}") from None
+    if STRUCTURE not in zipped.names(path, "SSP archive"):
+        raise InputError(f"{shown(path)} is no SSP archive: it holds no {STRUCTURE}")
+    kept = tempfile.TemporaryDirectory(prefix="orchestrate-ssp-", ignore_cleanup_errors=True)
+    _KEPT.append(kept)
+    zipped.unpack(path, Path(kept.name), "SSP archive")
     return Path(kept.name)
+
+
+def _opened(path: Path, folder: Path, components: dict[Path_, str]) -> dict[Path_, Fmu]:
+    """The FMU of each component; those of one file are opened once."""
+    fmus: dict[Path, Fmu] = {}
+    places: dict[Path_, Fmu] = {}
+    for place, source in components.items():
+        file = inside(path, folder, source)
+        try:
+            places[place] = fmus[file] = fmus.get(file) or open_fmu(file)
+        except InputError as error:
+            raise InputError(f"{shown(path)}: {str(error).replace(str(file), source)}") from None
+    return places
 
 
 def _names(places: dict[Path_, str]) -> dict[Path_, str]:
     """A name of its own for each component that a scenario's block may have."""
-    names: dict[Path_, str] = {}
+    names: dict[str, Path_] = {}
     for place in places:
         name = base = _word("_".join(place))
         number = 1
-        while name in names.values():
+        while name in names:
             number += 1
             name = f"{base}_{number}"
-        names[place] = name
-    return names
+        names[name] = place
+    return {place: name for name, place in names.items()}
 
 
 def _word(text: str) -> str:
@@ -178,19 +186,7 @@ def _check_transformation(
         )
 
 
-def _annotation(path: Path, root: ET.Element) -> dict[str, Any]:
-    for annotation in root.findall("ssd:Annotations/ssc:Annotation", NAMESPACES):
-        if annotation.get("type") == ANNOTATION:
-            try:
-                data = json.loads("".join(annotation.itertext()))
-            except ValueError as error:
-                raise InputError(f"{shown(path)}: the annotation {ANNOTATION} cannot be read: {error}") from None
-            if isinstance(data, dict):
-                return data
-    return {}
-
-
-def _times(experiment: ET.Element | None, fmus: list[Fmu]) -> dict[str, float]:
+def _times(experiment: Any | None, fmus: list[Fmu]) -> dict[str, float]:
     """Step and duration, as far as archive or FMUs say them."""
     times = {}
     own = [fmu.description.defaultExperiment for fmu in fmus if fmu.description.defaultExperiment is not None]

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
-from urllib.parse import unquote
-from xml.etree import ElementTree as ET
+from typing import Any, NamedTuple
 
-from ..errors import InputError
-from ..fmu.archive import shown
+from ..errors import InputError, hint
+from ..fmu.zipped import shown
 from ..quantities import Unit
+from .documents import check, inside, parsed
 from .words import NAMESPACES
 
 _FMU = "application/x-fmu-sharedlibrary"
+COMPONENTS_MAX, CONNECTIONS_MAX, _HOPS_MAX = 1000, 20_000, 1000
+"""Of all systems together; and through how many connectors of systems a signal may pass."""
 
 Path_ = tuple[str, ...]
 """Where an element stands: the names of the systems around it, and its own."""
@@ -50,33 +52,17 @@ class Structure:
     def source(self, end: End) -> tuple[End, float, float, bool] | None:
         """The component's connector that feeds this one, through all systems, with the product of what lies between."""
         factor, offset, suppressed = 1.0, 0.0, False
-        for _ in range(len(self.flows) + 1):
+        target = end
+        for _ in range(_HOPS_MAX):
             if end not in self.flows:
                 return None
             end, f, o, s = self.flows[end]
             factor, offset, suppressed = factor * f, factor * o + offset, suppressed or s
             if end.element in self.components:
                 return end, factor, offset, suppressed
-        return None
-
-
-def inside(path: Path, folder: Path, source: str) -> Path:
-    """A file of the archive by its relative URI."""
-    file = (folder / unquote(source)).resolve()
-    if not file.is_relative_to(folder.resolve()) or not file.is_file():
-        raise InputError(f"{shown(path)} refers to {source!r}, which it does not hold")
-    return file
-
-
-def parsed(path: Path, file: Path, tag: str) -> ET.Element:
-    prefix, _, name = tag.partition(":")
-    try:
-        root = ET.parse(file).getroot()
-    except (ET.ParseError, OSError) as error:
-        raise InputError(f"{shown(path)}: {file.name} cannot be read: {error}") from None
-    if root.tag != f"{{{NAMESPACES[prefix]}}}{name}":
-        raise InputError(f"{shown(path)}: {file.name} is no {name} of SSP 1.0: it begins with {root.tag}")
-    return root
+        raise InputError(
+            f"{'.'.join(target.element)}.{target.connector} is fed in a circle, or through more than {_HOPS_MAX} systems"
+        )
 
 
 class _System:
@@ -85,35 +71,61 @@ class _System:
     def __init__(self, path: Path, folder: Path, into: Structure) -> None:
         self._path, self._folder, self._into = path, folder, into
 
-    def read(self, system: ET.Element, place: Path_) -> None:
+    def read(self, system: Any, place: Path_) -> None:
+        if not place:
+            self._connectors(system, place)
+        inside_it: set[str] = set()
         for element in system.findall("ssd:Elements/*", NAMESPACES):
-            inner = (*place, element.get("name", ""))
+            name = element.get("name", "")
+            inner = (*place, name)
+            if name in inside_it:
+                raise InputError(
+                    f"{shown(self._path)}: there are two elements {'.'.join(inner)}; expected each name once"
+                )
+            inside_it.add(name)
             self._connectors(element, inner)
             kind = element.tag.rpartition("}")[2]
             if kind == "System":
                 self.read(element, inner)
             elif kind == "Component" and element.get("type", _FMU) == _FMU:
                 self._into.components[inner] = element.get("source", "")
+                self._count(len(self._into.components), COMPONENTS_MAX, "components")
                 self._bindings(element, inner)
             else:
                 raise self._refused(inner, "a component that is no FMU" if kind == "Component" else f"a {kind}")
-        self._connectors(system, place)
         for connection in system.findall("ssd:Connections/ssd:Connection", NAMESPACES):
-            self._connection(connection, place)
+            self._connection(connection, place, inside_it)
         self._bindings(system, place)  # a system's values count more than those of its elements
 
     def _refused(self, place: Path_, what: str) -> InputError:
         return InputError(f"{shown(self._path)}: {'.'.join(place)} is {what}, which orchestrate does not run")
 
-    def _connectors(self, element: ET.Element, place: Path_) -> None:
-        for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
-            self._into.kinds[End(place, connector.get("name", ""))] = connector.get("kind", "")
+    def _count(self, count: int, limit: int, what: str) -> None:
+        if count > limit:
+            raise InputError(f"{shown(self._path)} has more than {limit} {what}, the most that is read")
 
-    def _connection(self, entry: ET.Element, place: Path_) -> None:
+    def _connectors(self, element: Any, place: Path_) -> None:
+        for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
+            end = End(place, connector.get("name", ""))
+            if end in self._into.kinds:
+                raise InputError(
+                    f"{shown(self._path)}: there are two connectors {_named(end)}; expected each name once"
+                )
+            self._into.kinds[end] = connector.get("kind", "")
+
+    def _connection(self, entry: Any, place: Path_, inside_it: set[str]) -> None:
         ends = []
         for side in ("start", "end"):
             element = entry.get(f"{side}Element")
+            if element is not None and element not in inside_it:
+                system = f"the system {'.'.join(place)}" if place else "the system"
+                raise self._wrong(entry, f"{system} has no element {element!r}{hint(element, inside_it)}")
             ends.append(End(place if element is None else (*place, element), entry.get(f"{side}Connector", "")))
+            if ends[-1] not in self._into.kinds:
+                offered = [e.connector for e in self._into.kinds if e.element == ends[-1].element]
+                ending = hint(ends[-1].connector, offered)
+                whose = ".".join(ends[-1].element) or "the system"
+                raise self._wrong(entry, f"{whose} has no connector {ends[-1].connector!r}{ending}")
         begin, end = ends
         # The names say nothing of the direction: an element's output gives, and so does a system's input to its inside.
         gives = [
@@ -121,6 +133,8 @@ class _System:
             in (("input", "parameter") if e.element == place else ("output", "calculatedParameter"))
             for e in ends
         ]
+        if gives[0] == gives[1]:
+            raise self._wrong(entry, f"{_named(begin)} and {_named(end)} both {'give' if gives[0] else 'take'} a value")
         if gives == [False, True]:
             begin, end = end, begin
         factor, offset = 1.0, 0.0
@@ -128,16 +142,32 @@ class _System:
             kind = child.tag.rpartition("}")[2]
             if kind == "LinearTransformation":
                 factor, offset = float(child.get("factor", "1")), float(child.get("offset", "0"))
+                if not (math.isfinite(factor) and math.isfinite(offset)):
+                    raise self._wrong(
+                        entry, f"the factor {factor:g} and the offset {offset:g}; expected finite numbers"
+                    )
             elif kind.endswith("Transformation"):
                 raise self._refused((*end.element, end.connector), f"fed through a {kind}")
+        if end in self._into.flows:
+            raise self._wrong(entry, f"{_named(end)} is fed already, by {_named(self._into.flows[end][0])}")
+        self._count(len(self._into.flows) + 1, CONNECTIONS_MAX, "connections")
         self._into.flows[end] = (begin, factor, offset, entry.get("suppressUnitConversion") in ("true", "1"))
 
-    def _bindings(self, element: ET.Element, place: Path_) -> None:
+    def _wrong(self, entry: Any, what: str) -> InputError:
+        names = [
+            ".".join(filter(None, (entry.get(f"{side}Element"), entry.get(f"{side}Connector"))))
+            for side in ("start", "end")
+        ]
+        return InputError(f"{shown(self._path)}: the connection {' -> '.join(names)}: {what}")
+
+    def _bindings(self, element: Any, place: Path_) -> None:
         for binding in element.findall("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
             source = binding.get("source")
+            self._check_binding(binding, place)
             if source:
                 values = parsed(self._path, inside(self._path, self._folder, source), "ssv:ParameterSet")
             elif (inline := binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)) is not None:
+                check(self._path, f"a parameter set of {'.'.join(place) or 'the system'}", inline, "ssv:ParameterSet")
                 values = inline
             else:
                 continue
@@ -148,11 +178,22 @@ class _System:
             for name, given in values_by_name.items():
                 self._assign(place, name, given)
 
-    def _mapped(self, values_by_name: dict[str, Given], mapping: ET.Element) -> dict[str, Given]:
+    def _check_binding(self, binding: Any, place: Path_) -> None:
+        for entry in (binding, *binding.findall("ssd:ParameterMapping", NAMESPACES)):
+            kind = entry.get("type", "")
+            if kind and not kind.startswith("application/x-ssp-parameter-"):
+                raise self._refused(place, f"given parameters of the type {kind!r}")
+            if entry.get("sourceBase", "SSD") != "SSD":
+                raise self._refused(place, "given parameters that stand inside a component")
+
+    def _mapped(self, values_by_name: dict[str, Given], mapping: Any) -> dict[str, Given]:
         source = mapping.get("source")
         entries = (
             parsed(self._path, inside(self._path, self._folder, source), "ssm:ParameterMapping") if source else mapping
         )
+        if not source:
+            for inline in mapping:
+                check(self._path, "a parameter mapping", inline, "ssm:ParameterMapping")
         mapped = {}
         for entry in entries.iter(f"{{{NAMESPACES['ssm']}}}MappingEntry"):
             name, target = entry.get("source", ""), entry.get("target", "")
@@ -175,7 +216,11 @@ class _System:
                 self._into.values.setdefault(component, {})[name.removeprefix(inner)] = given
 
 
-def _parameters(values: ET.Element) -> Iterator[tuple[str, Given]]:
+def _named(end: End) -> str:
+    return ".".join((*end.element, end.connector))
+
+
+def _parameters(values: Any) -> Iterator[tuple[str, Given]]:
     units = {entry.get("name"): _unit(entry) for entry in values.findall("ssv:Units/ssc:Unit", NAMESPACES)}
     for parameter in values.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
         for entry in parameter:
@@ -184,12 +229,12 @@ def _parameters(values: ET.Element) -> Iterator[tuple[str, Given]]:
                 yield parameter.get("name", ""), Given(kind, entry.get("value", ""), units.get(entry.get("unit")))
 
 
-def _unit(entry: ET.Element) -> Unit:
+def _unit(entry: Any) -> Unit:
     base = entry.find("ssc:BaseUnit", NAMESPACES)
     return Unit.from_base_unit(entry.get("name", ""), {} if base is None else base.attrib)
 
 
-def read(path: Path, folder: Path, system: ET.Element) -> Structure:
+def read(path: Path, folder: Path, system: Any) -> Structure:
     """What the outermost system of an unpacked archive holds. Raises InputError."""
     structure = Structure()
     _System(path, folder, structure).read(system, ())

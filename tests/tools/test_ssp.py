@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,7 @@ from lxml import etree
 import orchestration
 from orchestration import load
 from orchestration.cli.main import main
+from orchestration.ssp import structure
 
 from ..orchestration import fmus
 from ..orchestration.wrong_inputs import SCENARIO
@@ -103,7 +105,7 @@ LOOPS: dict[str, Callable[[str], str]] = {
 @pytest.mark.parametrize("change", LOOPS)
 def test_a_loop_comes_back(loop: Path, change: str) -> None:
     loop.write_text(LOOPS[change](loop.read_text()))
-    orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    orchestrate("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
     validate(Path("loop.ssp"))
     direct, back = orchestration.run(loop.name), orchestration.run("loop.ssp")
     assert back.labels == direct.labels
@@ -224,14 +226,14 @@ def test_an_input_that_nothing_feeds_keeps_the_fmu_s_start(loop: Path) -> None:
     ("spoil", "message"),
     [
         (lambda: foreign('<ssc:LinearTransformation factor="2"/>'), "factor 2 and the offset 0, which is no conversion of its units"),
-        (lambda: foreign("<ssc:BooleanMappingTransformation/>"), "control.seen is fed through a BooleanMappingTransformation"),
+        (lambda: foreign('<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/></ssc:BooleanMappingTransformation>'), "control.seen is fed through a BooleanMappingTransformation"),
         (lambda: foreign(values='<ssv:Parameter name="motor 1.spead0"><ssv:Real value="1"/></ssv:Parameter>'), "motor 1 has no variable 'spead0'; did you mean 'speed0'"),
         (lambda: foreign(system=_SYSTEM.replace("resources/motor.fmu", "../motor.fmu")), "refers to '../motor.fmu', which it does not hold"),
         (lambda: foreign(system=_SYSTEM.replace("resources/motor.fmu", "resources/nothing.fmu")), "refers to 'resources/nothing.fmu'"),
         (lambda: foreign(system='<ssd:System name="all"/>'), "the system has no components"),
         (lambda: foreign(system="<ssd:System"), "SystemStructure.ssd cannot be read"),
         (lambda: foreign(system=_SYSTEM.replace('name="regulator" source', 'name="regulator" type="application/x-ssp-package" source')), "control.regulator is a component that is no FMU"),
-        (lambda: Path("foreign.ssp").write_bytes(b"PK"), "is no SSP archive, or a damaged one"),
+        (lambda: Path("foreign.ssp").write_bytes(b"PK"), "is a damaged or truncated zip archive"),
         (lambda: Path("foreign.ssp").write_bytes(Path("motor.fmu").read_bytes()), "is no SSP archive: it holds no SystemStructure.ssd"),
         (lambda: foreign(top=EXPERIMENT), "'step' is missing"),
     ],
@@ -244,8 +246,160 @@ def test_what_cannot_be_run_is_refused_by_name(loop: Path, spoil: Callable[[], o
     assert "Traceback" not in output
 
 
+_BINDING = "<ssd:ParameterBindings><ssd:ParameterBinding %s</ssd:ParameterBinding></ssd:ParameterBindings>"
+_SCALED = "<ssc:LinearTransformation factor=%s/>"
+
+
+def _connected(old: str, new: str) -> Callable[[], None]:
+    assert old in _SYSTEM
+    return lambda: foreign(system=_SYSTEM.replace(old, new), top=EXPERIMENT)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (_connected('startElement="motor 1"', 'startElement="motor1"'), "motor1.speed -> control.seen: the system has no element 'motor1'; did you mean 'motor 1'?"),
+        (_connected('startElement="regulator" startConnector="speed"', 'startElement="regulator" startConnector="spead"'), "regulator has no connector 'spead'; did you mean 'speed'?"),
+        (_connected('startConnector="voltage" endConnector="given"', 'startConnector="speed" endConnector="given"'), "both take a value"),
+        (_connected("</ssd:Connections></ssd:System>", '<ssd:Connection startElement="regulator" startConnector="speed" endConnector="seen"/></ssd:Connections></ssd:System>'), "control.regulator.speed is fed already, by control.seen"),
+        (_connected(_REGULATOR, _REGULATOR * 2), "there are two elements control.regulator; expected each name once"),
+        (_connected(_connector("seen", "input"), _connector("seen", "input") * 2), "there are two connectors control.seen"),
+        (lambda: foreign(_SCALED % '"nan"'), "attribute 'factor': 'nan' is not a valid value"),
+        (lambda: foreign(_SCALED % '"NaN"'), "the factor nan and the offset 0; expected finite numbers"),
+        (lambda: foreign(values='<ssv:Parameter name="motor 1.cooled"><ssv:Boolean value="maybe"/></ssv:Parameter>'), "a parameter set of the system is not valid by the schema of SSP 1.0:\n  line 1: Element"),
+        (lambda: foreign(values='<ssv:Parameter name="motor 1.speed0"><ssv:Real value="fast"/></ssv:Parameter>'), "'fast' is not a valid value of the atomic type 'xs:double'"),
+        (lambda: foreign(system=_SYSTEM % (_BINDING % 'type="text/csv">', "")), "given parameters of the type 'text/csv'"),
+        (_connected("resources/motor.fmu", "resources/%%00.fmu"), "refers to 'resources/%00.fmu', which it does not hold"),
+        (lambda: foreign(system=_SYSTEM.replace(_REGULATOR, _deep(200))), "SystemStructure.ssd cannot be read: Excessive depth"),
+    ],
+)  # fmt: skip
+def test_what_is_misspelt_or_twice_is_refused_and_never_dropped(
+    loop: Path, spoil: Callable[[], object], message: str
+) -> None:
+    spoil()
+    assert message in orchestrate("foreign.ssp", status=2)
+
+
+def _deep(levels: int) -> str:
+    return '<ssd:System name="s"><ssd:Elements>' * levels + "</ssd:Elements></ssd:System>" * levels
+
+
+def test_offsets_and_factors_across_nested_systems_are_composed_from_the_inside_out(tmp_path: Path) -> None:
+    """T = 2 (3 S + 5) + 7, as the matrices of the two affine maps multiply; the wrong order would give 3 (2 S + 7) + 5."""
+    inner = f"""<ssd:System name="outer"><ssd:Connectors>{_connector("a", "input")}</ssd:Connectors><ssd:Elements>
+{_component("regulator", _connector("speed", "input"))}</ssd:Elements><ssd:Connections><ssd:Connection startConnector="a"
+endElement="regulator" endConnector="speed"><ssc:LinearTransformation factor="2" offset="7"/></ssd:Connection></ssd:Connections></ssd:System>"""
+    system = f"""<ssd:System {_NAMES} name="all"><ssd:Elements>{_MOTOR}{inner}</ssd:Elements><ssd:Connections><ssd:Connection startElement="motor 1"
+startConnector="speed" endElement="outer" endConnector="a"><ssc:LinearTransformation factor="3" offset="5"/></ssd:Connection></ssd:Connections></ssd:System>"""
+    read = structure.read(tmp_path, tmp_path, etree.fromstring(system))
+    feed = read.source(structure.End(("outer", "regulator"), "speed"))
+    composed = np.array([[2.0, 7.0], [0.0, 1.0]]) @ np.array([[3.0, 5.0], [0.0, 1.0]])
+    assert feed == (structure.End(("motor 1",), "speed"), composed[0, 0], composed[0, 1], False)
+
+
+def test_a_signal_that_is_fed_in_a_circle_is_refused(loop: Path) -> None:
+    circle = f"""<ssd:System name="c"><ssd:Connectors>{_connector("a", "input")}{_connector("b", "output")}</ssd:Connectors>
+<ssd:Connections><ssd:Connection startConnector="a" endConnector="b"/></ssd:Connections></ssd:System>"""
+    foreign(system=f"""<ssd:System name="all"><ssd:Elements>{_MOTOR}{circle}</ssd:Elements><ssd:Connections>
+<ssd:Connection startElement="c" startConnector="b" endElement="c" endConnector="a"/>
+<ssd:Connection startElement="c" startConnector="b" endElement="motor 1" endConnector="voltage"/></ssd:Connections></ssd:System>""")  # fmt: skip
+    assert "motor 1.voltage is fed in a circle" in orchestrate("foreign.ssp", status=2)
+
+
+def _annotated(data: object) -> str:
+    text = data if isinstance(data, str) else json.dumps(data)
+    return f'{EXPERIMENT}<ssd:Annotations><ssc:Annotation type="orchestrate.scenario"><scenario>{text}</scenario></ssc:Annotation></ssd:Annotations>'
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"isolation": "none"}, "the annotation orchestrate.scenario says 'isolation', which an archive does not decide"),
+        ({"blocks": {"motor_1": {"isolation": "none"}}}, "blocks.motor_1 says 'isolation', which an archive does not decide"),
+        ({"blocks": {"motor_1": {"timeout": 1e9}}}, "blocks.motor_1 says 'timeout'"),
+        ({"blocks": {"motor_1": {"map": "/etc/passwd"}}}, "blocks.motor_1 says 'map'"),
+        ({"blocks": {"motor_1": {"fmu": "/tmp/other.fmu"}}}, "blocks.motor_1 says 'fmu'"),
+        ({"blocks": {"motor_1": {"interface": "/tmp/other.fmu"}}}, "blocks.motor_1 says 'interface'"),
+        ({"blocks": {"motor_1": {"validation": "lenient"}}}, "blocks.motor_1 says 'validation'"),
+        ({"flavour": "python"}, "says 'flavour'"),
+        ({"blocks": {"motor_2": {}}}, "the archive has no component 'motor_2'; did you mean 'motor_1'?"),
+        ({"blocks": ["motor_1"]}, "blocks: expected names with values, found a list"),
+        ({"blocks": {"motor_1": 3}}, "blocks.motor_1: expected names with values, found 3"),
+        (["step"], "expected names with values, found a list"),
+        ("{", "the annotation orchestrate.scenario cannot be read"),
+        ("[" * 100_000, "the annotation orchestrate.scenario cannot be read"),
+        ({"step": {"a": 1}}, "step: expected a number"),
+        ({"expect": 3}, "expect: expected a list, found 3"),
+        ({"record": []}, "record: expected names with values, found a list"),
+    ],
+)  # fmt: skip
+def test_an_annotation_decides_neither_over_guards_nor_over_files(loop: Path, data: object, message: str) -> None:
+    foreign(top=_annotated(data))
+    assert message in orchestrate("foreign.ssp", status=2)
+
+
+def test_an_archive_is_held_to_the_bounds_of_an_fmu(loop: Path) -> None:
+    foreign(top=EXPERIMENT)
+    data = bytearray(Path("foreign.ssp").read_bytes())
+    at = data.rindex(b"PK\x01\x02")
+    struct.pack_into("<H", data, at + 8, 1)
+    Path("foreign.ssp").write_bytes(data)
+    assert "foreign.ssp is encrypted: resources/regulator.fmu" in orchestrate("foreign.ssp", status=2)
+    struct.pack_into("<H", data, at + 8, 0)
+    struct.pack_into("<I", data, at + 24, 3 * 10**9)
+    Path("foreign.ssp").write_bytes(data)
+    assert "foreign.ssp would unpack to 3 GB; expected at most 2 GB" in orchestrate("foreign.ssp", status=2)
+
+
 def test_an_archive_that_is_not_there_is_told(loop: Path) -> None:
     assert "nothing.ssp" in orchestrate("nothing.ssp", status=2)
+
+
+# ---------------------------------------------------------------- what others can do
+
+ONLY_OURS: dict[str, tuple[Callable[[str], str], str]] = {
+    "a delay": (LOOPS["with a delay"], "has no delays of single connections"),
+    "a rate": (LOOPS["at another rate"], "loop.yaml:12: blocks.regulator.every: SSP steps all its blocks at one rate; expected 1"),
+    "a fault": (lambda text: text.replace("record:", "faults: [{at: 1 s, freeze: motor.speed}]\nrecord:"), "faults: SSP has no faults"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", ONLY_OURS)
+def test_what_other_tools_would_pass_over_is_refused_and_kept_on_demand(loop: Path, change: str) -> None:
+    changed, message = ONLY_OURS[change]
+    loop.write_text(changed(loop.read_text()))
+    output = orchestrate("export", loop.name, "--ssp", "loop.ssp", status=2)
+    assert message in output
+    assert "--for-orchestrate keeps it in an annotation, which no other tool reads" in output
+    assert not Path("loop.ssp").exists()
+    orchestrate("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
+    direct, back = orchestration.run(loop.name), orchestration.run("loop.ssp")
+    assert np.array_equal(back.samples, direct.samples)
+    assert back.scenario.faults == direct.scenario.faults
+
+
+@pytest.mark.parametrize("scenario", ["flight_tumble", "fault_lost_magnetometer"])
+def test_the_scenarios_with_rates_and_faults_are_refused(scenario: str, tmp_path: Path) -> None:
+    for option, name in (("--ssp", "x.ssp"), ("--container", "x.fmu")):
+        orchestrate("export", ROOT / "scenarios" / f"{scenario}.yaml", option, tmp_path / name, status=2)
+
+
+def test_both_annotations_stand_in_the_system_openmodelica_s_first_and_none_at_the_root(loop: Path) -> None:
+    orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    root = validate(Path("loop.ssp"))
+    assert root.find("{*}Annotations") is None
+    types = [entry.get("type") for entry in root.iterfind("{*}System/{*}Annotations/{*}Annotation")]
+    assert types == ["org.openmodelica", "orchestrate.scenario"]
+    (master,) = root.iterfind("{*}System/{*}Annotations/{*}Annotation/{*}Annotations/{*}SimulationInformation/*")
+    assert (etree.QName(master).localname, master.get("stepSize")) == ("FixedStepMaster", "0.1")
+
+
+def test_an_export_says_whose_code_it_runs_and_what_the_archive_does_not_carry(loop: Path) -> None:
+    loop.write_text(loop.read_text().replace("duration:", "isolation: process\nduration:"))
+    output = orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    assert "note: runs the FMUs of others for one step, for the values at t = 0: motor, regulator" in output
+    assert "note: the archive does not carry isolation: who runs it decides that" in output
+    assert "isolation" not in load("loop.ssp").source.data
 
 
 # ---------------------------------------------------------------- containers
