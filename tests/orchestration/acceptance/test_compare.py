@@ -6,6 +6,7 @@ import json
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from orchestration.acceptance.compare import compare
@@ -93,6 +94,23 @@ def test_a_claim_that_theirs_fails_fails_the_comparison(tmp_path, monkeypatch):
     assert result.exit_code == 1
     assert "equivalent: 2 of 2 outputs within tolerance; 0 of 1 expectations met" in result.stdout
     assert "failed       the motor stops" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("largest", "rms", "passed"), [("20 %", "6 %", True), ("20 %", "4 %", False), ("8 %", "6 %", False)]
+)
+def test_a_tolerance_of_largest_and_rms_fails_by_either(tmp_path, monkeypatch, largest, rms, passed):
+    """A gain 10 % too high in open loop: the largest difference is 10 % of the largest value, and the rms half of it."""
+    swapped(tmp_path, monkeypatch)
+    of_gain(1.1)
+    Path("tolerances.yaml").write_text(f"voltage: {{largest: {largest}, rms: {rms}}}\n")
+    result = orchestrate(*ARGUMENTS, "--tolerance", "tolerances.yaml")
+    assert result.exit_code == (0 if passed else 1), result.output
+    d = outputs()["voltage"]
+    ours = np.genfromtxt("out/ours/signals.csv", delimiter=",", names=True)["regulatorvoltage"]
+    assert d["rms"] == pytest.approx(0.1 * np.sqrt(np.mean(ours**2)), rel=1e-9)
+    assert d["rms"] / np.abs(ours).max() == pytest.approx(0.05, rel=0.01)
+    assert d["passed"] is passed
 
 
 def test_what_theirs_lacks_is_listed_and_not_judged(tmp_path, monkeypatch):

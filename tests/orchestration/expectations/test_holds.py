@@ -53,6 +53,13 @@ def test_a_hold_of_running_values_from_the_first_sample_is_not_called_a_hold_of_
     assert outcome([1, 1, 1, 0, 0, 0, 0, 0]).outcome == RELEASED
 
 
+@pytest.mark.parametrize("kept", [[3.0, 0.0], [0.0, 3.0], [0.0, -1e-300]])
+def test_a_hold_of_values_of_which_only_some_are_zero_is_none_of_zero(kept):
+    hold = outcome([1, 1, 1, 0, 0, 0, 0, 0], np.tile(kept, (8, 1)))
+    assert (hold.outcome, hold.from_zero) == (RELEASED, False)
+    assert hold.text == "running values held from 0 s to 1.5 s, then released"
+
+
 def test_a_hold_that_the_end_finds_in_place_is_latched_and_names_the_limits_that_stand():
     hold = outcome(
         [0, 1, 0, 0, 1, 1, 1, 1],

@@ -79,6 +79,17 @@ def test_blocks_at_their_own_rates_give_the_same_bits(exchange, ran_in_c):
     assert len(np.unique(a["allocator.dipole_cmd"][:, 0])) == 41, "the allocator acts at every fifth step only"
 
 
+@pytest.mark.parametrize("exchange", ["sequential", "parallel"])
+def test_a_slow_block_recorded_between_its_steps_shows_its_last_step(loop, exchange, ran_in_c):
+    """It is stepped after 2, 4, 6 ... base steps and recorded after 3, 6, 9 ..., and nothing but the record asks for `steps`."""
+    text = loop.read_text().replace("fmu: motor.fmu", "fmu: motor.fmu\n    every: 2")
+    text = text.replace("record: {interval: 0.1 s}", "record: {interval: 0.3 s, signals: [motor.steps, motor.speed]}")
+    loop.write_text(text + f"exchange: {exchange}\n")
+    a, b = both(loop, ran_in_c)
+    assert a["motor.steps"].tolist() == [3 * sample // 2 for sample in range(7)]
+    assert a.samples.tobytes() == b.samples.tobytes()
+
+
 def test_a_conversion_of_units_gives_the_same_bits(loop, ran_in_c):
     xml = fmus.description("regulator").replace('<Real unit="V"', '<Real unit="mV"')
     fmus.write(loop.parent / "regulator.fmu", xml, fmus.library())
@@ -87,8 +98,10 @@ def test_a_conversion_of_units_gives_the_same_bits(loop, ran_in_c):
     assert np.ptp(a["motor.speed"]) == pytest.approx(2.0 * (1.0 - 0.9999**20), rel=1e-9), "mV drive the motor"
 
 
+@pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 @pytest.mark.parametrize("fault", [1, 2, 3, 4, 6])
-def test_both_loops_fail_alike(loop, fault, ran_in_c):
+def test_both_loops_fail_alike(loop, fault, exchange, ran_in_c):
+    loop.write_text(loop.read_text() + f"exchange: {exchange}\n")
     faults = {"motor.fault": fault, "motor.fault_time": 1}
     told = []
     for in_c in (True, False):
@@ -98,6 +111,7 @@ def test_both_loops_fail_alike(loop, fault, ran_in_c):
         with pytest.raises(BlockError) as info:
             run(loop, faults, compiled=in_c)
         told.append((str(info.value), info.value.time, info.value.result.samples.tobytes()))
+        assert (fault == 2) == ("is nan, expected a finite number" in told[-1][0])
     assert told[0] == told[1]
     assert ran_in_c == [1]
 

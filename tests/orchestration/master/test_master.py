@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -208,6 +209,30 @@ def test_an_fmu_that_declares_no_dependencies_closes_no_loop_but_is_warned_of():
     np.testing.assert_array_equal(result["a.y"], result.time)
 
 
+def test_a_diagnostic_that_feeds_nobody_is_of_the_instant_of_what_it_depends_on():
+    """A block of diagnostics stands first in the scenario; nothing but the record asks for what it gives."""
+    for blocks in ([law("diagnostic"), ramp("plant")], [ramp("plant"), law("diagnostic")]):
+        scenario = {"step": 0.1, "duration": 1.0, "connections": ["plant.y -> diagnostic.u"]}
+        result = run(blocks, scenario, start={"plant": {"u": 0}})
+        np.testing.assert_array_equal(result["diagnostic.y"], result["plant.y"])
+
+
+def test_blocks_are_stepped_by_what_outputs_depend_on_in_a_step_and_not_in_initialization():
+    """What a block declares for steps and for initialization differs: first the one is empty, then the other."""
+    blocks = [law("second"), law("first"), ramp("plant")]
+    for block in blocks:
+        block.model = replace(block.model, initial={element: frozenset() for element in block.model.initial})
+    result = run(blocks, {"step": 0.1, "duration": 1.0, "connections": CHAIN})
+    for name in ("first.y", "second.y"):
+        np.testing.assert_array_equal(result[name][1:], result.time[1:])
+    blocks = [law("first"), ramp("plant")]
+    blocks[0].model = replace(
+        blocks[0].model, feedthrough={element: frozenset() for element in blocks[0].model.initial}
+    )
+    result = run(blocks, {"step": 0.1, "duration": 1.0, "connections": ["plant.y -> first.u", "first.y -> plant.u"]})
+    np.testing.assert_array_equal(result["first.y"][1:], result.time[:-1])
+
+
 def test_a_plant_with_a_diagnostic_that_feeds_through_still_comes_first():
     """`seen` depends directly on the command; nobody is fed by it, so it decides nothing."""
     plant = ramp("plant")
@@ -217,17 +242,19 @@ def test_a_plant_with_a_diagnostic_that_feeds_through_still_comes_first():
     np.testing.assert_array_equal(result["second.y"], result.time)
 
 
+@pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_an_output_that_is_not_finite_ends_the_run_and_is_named(value):
+def test_an_output_that_is_not_finite_ends_the_run_and_is_named(value, exchange):
     def advance(block, time, step):
         block.state = value if time > 0.45 else round(time + step, 9)
 
     plant = ramp("plant")
     plant.advance = advance
-    result = run([plant, law("first"), law("second")], {"step": 0.1, "duration": 2.0, "connections": CHAIN})
+    scenario = {"step": 0.1, "duration": 2.0, "connections": CHAIN, "exchange": exchange}
+    result = run([plant, law("first"), law("second")], scenario)
     assert str(result.failure) == f"plant: output y at 0.6 s: is {value}, expected a finite number"
     np.testing.assert_array_equal(result.time, np.arange(6) / 10)
-    np.testing.assert_array_equal(result["second.y"], result.time)
+    np.testing.assert_array_equal(result["plant.y"], result.time)
 
 
 def test_a_very_large_output_is_no_infinity():

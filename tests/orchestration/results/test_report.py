@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from orchestration.quantities import parse_unit
 from orchestration.results import html, report
 
 from ..mocks import Mock, model
@@ -64,6 +66,21 @@ def test_without_figures_what_expectations_look_at_is_drawn_with_its_bounds():
     assert [curve["name"] for curve in x["curves"]] == ["x[1]", "x[2]", "|x|"]
     assert x["lines"] == [2.0, -0.5, 0.5]
     assert x["shade"] == [[pytest.approx(3.1), pytest.approx(6.0)]]
+
+
+@pytest.mark.parametrize("figures", [{"figures": []}, {}])
+def test_a_signal_that_no_figure_shows_is_drawn_with_its_bounds_in_its_display_unit(figures):
+    result = swing(expect=[{"name": "n", "signal": "a.t", "always": {"below": 90}}], **figures)
+    block = result.models["a"]
+    unit = {"unit": parse_unit("rad"), "display_unit": parse_unit("deg")}
+    block.variables.update({name: replace(block.variables[name], **unit) for name in ("t", "still")})
+    text = report.page(result)
+    data = data_of(text)
+    shown = next(plot for plot in data["plots"] if plot["label"] == "t, deg")
+    last = unpacked(data["arrays"][shown["curves"][0]["y"]])[-1]
+    assert last == pytest.approx(np.degrees(result["a.t"][-1]), rel=1e-6)
+    assert shown["lines"] == [pytest.approx(np.degrees(90.0))]
+    assert "a.still 415.394 deg" in Reader(text).words, "7.25 rad"
 
 
 def test_the_numbers_of_a_panel_are_in_its_unit():

@@ -112,6 +112,20 @@ def test_holds_are_counted_and_the_last_may_last_to_the_end():
     assert together([of, zero]).holds.tolist() == [2.0, 1.0]
 
 
+@pytest.mark.parametrize(
+    ("holding", "longest"),
+    [
+        ([0, 1, 0, 1, 1, 1, 0, 1, 1, 0], 0.3),  # neither the first nor the last nor their sum
+        ([1, 1, 1, 1, 0, 1, 0, 1, 1, 0], 0.4),
+        ([0, 1, 0, 1, 1, 0, 1, 1, 1, 1], 0.3),  # latched: from 0.6 s to the last sample, at 0.9 s
+        ([0] * 10, 0.0),
+    ],
+)
+def test_the_longest_hold_is_counted_by_hand(holding, longest):
+    of = of_run(0.1 * np.arange(10), signals(10, holding=holding), 20.0)
+    assert of["hold_longest"] == pytest.approx(longest)
+
+
 def test_a_crossing_of_zero_is_seen_through_a_sample_of_zero():
     time = 0.1 * np.arange(6)
     of = of_run(time, signals(6, b_wheel=[0.2, 0.0, -0.1, -0.2, 0.1, 0.0]), 20.0)
