@@ -78,3 +78,32 @@ def interruptible() -> Iterator[list[int]]:
         yield came
     finally:
         restore()
+
+
+@contextmanager
+def held(firmly: bool = False) -> Iterator[None]:
+    """Keeps the signals until the block of code is left, and obeys them then. A second one is obeyed at once, if not `firmly`."""
+    came: list[int] = []
+    ours = threading.current_thread() is threading.main_thread()
+    before = {n: signal.getsignal(n) for n in SIGNALS if ours}
+    before = {n: handler for n, handler in before.items() if handler not in (signal.SIG_IGN, None)}
+
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    def note(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if len(came) > 1 and not firmly:
+            came.clear()
+            restore()
+            signal.raise_signal(number)
+
+    for number in before:
+        signal.signal(number, note)
+    try:
+        yield
+    finally:
+        restore()
+        if came:
+            signal.raise_signal(came[0])

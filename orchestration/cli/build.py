@@ -12,6 +12,7 @@ from fmus.build import build as build_fmus
 from ..errors import InputError, hint
 from ..fmu.archive import shown
 from .console import say
+from .paths import PATH
 
 
 @click.command("build")
@@ -25,7 +26,7 @@ from .console import say
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Folder for the FMUs; default: build/fmus/FLAVOUR.",
 )

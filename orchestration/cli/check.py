@@ -13,18 +13,17 @@ from ..acceptance.vector import play
 from ..fmu.archive import shown
 from ..swap.findings import Finding
 from .console import say, say_json
+from .paths import PATH
 from .status import DOES_NOT_FIT
 
 
 @click.command("check")
-@click.argument("fmu", type=click.Path(path_type=Path))
+@click.argument("fmu", type=PATH)
 @click.option(
     "--as", "as_", required=True, metavar="BLOCK", help="The block whose place it takes, or a reference .fmu."
 )
-@click.option("--map", "map_", type=click.Path(path_type=Path), metavar="FILE", help="Mapping of its ports to ours.")
-@click.option(
-    "--vector", type=click.Path(path_type=Path), metavar="DIR", help="Also run it on a test vector of the kit."
-)
+@click.option("--map", "map_", type=PATH, metavar="FILE", help="Mapping of its ports to ours.")
+@click.option("--vector", type=PATH, metavar="DIR", help="Also run it on a test vector of the kit.")
 @click.option(
     "--tolerance", default=1e-6, show_default=True, help="Of the vector, relative to each output's largest value."
 )

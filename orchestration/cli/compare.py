@@ -10,17 +10,18 @@ import click
 from ..acceptance.compare import DIFFERENCES, Comparison, compare, rows_of_differences, summary, verdict
 from ..acceptance.page import write
 from ..errors import BlockError, InputError
-from ..results import folder
+from ..results.place import check_writable, put
 from ..runner.read import load, read
 from ..swap.option import swapped
 from .console import complain, notes, say, say_json, table
 from .overrides import overridden
+from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
 from .summary import mark
 
 
 @click.command("compare")
-@click.argument("scenario", type=click.Path(path_type=Path))
+@click.argument("scenario", type=PATH)
 @click.option(
     "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
 )
@@ -33,9 +34,7 @@ from .summary import mark
     help="Of an output ('0.2 A.m2', '1 %'), of all ('0.1 %'), or a YAML of them; default: 1e-6 of our largest value.",
 )
 @click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, for both.")
-@click.option(
-    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the report; default: results/NAME-BLOCK."
-)
+@click.option("--out", type=PATH, metavar="DIR", help="Folder of the report; default: results/NAME-BLOCK.")
 @click.option("--step", metavar="T", help="Base step instead of the scenario's, for both.")
 @click.option("--duration", metavar="T", help="Duration instead of the scenario's, for both.")
 @click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
@@ -63,7 +62,7 @@ def command(
     block = swaps[0].partition("=")[0].strip()
     theirs = swapped(source, swaps, maps)
     target = out or Path("results") / f"{load(source).name}-{block}"
-    folder.check_writable(target)
+    check_writable(target)
     try:
         comparison = compare(source, theirs, block, wanted)
     except BlockError as error:
@@ -75,7 +74,7 @@ def command(
     if len(comparison.theirs.time):
         comparison.theirs.save(target / "theirs")
     data = summary(comparison)
-    (target / "comparison.json").write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    put(target / "comparison.json", json.dumps(data, indent=2, ensure_ascii=False) + "\n")
     page = write(comparison, target)
     if json_:
         say_json(data)

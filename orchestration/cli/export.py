@@ -16,16 +16,15 @@ from ..runner.read import load, read
 from ..scenario.scenario import Scenario
 from .console import say
 from .overrides import overridden
+from .paths import PATH
 
 
 @click.command("export")
-@click.argument("scenario", type=click.Path(path_type=Path))
-@click.option(
-    "--ssp", type=click.Path(path_type=Path), metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, wires and values."
-)
+@click.argument("scenario", type=PATH)
+@click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, wires and values.")
 @click.option(
     "--container",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE.fmu",
     help="As one FMU that holds them all (needs fmu-manipulation-toolbox).",
 )

@@ -12,10 +12,11 @@ from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 from ..errors import InputError
 from ..fmu.archive import shown
 from .console import say
+from .paths import PATH
 
 
 @click.command("fmus")
-@click.option("--copy", type=click.Path(path_type=Path), metavar="DIR", help="Copy them into this folder.")
+@click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 @click.option(
     "--flavour",
     type=click.Choice(["native", "python"]),

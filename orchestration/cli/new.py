@@ -14,17 +14,18 @@ from ..errors import InputError, hint
 from ..fmu.archive import shown
 from ..runner.read import load as load_scenario
 from .console import say
+from .paths import PATH
 
 
 @click.command("new")
 @click.argument("block")
-@click.argument("folder", required=False, type=click.Path(path_type=Path), metavar="[DIR]")
+@click.argument("folder", required=False, type=PATH, metavar="[DIR]")
 @click.option(
     "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="What they write it in."
 )
 @click.option(
     "--scenario",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="The run of which the test vector is a part; default: one of the project's own.",
 )

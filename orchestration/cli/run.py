@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
 
 from ..errors import InputError, nearest, suggestion
-from ..results import folder
+from ..results import formats
 from ..results.figures import require
+from ..results.place import reserved
 from ..results.result import Result
 from ..runner import run as runner
 from ..runner.read import load, read
 from ..swap.option import swapped
 from .console import Progress, complain, lost, notes, say
 from .overrides import overridden
+from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
 from .summary import summary
 
 
 @click.command("run")
-@click.argument("scenario", type=click.Path(path_type=Path))
+@click.argument("scenario", type=PATH)
 @click.option(
     "--set",
     "sets",
@@ -40,7 +43,7 @@ from .summary import summary
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Folder for the results; default: results/NAME, NAME being the scenario's.",
 )
@@ -77,9 +80,7 @@ def command(
     quiet: bool,
 ) -> None:
     """Run a scenario (the default command)."""
-    folder.check(format_)
-    if figures:
-        require()
+    formats.check(format_)
     group = ctx.parent and ctx.parent.command
     commands = group.list_commands(ctx) if isinstance(group, click.Group) else []
     if not scenario.suffix and not scenario.exists() and (match := nearest(str(scenario), commands)):
@@ -88,24 +89,28 @@ def command(
     if swaps or maps:
         source = swapped(source, swaps, maps)
     loaded = load(overridden(source, sets, step=step, duration=duration, flavour=flavour))
+    if figures:
+        require(loaded)
     target = out or Path("results") / loaded.name
-    folder.check_writable(target)
     progress = Progress(loaded.duration, not quiet)
-    try:
-        result = runner.execute(loaded, progress, log, loop == "compiled")
-    finally:
-        progress.close()
-    if not quiet:
-        notes(result.warnings)
-        if len(result.time):
-            summary(result)
-    status = _status(result, quiet)
-    noted = len(result.warnings)
-    result.save(target, format_)
-    if not quiet:
-        notes(result.warnings[noted:])
-    if figures and len(result.time):
-        result.draw(target / "figures")
+    with reserved(target):
+        try:
+            result = runner.execute(
+                loaded, progress, log, loop == "compiled", partial(formats.check_names, format=format_)
+            )
+        finally:
+            progress.close()
+        if not quiet:
+            notes(result.warnings)
+            if len(result.time):
+                summary(result)
+        status = _status(result, quiet)
+        noted = len(result.warnings)
+        result.save(target, format_)
+        if not quiet:
+            notes(result.warnings[noted:])
+        if figures and len(result.time):
+            result.draw(target / "figures")
     if not quiet:
         say(f"\nresults in {target}")
     ctx.exit(UNWRITTEN if lost() else status)

@@ -12,10 +12,11 @@ from ..errors import InputError
 from ..fmu.archive import shown
 from .console import say
 from .fmus import copied
+from .paths import PATH
 
 
 @click.command("scenarios")
-@click.option("--copy", type=click.Path(path_type=Path), metavar="DIR", help="Copy them into this folder.")
+@click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 def command(copy: Path | None) -> None:
     """List the project's own scenarios, or hand them out to run and to change."""
     paths = sorted(places.shared("scenarios").glob("*.yaml"))

@@ -19,11 +19,10 @@ def mark(word: str = "") -> str:
 
 def summary(result: Result) -> None:
     """Prints the key figures of a run, its expectations, holds and flags."""
-    reached = result.time[-1] if len(result.time) else 0.0
     speed = f"{result.steps / result.wall:,.0f} steps/s" if result.wall > 0.0 else ""
     how = "interrupted after" if result.interrupted else "failed after" if result.failure else "ran"
     say(
-        f"{result.scenario.name}: {how} {reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
+        f"{result.scenario.name}: {how} {result.reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
         bold=True,
     )
     for fault in result.scenario.faults:

@@ -5,8 +5,9 @@ Looked at is every base step, recorded or not, in the window `after` to `before`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,11 +34,13 @@ class Outcome:
     """When it has this value, s."""
     samples: int
     note: str = ""
+    open: bool = False
+    """Whether the run ended before this could be decided."""
 
     @property
     def status(self) -> str:
-        """`met`, `failed`, or `not reached` where there was no sample to look at."""
-        return "met" if self.passed else "failed" if self.samples else "not reached"
+        """`met`, `failed`, or `not reached` where there was no sample to look at, or the run ended too early to decide."""
+        return "met" if self.passed else "failed" if self.samples and not self.open else "not reached"
 
     @property
     def text(self) -> str:
@@ -82,6 +85,8 @@ class Judge:
         self._changes = 0
         self._changed: float | None = None
         self._final = 0.0
+        self._now = -math.inf
+        """The time of the last sample, s."""
         self._peak: tuple[float, float] | None = None
         """The value of largest magnitude, and its time."""
 
@@ -89,6 +94,7 @@ class Judge:
         """Takes in the samples that follow those before."""
         if not len(time):
             return
+        self._now = float(time[-1])
         check, expectation = self.check, self.check.expectation
         values = np.column_stack([columns[node] for node in check.nodes])
         if expectation.measure == "norm":
@@ -135,9 +141,23 @@ class Judge:
         if self._peak is None or abs(largest[peak]) > abs(self._peak[0]):
             self._peak = float(largest[peak]), float(time[peak])
 
-    @property
-    def outcome(self) -> Outcome:
-        """The outcome of the samples up to now."""
+    def outcome(self, early: bool = False) -> Outcome:
+        """The outcome of the samples up to now. `early` says that the run ended before its time.
+
+        What the rest of the run could still have changed is open then.
+        """
+        outcome = self._outcome()
+        before = self.check.expectation.before
+        if not early or (before is not None and self._now >= before - _slack(before)):
+            return outcome
+        if self.check.expectation.zeros is not None:
+            decided = self._changes > self.check.expectation.zeros
+        else:
+            # One sample decides: against `always`, or for `ever`.
+            decided = bool(self._samples) and outcome.passed == (self.check.expectation.ever is not None)
+        return outcome if decided else replace(outcome, passed=False, open=True)
+
+    def _outcome(self) -> Outcome:
         check, expectation, samples = self.check, self.check.expectation, self._samples
         if not samples:
             never = self._inside and f"{expectation.when} is never true"

@@ -10,6 +10,7 @@ from typing import Any
 from fmus.interface import BLOCKS, load
 
 from ..errors import InputError, hint
+from ..paths import located
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .archive import open_fmu
 from .description import starts_of
@@ -45,7 +46,7 @@ def own() -> tuple[str, ...]:
 def reference(name: str, folder: Path) -> Interface:
     """The interface of this name, or of the FMU at this path. Raises InputError."""
     if is_path(name):
-        fmu = open_fmu((folder / Path(name).expanduser()).resolve())
+        fmu = open_fmu(located(name, folder).resolve())
         return Interface(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
     if name not in own():
         ending = hint(name, own())

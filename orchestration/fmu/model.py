@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import hint
 from ..quantities import ONE, Unit
+from .names import unescaped
 
 Floats = NDArray[np.float64]
 TYPES = ("real", "integer", "enumeration", "boolean")
@@ -122,10 +123,19 @@ class Model:
     def find(
         self, block: str, name: str, index: tuple[int, ...] = (), of: Iterable[str] = ()
     ) -> tuple[Variable, list[int]]:
-        """The variable and the positions that a reference means. Raises NameUnknown, which names the nearest."""
-        exact = name + "".join(f"[{i}]" for i in index)
-        if index and exact in self.variables:
-            return self.variables[exact], [0]
+        """The variable and the positions that a reference means. Raises NameUnknown, which names the nearest.
+
+        A name may be written as `escaped` has it.
+        """
+        name = name if name in self.variables else unescaped(name)
+        listed = ",".join(map(str, index))
+        for exact in (
+            name + listed.join("[]").replace(",", "]["),
+            f"{name}[{listed}]",
+            f"{name}[{listed.replace(',', ', ')}]",
+        ):
+            if index and exact in self.variables:
+                return self.variables[exact], [0]
         if name not in self.variables:
             wanted = tuple(of)
             kind = " or ".join(wanted) or "variable"

@@ -15,6 +15,7 @@ import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -61,12 +62,12 @@ class Memory:
     """Mapped by both processes; it outlives a crash, and tells then where it happened."""
 
     def __init__(self, path: Path, model: Model) -> None:
-        """Maps the file, which is made where there is none."""
+        """Maps the file, which is made where there is none. Raises OSError where the disk has no room for it."""
         elements = sum(variable.size for variable in model.variables.values())
         size = _HEAD + 2 * 8 * elements  # each may be set and be fetched
         with path.open("r+b" if path.exists() else "w+b") as file:
             if os.fstat(file.fileno()).st_size < size:
-                file.truncate(size)
+                _reserve(file, size)
             self.map = mmap.mmap(file.fileno(), size)
         self.clock = memoryview(self.map)[:16].cast("d")
         self.part = memoryview(self.map)[16:17]
@@ -86,6 +87,15 @@ class Memory:
         text = name.encode()[:_CALL_MAX]
         self.map[33 : 33 + len(text)] = text
         self.map[32] = len(text)
+
+
+def _reserve(file: IO[bytes], size: int) -> None:
+    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by SIGBUS."""
+    if hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(file.fileno(), 0, size)
+    else:
+        file.write(bytes(size))
+        file.flush()
 
 
 def write(to: int, data: bytes) -> None:

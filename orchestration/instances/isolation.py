@@ -17,7 +17,7 @@ from time import monotonic
 from typing import Any
 
 from .. import interrupt
-from ..errors import BlockError
+from ..errors import BlockError, InputError
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Floats, Model
 from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send
@@ -46,7 +46,11 @@ class IsolatedBlock:
         home = folder.with_name(f"{folder.name}.home")
         home.mkdir()
         shared = folder.with_name(f"{folder.name}.memory")
-        self._memory = Memory(shared, fmu.model)
+        try:
+            self._memory = Memory(shared, fmu.model)
+        except OSError as error:
+            message = f"the memory shared with its process cannot be made in {folder.parent}: {error.strerror}"
+            raise InputError(f"{message}; remedy: room there, or another folder in TMPDIR") from None
         self._memory.call = "starting its process"
         self._process = Process(home)
         self._to, self._from = self._process.to, self._process.source

@@ -72,12 +72,13 @@ class Master:
                 loop.run(recording, progress)
             else:
                 self._loop(bus, recording, progress)
+            self._record_end(bus, recording)
         except Abandoned:
             pass  # the recording says that it was interrupted
         except BlockError as error:
             recording.failure = error
         if rows:
-            rows += recording.steps // self.clock.interval
+            rows += recording.steps // self.clock.interval + recording.extra
             if self.watch:
                 self.watch.flush(recording.steps)
         recording.time, recording.values = recording.time[:rows], recording.values[:rows]
@@ -91,6 +92,24 @@ class Master:
             size = shape[0] * shape[1] * 8 / 1e9
             message = f"the recording would take {size:.3g} GB; remedy: a longer record.interval, or fewer signals"
             raise InputError(message) from None
+
+    def _record_end(self, bus: Bus, recording: Recording) -> None:
+        """Records where the run has ended, if that is between two samples."""
+        count = recording.steps
+        if count % self.clock.interval == 0:
+            return
+        time = self.clock.time(count)
+        for seat in bus.seats:
+            try:
+                seat.block.get_all()
+            except BlockError as error:
+                error.time = time
+                raise
+            check_finite(seat, time)
+        row = count // self.clock.interval + 1
+        recording.time = np.append(recording.time[:row], time)
+        bus.values.take(bus.columns, 0, recording.values[row], "clip")
+        recording.extra = True
 
     # ------------------------------------------------------------ initialization
 

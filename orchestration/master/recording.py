@@ -33,6 +33,8 @@ class Recording:
     """A row for each sample, a column for each recorded element."""
     columns: list[Node]
     steps: int = 0
+    extra: bool = False
+    """Whether the last sample is the run's end, between two whole intervals."""
     wall: float = 0.0
     """Seconds that the loop took."""
     failure: BlockError | None = None

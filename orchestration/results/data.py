@@ -14,6 +14,7 @@ from ..errors import BlockError, hint
 from ..expectations.holds import Hold
 from ..expectations.judge import Highlight, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
+from ..quantities import Unit
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..system import signals
@@ -36,6 +37,8 @@ class RunData(Mapping[str, NDArray[Any]]):
     manifest: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     steps: int = 0
+    reached: float = 0.0
+    """The simulated time at which it ended, s."""
     wall: float = 0.0
     failure: BlockError | None = None
     interrupted: int = 0
@@ -80,6 +83,16 @@ class RunData(Mapping[str, NDArray[Any]]):
         return self.models[reference.block].find(reference.block, reference.variable, reference.indices)
 
     @property
+    def units(self) -> dict[str, str]:
+        """The unit of each signal by its name; "" where it has none."""
+        return {name: unit_text(self.variable(name).unit) for name in self}
+
+    def unit_of_column(self, node: Node) -> str:
+        """The unit of a column; "" where it has none."""
+        variable = self.models[node.block].variables[node.element.variable]
+        return unit_text(variable.at([node.element.position]).unit)
+
+    @property
     def _place(self) -> dict[Node, int]:
         places = self.__dict__.get("_places")
         if places is None:
@@ -99,15 +112,22 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     def __iter__(self) -> Iterator[str]:
         """Names of the variables of which every element was recorded, and of single elements of the others."""
-        whole: dict[str, None] = {}
-        for node in self.columns:
-            variable = self.models[node.block].variables[node.element.variable]
-            complete = all(Node(node.block, element) in self._place for element in variable.elements)
-            whole[f"{node.block}.{variable.name}" if complete else signals.label(node, self.models)] = None
-        return iter(whole)
+        return iter(self._names)
+
+    @property
+    def _names(self) -> list[str]:
+        names = self.__dict__.get("_known")
+        if names is None:
+            names = self.__dict__["_known"] = signals.names(self.columns, self.models)
+        return names
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
+        return len(self._names)
+
+
+def unit_text(unit: Unit | None) -> str:
+    """A unit as text; "" where there is none."""
+    return "" if unit is None else str(unit)
 
 
 def json_text(data: object) -> str:

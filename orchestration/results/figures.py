@@ -16,6 +16,8 @@ from ..fmu.model import Floats
 from ..quantities import ONE, Unit, value_in
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key
 from ..system.panels import unit_of
 from .data import RunData
 
@@ -25,10 +27,44 @@ _PANEL_SIZE = (5.2, 3.4)
 """inches"""
 
 
-def require() -> None:
-    """Refuses to go on without what figures need, before a run is spent on them."""
+def require(scenario: Scenario) -> None:
+    """Refuses to go on without what figures need, before a run is spent on them, and text that cannot be drawn.
+
+    Between two `$` Matplotlib draws mathematics.
+    """
     if importlib.util.find_spec("matplotlib") is None:
         raise InputError("figures need Matplotlib: pip install matplotlib")
+    texts: dict[Key, str] = {}
+    for i, entry in enumerate(scenario.figures):
+        texts["figures", i, "title"] = entry.title
+        for j, panel in enumerate(entry.panels):
+            place: Key = ("figures", i, "panels", j)
+            texts[*place, "label"] = panel.label
+            texts.update({(*place, "names", k): name for k, name in enumerate(panel.names)})
+    if scenario.cycle:
+        texts["cycle", "name"] = scenario.cycle.name
+    errors = [scenario.error(key, error) for key, text in texts.items() if "$" in text and (error := _undrawn(text))]
+    if errors:
+        raise InputError(*errors)
+
+
+def _undrawn(text: str) -> str:
+    """Why Matplotlib cannot draw a text; "" where it can."""
+    from matplotlib.cbook import is_math_text  # optional, and slow to import
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        if is_math_text(text):
+            MathTextParser("path").parse(text)
+    except ValueError as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("ParseSyntaxException: ")
+        return f"'{text}' cannot be drawn as mathematics: {reason}; remedy: mend it, or write \\$ for a dollar"
+    return ""
+
+
+def _plain(text: str) -> str:
+    """Text of others, in which a dollar is a dollar."""
+    return text.replace("$", r"\$")
 
 
 def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
@@ -36,7 +72,7 @@ def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
 
     Raises InputError without Matplotlib, and ResultsError where they cannot be written.
     """
-    require()
+    require(result.scenario)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         return [_draw(entry, result, folder / f"{entry.name}.{format}") for entry in result.scenario.figures]
@@ -51,7 +87,7 @@ def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
     figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
     for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
         draw_panel(axes, panel, entry, result)
-    figure.suptitle(entry.title or entry.name, fontsize=11)
+    figure.suptitle(entry.title or _plain(entry.name), fontsize=11)
     figure.savefig(file, metadata={"Software": None} if file.suffix == ".png" else None)
     return file
 
@@ -67,7 +103,7 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         unit, drawn = curves(result, reference, panel)
         for name, values in drawn:
             position = len(axes.lines)
-            shown = panel.names[position] if position < len(panel.names) else name
+            shown = panel.names[position] if position < len(panel.names) else _plain(name)
             axes.plot(time, values[shown_rows], color=next(colours), linewidth=1.2, label=shown)
             legend = legend or position > 0
     for line in panel.lines:
@@ -76,20 +112,20 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
     if entry.shade and (held := result[entry.shade].astype(bool)[shown_rows]).any():
         grey = {"color": "0.85", "linewidth": 1.5}  # the edge keeps the shortest hold visible
         axes.fill_between(time, 0, 1, where=_widened(held), transform=axes.get_xaxis_transform(), **grey)
-        notes.append(f"shaded: {entry.shade}")
+        notes.append(_plain(f"shaded: {entry.shade}"))
     if entry.mark:
         for crossing in zero_crossings(time, result[entry.mark][shown_rows]):
             axes.axvline(crossing, color="0.35", linewidth=0.8, linestyle=":")
-            notes.append(f"dotted: {entry.mark} = 0 at {crossing:.2f} s")
+            notes.append(_plain(f"dotted: {entry.mark}") + f" = 0 at {crossing:.2f} s")
     for fault in result.scenario.faults:
         begin, end = max(fault.at, low), min(high if fault.until is None else fault.until, high)
         if begin < end:
             axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
-            notes.append(f"red: {sentence(fault)}")
+            notes.append(_plain(f"red: {sentence(fault)}"))
     axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(
-        f"{panel.label or panel.signals[0]}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9
+        f"{panel.label or _plain(panel.signals[0])}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9
     )
     axes.tick_params(labelsize=8)
     axes.grid(True, color="0.92", linewidth=0.6)

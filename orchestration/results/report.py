@@ -50,7 +50,7 @@ def _hint() -> Markup:
 
 def _outcome(result: RunData) -> tuple[str, str]:
     """A class for its colour, and the outcome in words."""
-    reached = f"{result.time[-1]:.10g} s" if len(result.time) else "0 s"
+    reached = f"{result.reached:.10g} s"
     if result.failure is not None:
         return "bad", f"failed after {reached}"
     if result.interrupted:
@@ -77,7 +77,7 @@ def _header(result: RunData) -> Markup:
         description=scenario.description,
         badges=joined(_pieces()["badge"].format(kind=kind, text=text) for kind, text in badges),
         failure=result.failure or "",
-        simulated=f"{result.time[-1]:.10g} s" if len(result.time) else "nothing",
+        simulated=f"{result.reached:.10g} s" if len(result.time) else "nothing",
         steps=f"{result.steps} of {scenario.step:.6g} s, {scenario.exchange}",
         wall=f"{result.wall:.2f} s{speed}",
         recorded=f"{len(result.columns)} signals, {len(result.time)} samples",

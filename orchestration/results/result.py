@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..errors import InputError
+from ..scenario.scenario import Scenario
 from . import figures
 from .data import RunData
 from .folder import write
+
+
+def target(folder: str | Path | None, scenario: Scenario) -> Path:
+    """The folder of a run's results, by default `results/<name of the scenario>`. Raises InputError for an empty name."""
+    if folder == "":
+        raise InputError("the folder of the results has an empty name; expected a folder such as results/run1")
+    return Path("results") / scenario.name if folder is None else Path(folder)
 
 
 class Result(RunData):
@@ -22,7 +31,7 @@ class Result(RunData):
         `format` is csv, parquet or mat. Raises InputError for another one or where its package is missing,
         and ResultsError where the folder cannot be written.
         """
-        return write(self, Path(folder) if folder else Path("results") / self.scenario.name, format)
+        return write(self, target(folder, self.scenario), format)
 
     def draw(self, folder: str | Path, format: str = "png") -> list[Path]:
         """Draws the scenario's figures into a folder; `format` is one that Matplotlib writes.

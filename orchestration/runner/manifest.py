@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 import sys
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -13,9 +12,10 @@ from typing import Any
 from ..fmu.archive import Fmu
 from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Model
+from ..fmu.names import RULE
 from ..results.result import Result
 from ..scenario.faults import sentence
-from ..system.signals import label
+from ..system.signals import names
 from ..system.starts import Start
 from .limits import limits
 from .plan import Plan
@@ -37,6 +37,8 @@ def manifest(
         "scenario": _resolved(plan),
         "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
         "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
+        "units": {"time": "s", **result.units},
+        "names": RULE,
         "order": plan.order.blocks,
         "notes": plan.notes,
         "faults": [sentence(fault) for fault in scenario.faults],
@@ -53,7 +55,7 @@ def manifest(
         },
         "steps": result.steps,
         "samples": len(result.time),
-        "simulated_time": plan.clock.time(result.steps),
+        "simulated_time": result.reached,
         "wall_time": result.wall,
         "steps_per_second": result.steps / result.wall if result.wall > 0.0 else None,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -65,25 +67,7 @@ def manifest(
 def _resolved(plan: Plan) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
     data = plan.scenario.model_dump(exclude_none=True)
-    whole = {(node.block, node.element.variable): None for node in plan.columns}
-    signals = [plan.models[block].variables[name] for block, name in whole]
-    counts = Counter((node.block, node.element.variable) for node in plan.columns)
-    data["record"] = {
-        "interval": plan.clock.time(plan.clock.interval),
-        "signals": [
-            name
-            for (block, _), variable in zip(whole, signals, strict=True)
-            for name in (
-                [f"{block}.{variable.name}"]
-                if counts[block, variable.name] == variable.size
-                else [
-                    label(node, plan.models)
-                    for node in plan.columns
-                    if node[:1] + node.element[:1] == (block, variable.name)
-                ]
-            )
-        ],
-    }
+    data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": names(plan.columns, plan.models)}
     for block, values in plan.starts.items():
         data["blocks"][block]["start"] = _starts(plan.models[block], values)
     return data

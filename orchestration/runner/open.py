@@ -16,6 +16,7 @@ from ..fmu.interfaces import is_path
 from ..instances.block import Block
 from ..instances.isolation import IsolatedBlock
 from ..instances.slave import Slave
+from ..paths import located
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
@@ -116,7 +117,7 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
     if "://" in fmu:
         raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
     if is_path(fmu):
-        return (folder / Path(fmu).expanduser()).resolve()
+        return located(fmu, folder).resolve()
     if fmu not in BLOCKS:
         raise InputError(f"this project has no block {fmu!r}{hint(fmu, BLOCKS)}; the path of an FMU ends in .fmu")
     if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):

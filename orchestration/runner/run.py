@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,14 @@ from ..expectations import holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..expectations.judge import Judge, highlights
-from ..fmu.model import Floats
+from ..fmu.model import Floats, Model
 from ..instances.block import Block
 from ..master.master import Master
 from ..master.recording import Progress, Watch
-from ..results.result import Result
+from ..results.place import reserved
+from ..results.result import Result, target
 from ..scenario.scenario import Scenario
+from ..system.wiring import Node
 from .manifest import manifest
 from .open import open_scenario
 from .plan import Plan
@@ -43,9 +45,10 @@ def run(
     to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result is marked as interrupted.
     """
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, overrides)
-    result = execute(loaded, progress, verbose, compiled)
-    if out is not None:
-        result.save(out)
+    with reserved(target(out, loaded)) if out is not None else nullcontext():
+        result = execute(loaded, progress, verbose, compiled)
+        if out is not None:
+            result.save(out)
     if result.failure is not None:
         result.failure.result = result
         raise result.failure
@@ -53,11 +56,20 @@ def run(
 
 
 def execute(
-    scenario: Scenario, progress: Progress | None = None, verbose: bool = False, compiled: bool = True
+    scenario: Scenario,
+    progress: Progress | None = None,
+    verbose: bool = False,
+    compiled: bool = True,
+    check: Callable[[Iterable[Node], Mapping[str, Model]], None] | None = None,
 ) -> Result:
-    """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so."""
+    """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
+
+    `check` is shown what will be recorded before the run, and may refuse it by an InputError.
+    """
     opened = open_scenario(scenario)
     ready, prepared = opened.plan, opened.prepared
+    if check is not None:
+        check(ready.columns, ready.models)
     with ExitStack() as stack:
         instances = opened.instantiate(stack, verbose)
         blocks = {name: opened.adapted(block) for name, block in instances.items()}
@@ -97,17 +109,19 @@ def run_blocks(
         raise InputError(refused)
     if watch is None:
         see(recording.time, recording.values[:, [recording.columns.index(node) for node in watched]])
+    complete = recording.failure is None and not recording.interrupted
     return Result(
         scenario=scenario,
         models=ready.models,
         time=recording.time,
         samples=recording.values,
         columns=recording.columns,
-        outcomes=[judge.outcome for judge in judges],
+        outcomes=[judge.outcome(not complete) for judge in judges],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
         highlights=highlights(judges),
         warnings=ready.notes,
         steps=recording.steps,
+        reached=ready.clock.time(recording.steps),
         wall=recording.wall,
         failure=recording.failure,
         interrupted=recording.interrupted,

@@ -126,6 +126,12 @@ def _moved(places: dict[Key, Any], key: Key) -> None:
 def read(path: Path) -> Source:
     """The data of a YAML file with their lines. Raises InputError."""
     try:
+        regular = path.is_file() or path.is_dir() or not path.exists()
+    except (OSError, ValueError):
+        regular = True  # reading it tells why it is no path
+    if not regular:
+        raise InputError(f"{path} is no regular file; expected a file of YAML")
+    try:
         text = path.read_text("utf-8")
     except FileNotFoundError:
         near = hint(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
@@ -134,6 +140,8 @@ def read(path: Path) -> Source:
         raise InputError(f"{path}: expected text in UTF-8") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{str(path)!r} is no path: {error}") from None
     source = parse(text, str(path))
     source.folder = path.resolve().parent
     return source
@@ -183,6 +191,10 @@ class _Reader:
             return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
         if node.id == "mapping":
             return self._mapping(node, key)
+        if any("\ud800" <= character <= "\udfff" for character in node.value):
+            raise InputError(
+                self.source.error(key, f"expected text, found half a character (a surrogate) in {node.value!r}")
+            )
         try:
             return _scalar(node)
         except ValueError:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import InputError, hint
 from ..fmu.interfaces import is_path, own
+from ..paths import located
 from ..scenario.source import Source
 
 
@@ -49,10 +50,10 @@ def _swap(source: Source, block: str, entry: dict[str, Any], file: str, map_file
     if "interface" not in entry and isinstance(interface, str) and is_path(interface):
         # What stands there now keeps an interface of its own, unless its name says which.
         interface = block if block in own() else str((source.folder / interface).resolve())
-    values = {"fmu": str(here / Path(file).expanduser()), "interface": interface, "flavour": None}
+    values = {"fmu": str(located(file, here)), "interface": interface, "flavour": None}
     for key, value in values.items():
         source = source.with_entry(("blocks", block, key), value, option if value is not None else "")
-    path = None if map_file is None else str(here / Path(map_file).expanduser())
+    path = None if map_file is None else str(located(map_file, here))
     return source.with_entry(("blocks", block, "map"), path, f"--map {map_file}" if path else "")
 
 

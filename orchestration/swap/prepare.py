@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..fmu.archive import Fmu, shown
 from ..fmu.interfaces import Interface, is_path, own, place, reference
 from ..fmu.model import Element
+from ..paths import located
 from ..scenario import mapping as mappings
 from ..scenario.load import load
 from ..scenario.references import Connection
@@ -110,7 +111,7 @@ def read_mapping(scenario: Scenario, name: str, entry: BlockEntry) -> tuple[mapp
     if entry.map is None or entry.map.file is None:
         return entry.map, None
     try:
-        return mappings.load(scenario.source.folder / entry.map.file)
+        return mappings.load(located(entry.map.file, scenario.source.folder))
     except InputError as error:
         missing = all("there is no such file" in message for message in error.messages)
         key = ("blocks", name, "map")

@@ -40,7 +40,8 @@ class Clock:
 
     @property
     def samples(self) -> int:
-        return self.steps // self.interval + 1
+        """The most samples of a run: after every interval, and at its end, which may come at any step."""
+        return self.steps // self.interval + 1 + (self.interval > 1)
 
     def times(self, first: int, count: int, every: int = 1) -> Floats:
         """The times of `count` instants from step `first` on, one in so many steps."""
@@ -51,7 +52,8 @@ class Clock:
         return np.fromiter((self.time(n) for n in whole), np.float64, count)
 
     def sample_times(self) -> Floats:
-        return self.times(0, self.samples, self.interval)
+        """The times of the samples after whole intervals."""
+        return self.times(0, self.steps // self.interval + 1, self.interval)
 
 
 def clock(scenario: Scenario) -> tuple[Clock, list[str]]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 
 from ..errors import InputError, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
+from ..fmu.names import escaped
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
@@ -85,4 +86,15 @@ def _matching(scenario: Scenario, key: Key, pattern: str, models: Mapping[str, M
 
 def label(node: Node, models: Mapping[str, Model]) -> str:
     """Its name in results: `plant.R_NB[1][2]`, free of commas."""
-    return f"{node.block}.{models[node.block].variables[node.element.variable].label(node.element.position)}"
+    return f"{node.block}.{escaped(models[node.block].variables[node.element.variable].label(node.element.position))}"
+
+
+def names(nodes: Iterable[Node], models: Mapping[str, Model]) -> list[str]:
+    """Names of the variables of which all elements are among the nodes, and of single elements of the others."""
+    nodes = dict.fromkeys(nodes)
+    whole: dict[str, None] = {}
+    for node in nodes:
+        variable = models[node.block].variables[node.element.variable]
+        complete = all(Node(node.block, element) in nodes for element in variable.elements)
+        whole[f"{node.block}.{escaped(variable.name)}" if complete else label(node, models)] = None
+    return list(whole)

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestration import InputError, run
-from orchestration.errors import BlockError, ResultsError
-from orchestration.results import folder
+from orchestration import InputError
+from orchestration.errors import BlockError
 
 from .. import broken, fmus
 from ..cli.test_cli import ROOT, orchestrate
@@ -31,40 +30,6 @@ def contents(folder):
 
 
 # ---------------------------------------------------------------- the folder
-
-
-def test_a_full_disk_leaves_no_part_of_a_run_and_none_of_the_one_before(loop, monkeypatch):
-    orchestrate(loop.name, "--quiet")
-    Path("results/loop/notes.txt").write_text("mine")
-
-    def full(result, path):
-        path.write_bytes(b"time,mot")
-        raise OSError(28, "No space left on device", str(path))
-
-    monkeypatch.setitem(folder.FORMATS, "csv", (full, ""))
-    result = orchestrate(loop.name)
-    assert result.exit_code == 4
-    assert "loop: ran 2 s" in result.stdout, "the summary comes before the folder is written"
-    assert f"the results cannot be written: {Path('results/loop/signals.csv')}: No space left" in result.stderr
-    assert contents("results/loop") == ["notes.txt"]
-
-
-@pytest.mark.parametrize("second", [KeyboardInterrupt, OSError(28, "No space left on device")])
-def test_files_get_their_names_only_when_all_of_them_are_complete(loop, monkeypatch, second):
-    original = folder._json
-
-    def stopped(path, data):
-        if path.name.startswith("manifest"):
-            assert contents(path.parent) == ["expectations.json.part", "signals.csv.part"]
-            raise second
-        original(path, data)
-
-    monkeypatch.setattr(folder, "_json", stopped)
-    with pytest.raises((KeyboardInterrupt, ResultsError)) as info:
-        run(loop, out="out")
-    assert contents("out") == []
-    if info.type is ResultsError:
-        assert len(info.value.result.time) == 21, "what was computed is not lost"  # type: ignore[attr-defined]
 
 
 def test_a_failure_in_initialization_replaces_what_an_earlier_run_left(loop):

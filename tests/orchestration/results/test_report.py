@@ -54,6 +54,7 @@ def test_a_run_that_failed_at_once_has_a_page_without_plots(tmp_path):
     result = swing()
     result.failure = Mock("a", model("a"), lambda block: None).fail("fmi2DoStep")
     result.time, result.samples, result.holds, result.highlights = result.time[:0], result.samples[:0], [], []
+    result.reached = 0.0
     page = Reader((result.save(tmp_path) / "report.html").read_text("utf-8"))
     assert "failed after 0 s" in page.words
     assert "this is why" in page.words

@@ -54,7 +54,7 @@ def test_fmpy_reads_the_csv_and_every_bit_comes_back(matrix, tmp_path):
 
 def test_csv_is_written_in_parts_without_a_seam(matrix, tmp_path, monkeypatch):
     matrix.save(tmp_path / "whole")
-    monkeypatch.setattr("orchestration.results.folder._ROWS", 4)
+    monkeypatch.setattr("orchestration.results.formats._ROWS", 4)
     matrix.save(tmp_path / "parts")
     assert (tmp_path / "whole" / "signals.csv").read_bytes() == (tmp_path / "parts" / "signals.csv").read_bytes()
 
@@ -133,7 +133,7 @@ def outcome(values, bound, time=None, **more):
         judge = Judge(check)
         for i in range(0, len(values), piece):
             judge.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
-        found.append(judge.outcome)
+        found.append(judge.outcome())
     assert found[0] == found[1]
     return found[0]
 

@@ -1,0 +1,25 @@
+"""The type of options and arguments that are paths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import InputError
+from ..paths import located
+
+
+class _PathType(click.Path):
+    """A path that is no empty text and that the system can look up."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        try:
+            return located(str(value))
+        except InputError as error:
+            option = f"{param.opts[0]}: " if isinstance(param, click.Option) else ""
+            raise InputError(f"{option}{error}") from None
+
+
+PATH = _PathType(path_type=Path)

@@ -1,0 +1,193 @@
+"""The place of a run's results: a folder that one run at a time may write, and in which new results replace earlier ones.
+
+New results are complete in a folder of their own, `.orchestrate-part-...`, before anything of the earlier ones is touched.
+Its renaming to `.orchestrate-ready` decides: from then on its files take the places of the earlier ones, the manifest last. A run that
+is killed before leaves the earlier results, and one that is killed after it leaves the rest to the next run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from threading import get_ident
+from uuid import uuid4
+
+from ..errors import InputError
+from ..interrupt import held
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+MANIFEST = "manifest.json"
+FILES = ("expectations.json", "report.html", "signals.csv", "signals.parquet", "signals.mat", MANIFEST)
+"""What a run may leave in its folder; nothing else there is touched."""
+_LOCK, _PART, _READY = ".orchestrate.lock", ".orchestrate-part-", ".orchestrate-ready"
+
+
+def check_writable(folder: Path) -> None:
+    """Refuses a folder that could not be written, before a run is spent on it."""
+    try:
+        existing = next((p for p in (folder, *folder.absolute().parents) if p.exists()), folder)
+    except (OSError, ValueError) as error:
+        raise InputError(f"the results cannot be written to {str(folder)!r}: {_reason(error)}") from None
+    if not existing.is_dir():
+        raise InputError(f"the results cannot be written to {folder}: {existing} is a file")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"the results cannot be written to {folder}: {existing} is not writable")
+    for name in FILES:
+        if (folder / name).is_dir():
+            raise InputError(
+                f"the results cannot be written to {folder}: {folder / name} is a folder; expected a file, or none"
+            )
+
+
+@contextmanager
+def reserved(folder: Path) -> Iterator[None]:
+    """Keeps other runs out of the folder, and clears what a killed one left there. Raises InputError where another is in it.
+
+    The folder is made, and removed again where nothing was put into it. Within one thread it may be entered again.
+    """
+    check_writable(folder)
+    made = [path for path in (folder, *folder.absolute().parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        place = get_ident(), folder.resolve()
+        release = None if place in _ours else _lock(folder)
+    except (BlockingIOError, TimeoutError):
+        message = f"the results cannot be written to {folder}: another run writes there; remedy: wait for it, or another folder (--out)"
+        raise InputError(message) from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"the results cannot be written to {folder}: {_reason(error)}") from None
+    if release is None:
+        yield
+        return
+    _ours.add(place)
+    try:
+        _clear(folder)
+        yield
+    finally:
+        _ours.remove(place)
+        for path in made:
+            with suppress(OSError):  # it is not empty
+                path.rmdir()
+        release()
+
+
+_ours: set[tuple[int, Path]] = set()
+"""The folders that this process has reserved, each by one thread."""
+
+
+def _lock(folder: Path) -> Callable[[], None]:
+    """Takes the folder's lock and returns what gives it back. Raises BlockingIOError or TimeoutError where another has it."""
+    if fcntl is not None:
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(descriptor)
+            raise
+        except OSError:  # NFS has no locks of folders
+            os.close(descriptor)
+        else:
+            return lambda: os.close(descriptor)
+    from filelock import FileLock  # here, since it takes 30 ms and is seldom needed
+
+    lock = FileLock(folder / _LOCK, timeout=0)
+    lock.acquire()
+    return lock.release
+
+
+def _clear(folder: Path) -> None:
+    """Completes or removes what a killed run left."""
+    with suppress(OSError):
+        _finish(folder)
+    for left in folder.glob(f"{_PART}*"):
+        if left.is_dir() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            left.unlink(missing_ok=True)
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """An empty folder whose files take the places of the earlier results when the block of code is left; not where it raises.
+
+    One of them has to be the manifest, which names the others in `files`. Signals wait for the end, a second one only
+    for the end of the replacing. Raises OSError, which names files by their places in the folder.
+    """
+    with reserved(folder), held():
+        part = Path(tempfile.mkdtemp(prefix=_PART, dir=folder))
+        try:
+            yield part
+            for path in part.iterdir():
+                _sync(path)
+            with held(firmly=True):
+                os.rename(part, folder / _READY)
+                _finish(folder)
+        except OSError as error:
+            if error.filename and Path(str(error.filename)).parent.name.startswith(".orchestrate"):
+                error.filename = str(folder / Path(str(error.filename)).name)
+            raise
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+
+
+def _finish(folder: Path) -> None:
+    """Moves the files that are ready to their places, the manifest last, and removes those of which it says nothing."""
+    ready = folder / _READY
+    if ready.is_symlink() or not ready.is_dir():
+        ready.unlink(missing_ok=True)
+        return
+    if (ready / MANIFEST).exists():
+        stays = json.loads((ready / MANIFEST).read_text("utf-8"))["files"]
+        for name in FILES:
+            if name not in stays and name != MANIFEST:
+                (folder / name).unlink(missing_ok=True)
+            elif (ready / name).exists():
+                os.replace(ready / name, folder / name)
+    shutil.rmtree(ready, ignore_errors=True)
+    _sync(folder)
+
+
+def _sync(path: Path) -> None:
+    """Lets what was written reach the disk."""
+    if os.name == "nt" and path.is_dir():
+        return  # Windows opens no folders
+    descriptor = os.open(path, os.O_RDONLY if os.name != "nt" else os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """The SHA-256 of each file in the folder."""
+    found = {}
+    for path in sorted(folder.iterdir()):
+        with path.open("rb") as file:
+            found[path.name] = hashlib.file_digest(file, "sha256").hexdigest()
+    return found
+
+
+def put(path: Path, text: str) -> None:
+    """Writes a file that is there whole or not at all, and takes the place of an earlier one. Raises OSError."""
+    part = path.with_name(f"{_PART}{uuid4().hex}")
+    try:
+        with part.open("x", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
+            file.write(text)
+        _sync(part)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)
