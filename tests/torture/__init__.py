@@ -1,0 +1,1 @@
+"""Long trials with random numbers, as commands that print counts: `python -m tests.torture`."""
