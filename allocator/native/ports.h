@@ -1,4 +1,4 @@
-/* Wheel torque along the field, least-norm dipoles across it, and the hold near saturation [14]-[24].
+/* Wheel torque along the field, least-norm dipoles across it; all commands are held near saturation [14]-[24].
  * Generated from fmus/interfaces/allocator.toml by python -m fmus.native; do not edit. */
 #ifndef ALLOCATOR_PORTS_H
 #define ALLOCATOR_PORTS_H
@@ -7,14 +7,14 @@
 #include <stdint.h>
 
 typedef struct {
-    /* frame B; Rows: the rods' unit axes u1, u2, u3 that the allocation assumes [16]; unit to 1e-6,
-     * normalised on use, linearly independent */
+    /* frame B; Rows: the rods' unit axes u1, u2, u3 that the allocation assumes [16]; of unit length to 1e-6
+     * (normalised on use), linearly independent */
     double rod_axes[3][3];
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
     /* N.m; Largest torque of the wheel's motor */
     double wheel_torque_max;
-    /* N.m.s; Largest |h_w| that the wheel can hold; tau_residual_B counts no wheel torque past it */
+    /* N.m.s; Largest |h_w| of the wheel; for tau_residual_B the wheel gives no torque beyond it */
     double wheel_momentum_max;
     /* Share of an actuator's limit at which all commands are held */
     double hold_fraction;
@@ -36,13 +36,13 @@ typedef struct {
     double dipole_cmd[3];
     /* N.m; Commanded dl_w/dt, the torque on the rotor: [20], or the held value */
     double wheel_torque_cmd;
-    /* All commands keep their last values, since a demand is at or above hold_fraction of its limit or the
+    /* All commands keep their last values, because a demand is at or above hold_fraction of its limit or the
      * allocation is singular */
     bool holding;
-    /* Largest demand of an actuator over its limit, before the hold; capped at 1e6, its value where the
+    /* Largest ratio of an actuator's demand to its limit, before the hold; at most 1e6, and 1e6 where the
      * allocation is singular */
     double demand_fraction;
-    /* N.m; frame B; Demand minus the torque that the commands give on the body, within the actuators' limits
+    /* N.m; frame B; Demand minus the torque on the body that the commands give within the actuators' limits
      * */
     double tau_residual_B[3];
     /* Component of the field's unit vector along the wheel axis; [20] is singular where it is zero */

@@ -24,8 +24,8 @@ enum {
 };
 
 typedef struct {
-    /* kg.m2; frame B; Inertia that the law assumes (it may differ from the plant's); symmetric, positive
-     * definite, of a real body */
+    /* kg.m2; frame B; Inertia that the law assumes; it may differ from the plant's; symmetric, positive
+     * definite, with each principal moment at most the sum of the others */
     double J_B[3][3];
     /* N.m; Diagonal of K0, 0 < K0[1] < K0[2] < K0[3] [9] */
     double K0[3];
@@ -34,9 +34,9 @@ typedef struct {
     /* Phi in [8]: x, ln(1 + x/phi_scale) phi_scale, or 2 (sqrt(1 + x/phi_scale) - 1) phi_scale; each has
      * slope 1 at 0 */
     int32_t phi;
-    /* J; Scale of x where Phi bends; not used by 'linear' */
+    /* J; Value of x near which Phi departs from a straight line; not used by 'linear' */
     double phi_scale;
-    /* Whether the law cancels the gravity-gradient moment it expects, -M_g(R_d Q) [8] */
+    /* Whether the law compensates the gravity-gradient moment of its own model, -M_g(R_d Q) [8] */
     bool compensate_gravity;
     /* m3/s2; mu of the Earth in the law's M_g (WGS 84) */
     double gravitational_parameter;
@@ -65,7 +65,7 @@ typedef struct {
 } ControllerParameters;
 
 typedef struct {
-    /* frame N from B; Attitude, x_N = R_NB x_B; orthonormal to 1e-4, so a single-precision plant will do */
+    /* frame N from B; Attitude, x_N = R_NB x_B; orthonormal to 1e-4 (single precision is sufficient) */
     double R_NB[3][3];
     /* rad/s; frame B; Body rate relative to N */
     double omega_B[3];
@@ -84,9 +84,9 @@ typedef struct {
     double rate_error_B[3];
     /* J; V = 1/2 omega.J omega + Phi(tr(K - K Q)) [11] */
     double lyapunov;
-    /* k, the attitude gain's scale: K = k K0 [9][10] */
+    /* k, scale of the attitude gain: K = k K0 [9][10] */
     double gain_k;
-    /* l, the rate gain's scale: L = l L0 [9][10] */
+    /* l, scale of the rate gain: L = l L0 [9][10] */
     double gain_l;
 } ControllerOutputs;
 

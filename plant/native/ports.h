@@ -31,32 +31,33 @@ enum {
 };
 
 typedef struct {
-    /* kg.m2; frame B; Inertia with the wheel locked; symmetric, positive definite, and of a real body (each
-     * principal moment at most the sum of the others) */
+    /* kg.m2; frame B; Inertia with the wheel locked; symmetric, positive definite, with each principal moment
+     * at most the sum of the others */
     double J_B[3][3];
-    /* kg.m2; frame B; What the true inertia has beyond J_B: the plant moves with J_B + J_error_B */
+    /* kg.m2; frame B; Difference of the true inertia from J_B: the plant moves with J_B + J_error_B */
     double J_error_B[3][3];
-    /* kg.m2; Wheel's inertia about its axis, body +X */
+    /* kg.m2; Inertia of the wheel about its axis, body +X */
     double wheel_inertia;
-    /* N.m.s; Largest |h_w| that the wheel can hold */
+    /* N.m.s; Largest |h_w| of the wheel */
     double wheel_momentum_max;
     /* N.m; Largest torque of the wheel's motor */
     double wheel_torque_max;
     /* N.m.s/rad; Viscous friction of the wheel's bearing */
     double wheel_viscous_friction;
-    /* N.m; Coulomb friction of the wheel's bearing; it also holds a wheel at rest against smaller motor
-     * torques */
+    /* N.m; Coulomb friction of the wheel's bearing; a wheel at rest stays at rest under smaller motor torques
+     * */
     double wheel_coulomb_friction;
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
-    /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; unit to 1e-6, normalised on use */
+    /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; of unit length to 1e-6 (normalised on use) */
     double rod_axes[3][3];
-    /* What each rod gives of its command within dipole_max */
+    /* Ratio of each rod's dipole to its command, which is clipped at dipole_max first */
     double rod_gain[3];
-    /* s; Period in which rods and magnetometer take turns, from t = 0; 0: the rods are always on; else at
-     * least 1 ms */
+    /* s; Period in which the rods are first on and then off, so that the field can be measured, from t = 0.
+     * 0: the rods are always on; otherwise at least 1 ms */
     double rod_period;
-    /* Share of each rod_period, from its start, in which the rods are on; in the rest they give no dipole */
+    /* Fraction of each rod_period, from its start, in which the rods are on; in the rest of it they give no
+     * dipole */
     double rod_duty;
     /* A.m2; frame B; Dipole of the satellite itself */
     double residual_dipole_B[3];
@@ -69,7 +70,7 @@ typedef struct {
     double orbit_radius;
     /* rad; Inclination of the orbit */
     double inclination;
-    /* rad; frame Earth-fixed; Longitude east of the ascending node at t = 0; RAAN = GMST(epoch) +
+    /* rad; frame Earth-fixed; East longitude of the ascending node at t = 0; RAAN = GMST(epoch) +
      * node_longitude */
     double node_longitude;
     /* rad; Angle from the ascending node to the satellite at t = 0 */
@@ -80,7 +81,7 @@ typedef struct {
     double v_N0[3];
     /* Whether the orbit's plane drifts with J2's secular node rate */
     bool j2_node_drift;
-    /* UTC at t = 0, ISO 8601, with the time of day; ends in Z, +00:00, -00:00 or nothing */
+    /* UTC at t = 0, ISO 8601, with the time of day; with Z, +00:00, -00:00 or no zone at its end */
     char epoch[64];
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
@@ -96,19 +97,19 @@ typedef struct {
     double body_width;
     /* m; Length of the octagonal cylinder */
     double body_length;
-    /* Body axis along which the octagonal cylinder lies; four of its sides face the two others */
+    /* Body axis along the octagonal cylinder; four of its sides face along the two other axes */
     int32_t body_axis;
-    /* m; frame B; Centre of mass from the cylinder's geometric centre */
+    /* m; frame B; Position of the centre of mass relative to the cylinder's geometric centre */
     double center_of_mass_B[3];
     /* Solar radio flux F10.7 of the day before, 1e-22 W/(m2 Hz) */
     double f107;
     /* Mean of F10.7 over 81 days, 1e-22 W/(m2 Hz) */
     double f107_average;
-    /* Planetary geomagnetic index Ap, the day's mean */
+    /* Planetary geomagnetic index Ap, daily mean */
     double ap;
     /* Geomagnetic field model; its years must cover the epoch */
     int32_t field_model;
-    /* Highest degree of the field's expansion that is used (WMM has 12, IGRF 13) */
+    /* Highest degree of the spherical harmonics of the field that is used (WMM has 12, IGRF 13) */
     int32_t field_degree;
     /* Accept an epoch outside the model's years and extrapolate its secular variation */
     bool field_extrapolate;
@@ -133,8 +134,8 @@ typedef struct {
 typedef struct {
     /* A.m2; frame rods; Demanded dipole of each rod along its axis u_i; clipped at dipole_max */
     double dipole_cmd[3];
-    /* N.m; Demanded dl_w/dt, the torque on the rotor: positive raises h_w and the body receives the opposite;
-     * clipped at wheel_torque_max */
+    /* N.m; Demanded dl_w/dt, the torque on the rotor: a positive torque raises h_w, and the body receives the
+     * opposite torque; clipped at wheel_torque_max */
     double wheel_torque_cmd;
 } PlantInputs;
 
@@ -160,16 +161,16 @@ typedef struct {
     double tau_drag_B[3];
     /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
     double tau_mag_B[3];
-    /* A.m2; frame rods; Dipole that each rod gives at this instant: rod_gain times the command within
-     * dipole_max, zero while the rods are off */
+    /* A.m2; frame rods; Dipole of each rod at this instant: rod_gain times the command clipped at dipole_max;
+     * zero while the rods are off */
     double dipole[3];
-    /* N.m; dl_w/dt as it is: the command within wheel_torque_max less friction, zero where it would drive h_w
-     * past its limit */
+    /* N.m; True dl_w/dt: the command clipped at wheel_torque_max, minus friction; zero where it would drive
+     * h_w beyond its limit */
     double wheel_torque;
     /* rad/s; Wheel speed relative to the body */
     double wheel_speed;
     /* N.m.s; frame N; Total angular momentum R (J Omega + l_w e1) [12]; constant without external moments,
-     * whatever the wheel does */
+     * for every motion of the wheel */
     double H_N[3];
     /* J; 1/2 Omega.J Omega + U(R) - omega_o.(R Pi): conserved on a circular orbit under gravity gradient
      * alone with constant h_w; with gravity_gradient false it is 1/2 Omega.J Omega, conserved without moments

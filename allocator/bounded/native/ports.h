@@ -1,4 +1,4 @@
-/* Bounded least squares over wheel and rods: the torque nearest to the demand within the limits, never held.
+/* Bounded least squares over wheel and rods: the torque nearest to the demand within the limits; commands are never held.
  * Generated from fmus/interfaces/allocator_bounded.toml by python -m fmus.native; do not edit. */
 #ifndef ALLOCATOR_BOUNDED_PORTS_H
 #define ALLOCATOR_BOUNDED_PORTS_H
@@ -8,60 +8,63 @@
 #include <stdint.h>
 
 typedef struct {
-    /* frame B; Rows: the rods' unit axes u1, u2, u3 that the allocation assumes [16]; unit to 1e-6,
-     * normalised on use, linearly independent */
+    /* frame B; Rows: the rods' unit axes u1, u2, u3 that the allocation assumes [16]; of unit length to 1e-6
+     * (normalised on use), linearly independent */
     double rod_axes[3][3];
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
     /* N.m; Largest torque of the wheel's motor */
     double wheel_torque_max;
-    /* N.m.s; Largest |h_w| that the wheel can hold */
+    /* N.m.s; Largest |h_w| of the wheel */
     double wheel_momentum_max;
-    /* s; Time for which a command stands, at least the step of the loop: no wheel torque takes h_w past
-     * wheel_momentum_max within it */
+    /* s; Time for which a command is applied, at least the step of the loop; within it no commanded wheel
+     * torque takes h_w beyond wheel_momentum_max */
     double command_period;
-    /* s; Time over which the wheel would like to come to rest where wheel_torque_ff is not connected */
+    /* s; Time constant with which the wheel is preferably brought to rest where wheel_torque_ff is not
+     * connected */
     double desaturation_time;
-    /* T; Torque missed, in N m, that costs as much as 1 A m2 of a rod off its preferred dipole; fields near
-     * it or below are not worth the rods */
+    /* T; Torque error, in N m, that costs as much as a deviation of 1 A m2 from a rod's preferred dipole; in
+     * fields near this value or below it the rods are hardly used */
     double rod_weight;
-    /* Torque missed, in N m, that costs as much as 1 N m of wheel torque off -h_w/desaturation_time */
+    /* Torque error, in N m, that costs as much as a deviation of 1 N m of the wheel torque from
+     * -h_w/desaturation_time */
     double wheel_weight;
-    /* The same of wheel torque off wheel_torque_ff */
+    /* Torque error, in N m, that costs as much as a deviation of 1 N m of the wheel torque from
+     * wheel_torque_ff */
     double wheel_weight_ff;
 } AllocatorBoundedParameters;
 
 typedef struct {
     /* N.m; frame B; Demanded control torque on the body */
     double tau_cmd_B[3];
-    /* T; frame B; Geomagnetic field; without one (below 1e-12 T) only the wheel acts */
+    /* T; frame B; Geomagnetic field; below 1e-12 T only the wheel acts */
     double b_B[3];
     /* rad/s; frame B; Body rate relative to N */
     double omega_B[3];
     /* N.m.s; Wheel momentum l_w */
     double h_w;
-    /* A.m2; frame rods; Feed-forward: dipoles that are preferred among those that serve the demand alike,
-     * zero without it; optional; 1e9 means not connected */
+    /* A.m2; frame rods; Feed-forward: the preferred dipoles, where several dipoles meet the demand equally
+     * well; zero if not connected; optional; 1e9 means not connected */
     double dipole_ff[3];
-    /* N.m; Feed-forward: preferred dl_w/dt, -h_w/desaturation_time without it; optional; 1e9 means not
-     * connected */
+    /* N.m; Feed-forward: the preferred dl_w/dt; -h_w/desaturation_time if not connected; optional; 1e9 means
+     * not connected */
     double wheel_torque_ff;
 } AllocatorBoundedInputs;
 
 typedef struct {
     /* A.m2; frame rods; Commanded dipole of each rod along its axis u_i, within dipole_max */
     double dipole_cmd[3];
-    /* N.m; Commanded dl_w/dt, the torque on the rotor, within wheel_torque_max and what keeps h_w within its
-     * limit */
+    /* N.m; Commanded dl_w/dt, the torque on the rotor; within wheel_torque_max, and such that h_w stays
+     * within its limit */
     double wheel_torque_cmd;
-    /* Always false: this allocator has a command at every attitude and never holds the last one */
+    /* Always false: this allocator has a command at every attitude and never holds the last command */
     bool holding;
-    /* Largest command over its limit that would be given if there were no limits: above 1 a limit acts;
-     * capped at 1e6 */
+    /* Largest ratio of an actuator's command to its limit, computed without limits: above 1 a limit acts; at
+     * most 1e6 */
     double demand_fraction;
     /* N.m; frame B; Demand minus the torque that the commands give on the body */
     double tau_residual_B[3];
-    /* Component of the field's unit vector along the wheel axis; where it is near zero a demand along the
+    /* Component of the field's unit vector along the wheel axis; where it is near zero, a demand along the
      * field is not met */
     double b_wheel;
 } AllocatorBoundedOutputs;

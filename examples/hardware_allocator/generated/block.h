@@ -1,7 +1,7 @@
 /* Generated from interface.toml; do not edit. */
 #include "actuators.h"
 
-#define BLOCK_GUID "{ab5cc31f-020f-325e-6c3e-92ac7c4c8e0c}"
+#define BLOCK_GUID "{a380701c-3188-96dd-d753-d1091510c3e1}"
 #define BLOCK_VARIABLES 25u
 #define BLOCK_REAL_OUTPUTS 5u
 

@@ -11,12 +11,12 @@ typedef struct {
     double coil_max;
     /* mA.m2; Least significant bit of a driver */
     double coil_step;
-    /* mA.m2; A smaller dipole is not driven */
+    /* mA.m2; Dead band: a smaller dipole is set to zero */
     double coil_dead_band;
     /* s; Period of the magnetometer's readings */
     double cycle;
-    /* s; At the end of each period the coils are off for so long; over the rest they are driven harder by as
-     * much */
+    /* s; Time at the end of each period in which the coils are off; in the rest of the period the dipole is
+     * larger, so that its mean is kept */
     double off_time;
     /* g.cm2; Inertia of the wheel's rotor */
     double rotor_inertia;
@@ -29,7 +29,7 @@ typedef struct {
 } ActuatorsParameters;
 
 typedef struct {
-    /* mN.m; frame spacecraft body; Torque that the attitude law asks for */
+    /* mN.m; frame spacecraft body; Torque that the attitude law demands */
     double torque_request[3];
     /* nT; frame magnetometer: x is body -y, y is body x, z is body z; Magnetometer reading, x */
     double mag_x;
@@ -47,11 +47,11 @@ typedef struct {
     /* mA.m2; frame drivers: coil 1 drives the third rod, coil 2 the first, coil 3 the second; Dipole that
      * each driver is set to */
     double coil[3];
-    /* mN.m; Motor torque as felt by the body, friction compensation included: positive slows the wheel */
+    /* mN.m; Motor torque on the body, friction compensation included: a positive torque slows the wheel */
     double wheel_motor;
     /* Component of the field's direction along the wheel axis */
     double field_on_wheel;
-    /* The coils are powered; off while the magnetometer is read */
+    /* True while the coils are powered; false while the magnetometer is read */
     bool coils_on;
 } ActuatorsOutputs;
 

@@ -25,7 +25,7 @@ typedef struct {
 } PlantJudgeParameters;
 
 typedef struct {
-    /* frame N from B; Attitude, x_N = R_NB x_B; orthonormal to 1e-4, so a single-precision plant will do */
+    /* frame N from B; Attitude, x_N = R_NB x_B; orthonormal to 1e-4 (single precision is sufficient) */
     double R_NB[3][3];
     /* rad/s; frame B; Body rate relative to N */
     double omega_B[3];
@@ -36,8 +36,8 @@ typedef struct {
     /* frame N from desired body; Desired attitude, orthonormal to 1e-4; with Omega_d it takes the place of
      * the parameter reference; optional; 1e9 means not connected */
     double R_d[3][3];
-    /* rad/s; frame desired body; Desired body rate; connected with R_d, or neither; optional; 1e9 means not
-     * connected */
+    /* rad/s; frame desired body; Desired body rate; connect both R_d and Omega_d, or none of them; optional;
+     * 1e9 means not connected */
     double Omega_d[3];
 } PlantJudgeInputs;
 

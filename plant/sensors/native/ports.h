@@ -7,28 +7,29 @@
 #include <stdint.h>
 
 typedef struct {
-    /* rad; Attitude's noise about each body axis, 1 sigma */
+    /* rad; Noise of the attitude about each body axis, 1 sigma */
     double attitude_noise;
-    /* rad; frame B; Constant small rotation of the measured body axes, as of a misaligned star tracker */
+    /* rad; frame B; Constant small rotation of the measured body axes, for example of a misaligned star
+     * tracker */
     double attitude_bias_B[3];
-    /* rad/s; Rate's noise on each axis, 1 sigma */
+    /* rad/s; Noise of the rate on each axis, 1 sigma */
     double rate_noise;
-    /* rad/s; frame B; Rate's bias */
+    /* rad/s; frame B; Bias of the rate */
     double rate_bias_B[3];
-    /* T; Field's noise on each axis, 1 sigma */
+    /* T; Noise of the field on each axis, 1 sigma */
     double field_noise;
-    /* T; frame B; Field's bias */
+    /* T; frame B; Bias of the field */
     double field_bias_B[3];
-    /* N.m.s; Wheel momentum's noise, 1 sigma */
+    /* N.m.s; Noise of the wheel momentum, 1 sigma */
     double wheel_momentum_noise;
-    /* m; Position's noise on each axis, 1 sigma */
+    /* m; Noise of the position on each axis, 1 sigma */
     double position_noise;
-    /* m/s; Velocity's noise on each axis, 1 sigma */
+    /* m/s; Noise of the velocity on each axis, 1 sigma */
     double velocity_noise;
-    /* s; Time between two measurements, from t = 0; between them they are held. 0: a measurement at every
-     * communication step; else at least 1 us */
+    /* s; Time between two measurements, from t = 0; the outputs are held between measurements. 0: a
+     * measurement at every communication step; otherwise at least 1 us */
     double sample_period;
-    /* Of the noise; runs of one seed have the same noise */
+    /* Seed of the noise; runs with the same seed have the same noise */
     int32_t seed;
 } PlantSensorsParameters;
 
