@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench figures reproduction flight format docs site authorities clean
+.PHONY: run check test lint fmus bench figures reproduction flight release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -51,6 +51,13 @@ flight: $(VENV)/test
 # The outside authorities' table, docs/verification.md.
 authorities: $(VENV)/test
 	$(BIN)/python -m tests.authorities
+
+# The wheel with its bills of materials and hashes, in dist/; refuses other versions of what has a say in the FMUs than the pinned.
+release: $(VENV)/test
+	$(BIN)/python -m release check
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation
+	$(BIN)/python -m release files dist
 
 format: $(VENV)/test
 	$(BIN)/ruff check --fix .

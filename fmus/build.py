@@ -20,7 +20,7 @@ from . import places
 from .block import Block, BuildError, files_of
 from .interface import BLOCKS, FLAVOURS, Interface, load
 
-__all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "ensure", "fmu_path"]
+__all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "data_packages", "ensure", "fmu_path"]
 
 ROOT = places.PACKAGES
 
@@ -133,7 +133,7 @@ def _fingerprint(block: Block, flavour: str) -> str:
         paths += _files(block.folder / "native")
     for path in paths:
         digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
-    for name in ("pythonfmu", "ziglang", *_data_packages(block.folder)):
+    for name in ("pythonfmu", "ziglang", *data_packages(block.folder)):
         digest.update(f"\n{name} {_version(name)}".encode())
     return digest.hexdigest()
 
@@ -142,7 +142,7 @@ def _files(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
 
 
-def _data_packages(folder: Path) -> list[str]:
+def data_packages(folder: Path) -> list[str]:
     """The literals `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
     found: list[str] = []
     for path in (folder / "tables" / "__init__.py", folder / "native" / "tables.py"):

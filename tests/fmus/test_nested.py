@@ -121,7 +121,7 @@ def test_names_in_c_are_of_both_parts(blocks: tuple[Block, Block]) -> None:
 
 
 def test_the_packages_behind_the_tables_of_its_c_count_for_its_fingerprint(blocks: tuple[Block, Block]) -> None:
-    assert module._data_packages(blocks[1].folder) == ["pint"]
+    assert module.data_packages(blocks[1].folder) == ["pint"]
 
 
 def test_units_are_those_of_each_element(blocks: tuple[Block, Block], tmp_path: Path) -> None:

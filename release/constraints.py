@@ -1,0 +1,70 @@
+"""The versions of dependencies with which the project was tested, as a constraints file of pip, without addresses."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[1]
+FILE = ROOT / "constraints.txt"
+IN_BYTES = ("pygeomag", "ppigrf", "pythonfmu", "ziglang")
+"""What has a say in the bytes of the FMUs: the compiler, PythonFMU's libraries, the tables of the field."""
+_HEAD = """\
+# Versions of dependencies with which the tests passed; made by `python -m release constraints`. To install these:
+# PIP_CONSTRAINT=constraints.txt make test, or pip install -c constraints.txt ...
+"""
+
+
+def required() -> list[str]:
+    """The lines of all requirements in pyproject.toml, with those of its extras and of the build."""
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    project = data["project"]
+    extras = (line for lines in project["optional-dependencies"].values() for line in lines)
+    return [*project["dependencies"], *extras, *data["build-system"]["requires"]]
+
+
+def installed() -> dict[str, str]:
+    """Names and versions of all packages that the requirements bring into this environment, with what these require."""
+    versions: dict[str, str] = {}
+    pending = [(Requirement(line), "") for line in required()]
+    seen = set()
+    while pending:
+        requirement, extra = pending.pop()
+        name = canonicalize_name(requirement.name)
+        wanted = frozenset(requirement.extras)
+        if (name, wanted) in seen or (requirement.marker and not requirement.marker.evaluate({"extra": extra})):
+            continue
+        seen.add((name, wanted))
+        try:
+            found = distribution(name)
+        except PackageNotFoundError:
+            continue  # of another platform
+        if name != "attitude-cosim":
+            versions[name] = found.version
+            for line in found.requires or ():
+                pending += [(Requirement(line), one) for one in ("", *wanted)]
+    return dict(sorted(versions.items()))
+
+
+def text() -> str:
+    return _HEAD + "".join(f"{name}=={version}\n" for name, version in installed().items())
+
+
+def pinned() -> dict[str, str]:
+    """Names and versions in constraints.txt."""
+    lines = (line for line in FILE.read_text("utf-8").splitlines() if line and not line.startswith("#"))
+    return {name: version for name, _, version in (line.partition("==") for line in lines)}
+
+
+def differing() -> list[str]:
+    """What has a say in the FMUs' bytes and is not installed in the pinned version, as sentences."""
+    here, wanted = installed(), pinned()
+    return [
+        f"{name}: expected {wanted.get(name)}, as in constraints.txt, found {here.get(name)}"
+        for name in IN_BYTES
+        if here.get(name) != wanted.get(name)
+    ]
