@@ -132,7 +132,11 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: b
         variable, position = variables[name]
         fed = variable.causality == "input" and structure.source(End(place, name)) is not None
         if variable.causality == "parameter" or (variable.causality == "input" and (delayed or not fed)):
-            starts[variable.label(position)] = _value(given, variable)
+            try:
+                starts[variable.label(position)] = _value(given, variable)
+            except (ValueError, OverflowError) as error:
+                value = f"the value {given.value!r} of {'.'.join(place)}.{name}"
+                raise InputError(f"{shown(path)}: {value}: {error}") from None
     return starts
 
 

@@ -46,6 +46,8 @@ class Structure:
     """Where the FMU of each component stands in the archive."""
     flows: dict[End, tuple[End, float, float, bool]] = field(default_factory=dict)
     """What feeds a connector: from where, with which factor and offset, and whether units are left alone."""
+    where: str = ""
+    """The archive, for messages."""
     values: dict[Path_, dict[str, Given]] = field(default_factory=dict)
     kinds: dict[End, str] = field(default_factory=dict)
 
@@ -60,9 +62,7 @@ class Structure:
             factor, offset, suppressed = factor * f, factor * o + offset, suppressed or s
             if end.element in self.components:
                 return end, factor, offset, suppressed
-        raise InputError(
-            f"{'.'.join(target.element)}.{target.connector} is fed in a circle, or through more than {_HOPS_MAX} systems"
-        )
+        raise InputError(f"{self.where}: {_named(target)} is fed in a circle, or through more than {_HOPS_MAX} systems")
 
 
 class _System:
@@ -226,7 +226,9 @@ def _parameters(values: Any) -> Iterator[tuple[str, Given]]:
         for entry in parameter:
             kind = entry.tag.rpartition("}")[2]
             if kind in ("Real", "Integer", "Boolean", "String", "Enumeration"):
-                yield parameter.get("name", ""), Given(kind, entry.get("value", ""), units.get(entry.get("unit")))
+                named = entry.get("unit")
+                unit = units.get(named, Unit(named, None)) if named else None
+                yield parameter.get("name", ""), Given(kind, entry.get("value", ""), unit)
 
 
 def _unit(entry: Any) -> Unit:
@@ -236,6 +238,6 @@ def _unit(entry: Any) -> Unit:
 
 def read(path: Path, folder: Path, system: Any) -> Structure:
     """What the outermost system of an unpacked archive holds. Raises InputError."""
-    structure = Structure()
+    structure = Structure(where=str(shown(path)))
     _System(path, folder, structure).read(system, ())
     return structure

@@ -270,6 +270,8 @@ def _connected(old: str, new: str) -> Callable[[], None]:
         (lambda: foreign(values='<ssv:Parameter name="motor 1.speed0"><ssv:Real value="fast"/></ssv:Parameter>'), "'fast' is not a valid value of the atomic type 'xs:double'"),
         (lambda: foreign(system=_SYSTEM % (_BINDING % 'type="text/csv">', "")), "given parameters of the type 'text/csv'"),
         (_connected("resources/motor.fmu", "resources/%%00.fmu"), "refers to 'resources/%00.fmu', which it does not hold"),
+        (lambda: foreign(values='<ssv:Parameter name="motor 1.speed0"><ssv:Real value="1" unit="deg/s"/></ssv:Parameter>'), "foreign.ssp: the value '1' of motor 1.speed0: the unit 'deg/s' does not fit 'rad/s'"),
+        (lambda: foreign(values='<ssv:Parameter name="motor 1.mode"><ssv:Real value="INF"/></ssv:Parameter>'), "foreign.ssp: the value 'INF' of motor 1.mode: cannot convert float infinity to integer"),
         (lambda: foreign(system=_SYSTEM.replace(_REGULATOR, _deep(200))), "SystemStructure.ssd cannot be read: Excessive depth"),
     ],
 )  # fmt: skip
@@ -303,7 +305,7 @@ def test_a_signal_that_is_fed_in_a_circle_is_refused(loop: Path) -> None:
     foreign(system=f"""<ssd:System name="all"><ssd:Elements>{_MOTOR}{circle}</ssd:Elements><ssd:Connections>
 <ssd:Connection startElement="c" startConnector="b" endElement="c" endConnector="a"/>
 <ssd:Connection startElement="c" startConnector="b" endElement="motor 1" endConnector="voltage"/></ssd:Connections></ssd:System>""")  # fmt: skip
-    assert "motor 1.voltage is fed in a circle" in orchestrate("foreign.ssp", status=2)
+    assert "foreign.ssp: motor 1.voltage is fed in a circle" in orchestrate("foreign.ssp", status=2)
 
 
 def _annotated(data: object) -> str:

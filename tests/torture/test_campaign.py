@@ -1,0 +1,42 @@
+"""The campaigns see what they are for: a crash, a hang and an internal error."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from random import Random
+
+import click
+import pytest
+
+from orchestration.cli.main import main
+
+from . import _campaign
+from ._campaign import campaign
+
+
+def _crash(random: Random, folder: Path) -> list[str]:
+    os.kill(os.getpid(), 11)
+    return []
+
+
+def _hang(random: Random, folder: Path) -> list[str]:
+    time.sleep(60.0)
+    return []
+
+
+def _internal(random: Random, folder: Path) -> list[str]:
+    return ["schema"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the replaced command reaches the process by fork")
+@pytest.mark.parametrize(("make", "end"), [(_crash, "crash, -11: 3"), (_hang, "hang: 3"), (_internal, "status 70: 3")])
+def test_a_campaign_counts_what_must_not_happen_and_fails(make, end, monkeypatch, capsys) -> None:
+    def fail() -> None:
+        raise KeyError("not foreseen")
+
+    monkeypatch.setattr(_campaign, "SECONDS", 1.0)
+    monkeypatch.setattr(main, "get_command", lambda ctx, name: click.Command("schema", callback=fail))
+    assert campaign(make, lambda folder: None, 3, 1) == 1
+    assert end in capsys.readouterr().out
