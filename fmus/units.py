@@ -163,7 +163,7 @@ def _registry() -> Any:
 
     try:
         return pint.UnitRegistry(cache_folder=":auto:")
-    except OSError:  # no folder to write the cache into
+    except Exception:  # no folder to write the cache into, or a file of it that another process is just writing
         return pint.UnitRegistry()
 
 

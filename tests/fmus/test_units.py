@@ -131,3 +131,17 @@ def test_a_logarithmic_unit_is_refused_since_its_values_do_not_scale(name: str) 
 def test_what_is_no_unit_in_the_usual_way_of_writing_is_not_read_as_one(name: str) -> None:
     with pytest.raises(QuantityError):
         parse_unit(name)
+
+
+def test_a_cache_of_pint_that_another_process_is_writing_is_done_without(tmp_path, monkeypatch) -> None:
+    """Pint's files are not renamed into place, so a reader may find one that is cut off."""
+    for name in ("XDG_CACHE_HOME", "HOME", "LOCALAPPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    units._registry.cache_clear()
+    assert units._registry().Unit("inch")
+    cached = list(tmp_path.rglob("*.pickle"))
+    for path in cached:
+        path.write_bytes(path.read_bytes()[:100])
+    units._registry.cache_clear()
+    assert units._registry().Unit("inch")
+    assert cached, "Pint keeps a cache there"
