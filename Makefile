@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench figures reproduction flight release format docs site authorities clean
+.PHONY: run check test lint fmus bench torture figures reproduction flight release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -33,6 +33,10 @@ fmus: $(VENV)/run
 
 bench: $(VENV)/test
 	$(BIN)/python -m tests.bench
+
+# Random trials: what each counts, and exit status 1 where one finds an error. They take hours.
+torture: $(VENV)/test
+	for trial in tests/torture/[a-z]*.py; do $(BIN)/python -m tests.torture $$(basename $$trial .py) || exit; done
 
 # The paper's figures, as docs/figures shows them.
 figures: $(VENV)/test

@@ -76,11 +76,11 @@ class _Hang(BaseException):
 @click.option("--seed", default=1, show_default=True)
 def command(count: int, seed: int) -> None:
     """Load, plan and fly scenarios that are changed at random."""
+    here, handler = Path.cwd(), signal.signal(signal.SIGALRM, _hang)
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)
         fmus.write_pair(Path())
         vendor.write(Path(), runnable=True)
-        signal.signal(signal.SIGALRM, _hang)
         ends: Counter[str] = Counter()
         failures: list[str] = []
         for number in range(count):
@@ -93,7 +93,8 @@ def command(count: int, seed: int) -> None:
             ends[end.partition("\n")[0]] += 1
             if end.startswith("FAILURE"):
                 failures.append(f"input {number}, {file}: {end}")
-        os.chdir("/")
+        os.chdir(here)
+    signal.signal(signal.SIGALRM, handler)
     for end, times in sorted(ends.items()):
         click.echo(f"{times:8}  {end}")
     for failure in failures[:_SHOWN]:
