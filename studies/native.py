@@ -31,9 +31,11 @@ from .paper import ROOT
 FOLDER = ROOT / "results" / "studies"
 PAPER = ("plant", "controller", "allocator")
 """The blocks of the paper's loop."""
+JUDGE = "plant_judge"
+"""The block outside the loop by which runs are judged."""
 
 
-def pin(blocks: Iterable[str] = PAPER) -> dict[str, Path]:
+def pin(blocks: Iterable[str] = (*PAPER, JUDGE)) -> dict[str, Path]:
     """Builds the blocks where need be, and copies them to where no build reaches; by block, named by what they do."""
     kept = FOLDER / "fmus"
     kept.mkdir(parents=True, exist_ok=True)

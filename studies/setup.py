@@ -22,7 +22,7 @@ from orchestration.fmu.model import Model
 from orchestration.scenario.source import Source
 from orchestration.system.starts import resolve
 
-from .native import PAPER
+from .native import JUDGE, PAPER
 
 _BLOCKS: dict[str, Any] = {"plant": plant, "controller": controller, "allocator": allocator}
 
@@ -70,7 +70,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
     names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in PAPER}
     if missing := [block for block in PAPER if block not in names]:
         raise InputError(loaded.error(("blocks",), f"expected a block with 'fmu: {missing[0]}', found none"))
-    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in PAPER]
+    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in (*PAPER, JUDGE)]
     if strange:
         found = loaded.blocks[strange[0]].fmu
         raise InputError(

@@ -18,18 +18,25 @@ from ..fmu.archive import Head, described, open_fmu, read_head
 from ..fmu.interfaces import reference, starts_of
 from ..fmu.model import Model
 from ..scenario.mapping import load
+from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
+from ..swap.own_claims import own_claims
 from . import feedthrough, inputs, library, starts
 
 
-def check(path: Path, as_: str, map_: Path | None = None, lenient: bool = False) -> tuple[list[Finding], Fit | None]:
+def check(
+    path: Path, as_: str, map_: Path | None = None, lenient: bool = False, scenario: Scenario | None = None
+) -> tuple[list[Finding], Fit | None]:
     """All findings, and how its ports fit where they could be looked at.
 
     `lenient`: what is not valid in its description is a warning, as it is for a block with `validation: lenient`.
-    Raises InputError where the FMU, the interface or the mapping cannot be read at all, or the FMU cannot be unpacked.
+    With a scenario the findings name the expectations that would rest on what the FMU says of itself.
+    Raises InputError where the FMU, the interface or the mapping cannot be read at all, the FMU cannot be unpacked, or the
+    scenario has no such block.
     """
     interface = reference(as_, Path.cwd())
+    blocks = _blocks(scenario, as_) if scenario is not None else []
     mapping = load(map_)[0] if map_ is not None else None
     if not path.exists():
         open_fmu(path)  # raises the error
@@ -47,8 +54,24 @@ def check(path: Path, as_: str, map_: Path | None = None, lenient: bool = False)
     starts.look(fitted, starts_of(description, theirs), findings)
     inputs.look(fitted, findings)
     feedthrough.look(fitted, findings)
+    if scenario is not None:
+        ports = [*(link.ours for link in fitted.links.values()), *fitted.extra]
+        given = [port.name for port in ports if port.causality == "output"]
+        for block in blocks:
+            findings += own_claims(scenario, block, given)
     _validator(path, findings)
     return findings, fitted
+
+
+def _blocks(scenario: Scenario, as_: str) -> list[str]:
+    """The blocks of a scenario whose place it would take: those of this interface, or else of this name."""
+    alike = [name for name, entry in scenario.blocks.items() if as_ in (entry.interface, entry.fmu)]
+    if not alike and as_ not in scenario.blocks:
+        raise InputError(
+            f"{scenario.source.file or 'scenario'} has no block with the interface {as_!r}; "
+            f"its blocks are {', '.join(scenario.blocks)}"
+        )
+    return alike or [as_]
 
 
 def _description(path: Path, head: Head, findings: list[Finding], lenient: bool) -> tuple[Any, Model] | None:

@@ -21,6 +21,7 @@ from ..runner.open import open_scenario
 from ..runner.read import load
 from ..runner.run import execute
 from ..scenario.source import Source
+from ..swap.own_claims import own_claims
 from ..system.wiring import fed
 from . import playback
 from .inputs import given, theirs_alone
@@ -115,6 +116,8 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
     names = [f"{block}.{v.name}" for v in ports if v.causality == "input" and v.name in played.model.variables]
     other = execute(load(_recording(theirs, block, names)))
+    given = [v.name for v in other.models[block].of("output")]
+    other.warnings += [str(finding) for finding in own_claims(other.scenario, block, given)]
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
     rows = played.rows

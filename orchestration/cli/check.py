@@ -11,6 +11,7 @@ import click
 from ..acceptance.check import check
 from ..acceptance.vector import play
 from ..fmu.archive import shown
+from ..runner.read import load, read
 from ..swap.findings import Finding
 from .console import say, say_json
 from .paths import PATH
@@ -23,6 +24,12 @@ from .status import DOES_NOT_FIT
     "--as", "as_", required=True, metavar="BLOCK", help="The block whose place it takes, or a reference .fmu."
 )
 @click.option("--map", "map_", type=PATH, metavar="FILE", help="Mapping of its ports to ours.")
+@click.option(
+    "--scenario",
+    type=PATH,
+    metavar="FILE",
+    help="Also name the expectations of this scenario that would rest on what the FMU says of itself.",
+)
 @click.option("--vector", type=PATH, metavar="DIR", help="Also run it on a test vector of the kit.")
 @click.option(
     "--tolerance", default=1e-6, show_default=True, help="Of the vector, relative to each output's largest value."
@@ -37,6 +44,7 @@ def command(
     fmu: Path,
     as_: str,
     map_: Path | None,
+    scenario: Path | None,
     vector: Path | None,
     tolerance: float,
     lenient: bool,
@@ -46,7 +54,8 @@ def command(
 
     Nothing of it is run, unless a test vector is asked for. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
-    findings, fitted = check(fmu, as_, map_, lenient)
+    judged = load(read(scenario)) if scenario is not None else None
+    findings, fitted = check(fmu, as_, map_, lenient, judged)
     if vector is not None and fitted is not None and not _errors(findings):
         findings += play(fmu, fitted, vector, tolerance)
     fits = not _errors(findings)

@@ -15,6 +15,7 @@ from ..results.result import Result
 from ..runner import run as runner
 from ..runner.read import load, read
 from ..swap.option import swapped
+from ..swap.own_claims import own_claims
 from .console import Progress, complain, lost, notes, say
 from .overrides import overridden
 from .paths import PATH
@@ -100,6 +101,9 @@ def command(
             )
         finally:
             progress.close()
+        for block in (text.partition("=")[0].strip() for text in swaps):
+            outputs = [variable.name for variable in result.models[block].of("output")]
+            result.warnings += [str(finding) for finding in own_claims(result.scenario, block, outputs)]
         if not quiet:
             notes(result.warnings)
             if len(result.time):

@@ -67,11 +67,31 @@ def _left_out(prepared: Prepared, errors: list[str]) -> dict[Key, None]:
                 )
                 errors.append(scenario.error(key, text))
         gone[whole] = lost[signal.whole] = None
+    _empty(scenario, gone)
     if gone and not errors:
-        entries = "; ".join(dict.fromkeys(_entry(scenario, key) for key in gone))
+        outermost = [key for key in gone if not any(key[:n] in gone for n in range(1, len(key))) and "names" not in key]
+        entries = "; ".join(dict.fromkeys(_entry(scenario, key) for key in outermost))
         verb = "are" if len(lost) > 1 else "is"
         prepared.notes.append(f"left out, since {', '.join(lost)} {verb} not there: {entries}")
     return gone
+
+
+def _empty(scenario: Scenario, gone: dict[Key, None]) -> None:
+    """Takes out what is empty without what is gone: a panel, a figure, the list of recorded signals; and the names of curves."""
+    if (recorded := scenario.record.signals) and all(("record", "signals", i) in gone for i in range(len(recorded))):
+        gone[("record", "signals")] = None  # then all outputs are recorded
+    for i, figure in enumerate(scenario.figures):
+        for j, panel in enumerate(figure.panels):
+            place: Key = ("figures", i, "panels", j)
+            left = [k for k in range(len(panel.signals)) if (*place, "signals", k) not in gone]
+            if not left:
+                gone[place] = None
+            elif len(left) < len(panel.signals) and panel.names:
+                one_each = len(panel.names) == len(panel.signals)
+                lost = [(*place, "names", k) for k in range(len(panel.signals)) if k not in left]
+                gone.update(dict.fromkeys(lost if one_each else [(*place, "names")]))
+        if all(("figures", i, "panels", j) in gone for j in range(len(figure.panels))):
+            gone[("figures", i)] = None
 
 
 def _lacks(prepared: Prepared, output: Reference) -> bool:
@@ -136,8 +156,7 @@ def _references(scenario: Scenario) -> Iterator[tuple[Key, Reference, Key]]:
         for j, panel in enumerate(figure.panels):
             for k, signal in enumerate(panel.signals):
                 key = ("figures", i, "panels", j, "signals", k)
-                alone = len(panel.signals) == 1
-                yield key, signal, key[:2] if alone and len(figure.panels) == 1 else key[:4] if alone else key
+                yield key, signal, key
 
 
 def _given(key: Key, entry: Any, *fields: str) -> Iterator[tuple[Key, Reference]]:
@@ -156,4 +175,4 @@ def _entry(scenario: Scenario, key: Key) -> str:
         part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
         what = "a panel of " if "panels" in key and not part else ""
         return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
-    return "a recorded signal"
+    return "a recorded signal" if len(key) > 2 else "all signals to be recorded, so all outputs are"

@@ -42,7 +42,7 @@ KEPT = ROOT / "docs" / "allocators.csv"
 ALLOCATORS = {"allocator": "the paper's", "allocator_bounded": "bounded"}
 WEIGHTS = (0.0, 0.0236, 0.05, 0.1, 0.2, 0.4)
 """What is tried for wheel_weight."""
-_RECORDED = "controller.attitude_error controller.rate_error_B allocator.holding plant.h_w plant.dipole".split()
+_RECORDED = "judge.attitude_error judge.rate_error_B allocator.holding plant.h_w plant.dipole".split()
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ def fly(case: Case, longitude: float, fmus: Mapping[str, Path]) -> tuple[float, 
 def figures_of(result: Any) -> tuple[float, ...]:
     """The figures of a run, in the order of `Flown`."""
     time, l_w, holding = result.time, np.abs(result["plant.h_w"]), result["allocator.holding"]
-    rate = np.linalg.norm(result["controller.rate_error_B"], axis=1)
-    outside = (result["controller.attitude_error"] >= ATTITUDE_TOLERANCE) | (rate >= RATE_TOLERANCE)
+    rate = np.linalg.norm(result["judge.rate_error_B"], axis=1)
+    outside = (result["judge.attitude_error"] >= ATTITUDE_TOLERANCE) | (rate >= RATE_TOLERANCE)
     n = int(np.searchsorted(time, DURATION)) + 1
     return (
         settling_time(time[:n], outside[:n]),
@@ -129,7 +129,7 @@ def cases() -> dict[str, Case]:
 
 def compute(wanted: Mapping[str, Case], processes: int = 2, nodes: Iterable[float] = NODES) -> dict[str, Flown]:
     """Flies the cases at every node, with a progress bar."""
-    fmus = native.pin(("plant", "controller", *ALLOCATORS))
+    fmus = native.pin(("plant", "controller", native.JUDGE, *ALLOCATORS))
     at = [float(longitude) for longitude in nodes]
     tasks = {f"{name} {x:g}": (fly, (case, x, fmus)) for name, case in wanted.items() for x in at}
     done = dict(each(tasks, processes))

@@ -29,7 +29,7 @@ RATE_MAX = math.radians(6.0)
 J = np.diag(INERTIA)
 SHORT, LONG = 1.1 * ORBIT, 3.0 * ORBIT
 """How long a case is flown, s, and how long if it has not settled by then."""
-RECORD = ("plant.R_NB", "plant.omega_B", "plant.r_N", "plant.v_N", "plant.h_w")
+RECORD = ("judge.attitude_error", "judge.rate_error_B", "plant.h_w")
 TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
 """Gains of law [8] in SI units with the bounded allocator: the best of `python -m studies flight-tune`."""
 

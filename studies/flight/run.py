@@ -23,7 +23,7 @@ from .. import momentum_bound, native
 from ..momentum_bound import MomentumBalance, Tolerance
 from ..paper import ROOT, Array
 from ..processes import Task, each
-from ..settling import errors_to_lvlh, settling_time
+from ..settling import settling_time
 from ..setup import read
 from .cases import Case, Data
 
@@ -32,13 +32,13 @@ RATE = 1e-3
 """Settled: below the angle and this rate, rad/s, from then to the end of the run."""
 HOLD = 2000.0
 """The hold's error is that of so many last seconds."""
-BLOCKS = ("plant", "plant_sensors", "controller", "controller_planned", "allocator", "allocator_bounded")
+BLOCKS = ("plant", "plant_sensors", "plant_judge", "controller", "controller_planned", "allocator", "allocator_bounded")
 Row = dict[str, Any]
 
 
 def errors(result: Result) -> tuple[Array, Array]:
-    """Angle to LVLH, rad, and rate error, rad/s, of a run, from the plant's truth."""
-    return errors_to_lvlh(*(result[f"plant.{name}"] for name in ("R_NB", "omega_B", "r_N", "v_N")))
+    """Angle to LVLH, rad, and rate error, rad/s, of a run, from the plant's truth; each (n,)."""
+    return result["judge.attitude_error"], np.asarray(np.linalg.norm(result["judge.rate_error_B"], axis=1))
 
 
 def settled(time: Array, error: Array, rate: Array, degrees: float) -> float | None:

@@ -101,7 +101,7 @@ def _kept(job: Job, folder: Path) -> Any:
 
 def _fingerprint() -> str:
     """A hash of what the results are made from: FMUs, scenarios, the blocks in Python, and this study but for its page."""
-    digest = hashlib.sha256("".join(map(native.identity, native.PAPER)).encode())
+    digest = hashlib.sha256("".join(map(native.identity, (*native.PAPER, native.JUDGE))).encode())
     shown = ("page.py", "figures.py", "maps.py", "numbers.py")
     for folder, pattern in (
         ("plant", "*.py"),

@@ -20,7 +20,8 @@ _FREE = "unheld"
 _LIMITS = {"dipole_max": 1e9, "wheel_torque_max": 1e9, "hold_fraction": 1.0}
 _SIGNALS = {
     "plant": "h_w dipole dipole_saturated wheel_momentum_saturated",
-    "controller": "tau_cmd_B attitude_error rate_error_B lyapunov gain_l",
+    "controller": "tau_cmd_B lyapunov gain_l",
+    "judge": "attitude_error rate_error_B",
     "allocator": "dipole_cmd wheel_torque_cmd holding demand_fraction tau_residual_B b_wheel",
     _FREE: "dipole_cmd",
 }

@@ -49,7 +49,7 @@ def changed(name: str, **changes: Any) -> dict[str, Any]:
     return data
 
 
-RATES = {"plant": 1, "controller": 2, "allocator": 5}
+RATES = {"judge": 1, "plant": 1, "controller": 2, "allocator": 5}
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ def test_without_errors_the_loop_flies_as_without_sensors_to_the_bit():
 
 
 def test_the_order_puts_the_sensors_between_plant_and_law():
-    assert fly(scenario(**NOISE), 1.0).manifest["order"] == ["plant", "sensors", "controller", "allocator"]
+    assert fly(scenario(**NOISE), 1.0).manifest["order"] == ["plant", "sensors", "controller", "allocator", "judge"]
 
 
 def test_the_manoeuvre_settles_on_noisy_measurements_whose_errors_are_those_asked_for():

@@ -22,8 +22,8 @@ def test_figures_of_a_run_part_the_manoeuvre_from_the_hold():
     time = np.arange(0.0, ORBIT, 1.0)
     late = time > DURATION + 1.0
     result = {
-        "controller.attitude_error": np.where(time < 150.0, 1.0, 0.0) + np.where(time > ORBIT - 501.0, 1.0, 0.0),
-        "controller.rate_error_B": np.zeros((len(time), 3)),
+        "judge.attitude_error": np.where(time < 150.0, 1.0, 0.0) + np.where(time > ORBIT - 501.0, 1.0, 0.0),
+        "judge.rate_error_B": np.zeros((len(time), 3)),
         "allocator.holding": time < 10.0,
         "plant.h_w": np.where(late, -7e-3, 2e-3),
         "plant.dipole": np.where(late[:, None], 3.0, [[1.0, -9.0, 2.0]]),
