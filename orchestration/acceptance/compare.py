@@ -116,8 +116,8 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
     names = [f"{block}.{v.name}" for v in ports if v.causality == "input" and v.name in played.model.variables]
     other = execute(load(_recording(theirs, block, names)))
-    given = [v.name for v in other.models[block].of("output")]
-    other.warnings += [str(finding) for finding in own_claims(other.scenario, block, given)]
+    outputs = [v.name for v in other.models[block].of("output")]
+    other.warnings += [str(finding) for finding in own_claims(other.scenario, block, outputs)]
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
     rows = played.rows

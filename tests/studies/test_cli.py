@@ -40,7 +40,7 @@ def test_what_does_not_is_not_excluded():
         ([SCENARIO, "--set", "plant.epoch=2031-01-01T00:00:00Z"], "outside field_model 'igrf14'"),
         ([SCENARIO, "--set", "plant.inclinatoin=1"], "did you mean 'inclination'?"),
         (["scenarios/paper_no_singularty.yaml"], "there is no such file; did you mean 'paper_no_singularity.yaml'?"),
-        (["scenarios/minimal.yaml"], "minimal.yaml:12: blocks: expected a block with 'fmu: controller', found none"),
+        (["scenarios/minimal.yaml"], "minimal.yaml:13: blocks: expected a block with 'fmu: controller', found none"),
     ],
 )
 def test_wrong_input_is_told_with_its_place_and_without_a_traceback(arguments, message):
