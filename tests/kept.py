@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -51,6 +52,7 @@ def once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], obje
     folder = root / name
     with FileLock(root / f".{name}.lock"):
         if not (folder / ".made").exists():
+            shutil.rmtree(folder, ignore_errors=True)  # what a failed attempt has left
             folder.mkdir()
             make(folder)
             (folder / ".made").touch()
