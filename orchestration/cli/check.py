@@ -20,9 +20,7 @@ from .status import DOES_NOT_FIT
 
 @click.command("check")
 @click.argument("fmu", type=PATH)
-@click.option(
-    "--as", "as_", required=True, metavar="BLOCK", help="The block whose place it takes, or a reference .fmu."
-)
+@click.option("--as", "as_", required=True, metavar="BLOCK", help="The block that it replaces, or a reference .fmu.")
 @click.option("--map", "map_", type=PATH, metavar="FILE", help="Mapping of its ports to ours.")
 @click.option(
     "--scenario",
@@ -32,10 +30,13 @@ from .status import DOES_NOT_FIT
 )
 @click.option("--vector", type=PATH, metavar="DIR", help="Also run it on a test vector of the kit.")
 @click.option(
-    "--tolerance", default=1e-6, show_default=True, help="Of the vector, relative to each output's largest value."
+    "--tolerance",
+    default=1e-6,
+    show_default=True,
+    help="Tolerance of the vector, relative to each output's largest value.",
 )
 @click.option(
-    "--lenient", is_flag=True, help="What is not valid in its description is a warning, as by 'validation: lenient'."
+    "--lenient", is_flag=True, help="Report errors of its description as warnings, as 'validation: lenient' does."
 )
 @click.option("--json", "json_", is_flag=True, help="Print the findings as JSON.")
 @click.pass_context
@@ -50,9 +51,9 @@ def command(
     lenient: bool,
     json_: bool,
 ) -> None:
-    """Say whether an FMU can take a block's place, and what to do where it cannot.
+    """Check whether an FMU can replace a block, and list what to change.
 
-    Nothing of it is run, unless a test vector is asked for. Exit status: 0 it fits, 1 it does not, 2 wrong input.
+    The FMU is run only with --vector. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
     judged = load(read(scenario)) if scenario is not None else None
     findings, fitted = check(fmu, as_, map_, lenient, judged)

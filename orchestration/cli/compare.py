@@ -25,7 +25,7 @@ from .summary import mark
 @click.option(
     "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
 )
-@click.option("--map", "maps", multiple=True, metavar="FILE", help="How its ports stand to ours.")
+@click.option("--map", "maps", multiple=True, metavar="FILE", help="Mapping of its ports to ours.")
 @click.option(
     "--tolerance",
     "wanted",
@@ -51,7 +51,7 @@ def command(
     duration: str | None,
     json_: bool,
 ) -> None:
-    """Compare an FMU with the block whose place it takes: on the same inputs, and in the loop.
+    """Compare an FMU with the block that it replaces: on the same inputs, and in the loop.
 
     Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all expectations met,
     1 not, 2 wrong input, 3 an FMU failed.

@@ -21,7 +21,7 @@ from .paths import PATH
 
 @click.command("export")
 @click.argument("scenario", type=PATH)
-@click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, wires and values.")
+@click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, connections and values.")
 @click.option(
     "--container",
     type=PATH,
@@ -45,7 +45,7 @@ def command(
 ) -> None:
     """Write a scenario as a file that other FMI tools read.
 
-    The FMUs are run for one step, those of others in processes of their own: inputs get their values of t = 0 as start values.
+    The FMUs are run for one step, so that inputs get their values at t = 0 as start values. FMUs of others run in separate processes.
     """
     if ssp is None and container is None:
         raise InputError("expected --ssp FILE.ssp or --container FILE.fmu, or both")

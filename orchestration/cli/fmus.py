@@ -25,7 +25,7 @@ from .paths import PATH
     help="Compiled C, which runs in any tool, or the Python reference, which needs a host that holds Python.",
 )
 def command(copy: Path | None, flavour: str) -> None:
-    """List the project's own FMUs, built when need be, or hand them out."""
+    """List the project's own FMUs, or copy them; builds them if necessary."""
     try:
         paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:

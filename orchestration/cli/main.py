@@ -48,7 +48,7 @@ class _Lazy(Commands):
 def main() -> None:
     """Runs FMI 2.0 co-simulation FMUs from a scenario file: orchestrate SCENARIO.yaml
 
-    Exit status: 0 all well, 1 an expectation failed, 2 wrong input and nothing run, 3 an FMU failed,
+    Exit status: 0 success, 1 an expectation failed, 2 wrong input, nothing was run, 3 an FMU failed,
     4 results not written, 128 + n ended by signal n.
     """
 

@@ -21,7 +21,7 @@ from .paths import PATH
 @click.argument("block")
 @click.argument("folder", required=False, type=PATH, metavar="[DIR]")
 @click.option(
-    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="What they write it in."
+    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="Language of the project."
 )
 @click.option(
     "--scenario",
@@ -30,9 +30,9 @@ from .paths import PATH
     help="The run of which the test vector is a part; default: one of the project's own.",
 )
 def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -> None:
-    """Write a project that builds an FMU with a block's exact interface, for another team to fill in.
+    """Write a project that builds an FMU with a block's exact interface, for another team to complete.
 
-    It holds what it takes to build (in C: a compiler and make are enough), a README and a test vector.
+    It contains the build files (C needs only a compiler and make), a README and a test vector.
     """
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")

@@ -59,9 +59,9 @@ from .summary import summary
     "--loop",
     type=click.Choice(["compiled", "python"]),
     default="compiled",
-    help="The step loop: in C where it can be used (the default), or the readable one; the results are the same.",
+    help="The step loop: compiled C where possible (the default), or Python; the results are the same.",
 )
-@click.option("--log", is_flag=True, help="Print what the FMUs log as it comes.")
+@click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(

@@ -18,7 +18,7 @@ from .paths import PATH
 @click.command("scenarios")
 @click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 def command(copy: Path | None) -> None:
-    """List the project's own scenarios, or hand them out to run and to change."""
+    """List the project's own scenarios, or copy them."""
     paths = sorted(places.shared("scenarios").glob("*.yaml"))
     if copy is not None and (there := next((copy / p.name for p in paths if (copy / p.name).exists()), None)):
         raise InputError(f"{there} is there already; expected a folder without it")

@@ -61,7 +61,7 @@ LOOPS = (
         "FMPy",
         "FMPy",
         "the loop from `adcs.ssp`",
-        note="FMPy passes over the parameter sets of an SSP archive, and in the first step it sets every connected input to 0; "
+        note="FMPy ignores the parameter sets of an SSP archive, and in the first step it sets every connected input to 0; "
         "a controller refuses an attitude of zeros. The lines at the top give it the parameter sets and the start values. It can set neither text nor an "
         "enumeration's item.",
     ),
@@ -88,7 +88,7 @@ LOOPS = (
         "the loop as one FMU, in FMPy",
         exchange="sequential",
         note="The container steps its blocks in the scenario's order, so any tool that runs one FMU runs the loop as `orchestrate` does. "
-        "It has no states to save, and enumerations are whole numbers (their items are in the descriptions), so it can be had with any value of them.",
+        "It has no states to save, and enumerations are whole numbers (their items are in the descriptions), so it can be exported with any value of them.",
     ),
 )
 

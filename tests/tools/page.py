@@ -14,14 +14,14 @@ _HEAD = """# Our FMUs in other tools
 
 Made by `python -m tests.tools`; do not edit. Every row is also a test (`tests/tools/`).
 
-What a tool reads is handed out by
+These commands write the files that other tools read:
 
 ```
 {orchestrate}```
 
-An SSP archive (System Structure and Parameterization 1.0) holds the FMUs, their connections, units and start values. `orchestrate` keeps the
-rest of a scenario (step, expectations, figures) in an annotation, so that `orchestrate adcs.ssp` is the run of the scenario, bit for bit. Of
-another's archive it takes step and duration from the default experiments, or from `--step` and `--duration`.
+An SSP archive (System Structure and Parameterization 1.0) contains the FMUs, their connections, units and start values.
+`orchestrate` stores the rest of a scenario (step, expectations, figures) in an annotation, so `orchestrate adcs.ssp` gives the same results as the scenario, bit for bit.
+For an archive from another tool it uses step and duration of the default experiments, or `--step` and `--duration`.
 
 ## Checked
 
@@ -29,12 +29,11 @@ another's archive it takes step and duration from the default experiments, or fr
 |---|---|---|
 | `fmpy validate plant.fmu` | {fmpy} | none, all FMUs in both flavours, the container too |
 | `fmutool -input plant.fmu -check` | {toolbox} | none, all FMUs in both flavours |
-| schemas of SSP 1.0, as FMPy brings them | {fmpy} | none |
+| schemas of SSP 1.0, as supplied with FMPy | {fmpy} | none |
 
 ## Run
 
-The largest difference of `attitude_error` over the first {duration:g} s of the paper's manoeuvre V.B, in rad, from `orchestrate`: as it runs
-by default, and with `exchange` set to what the tool does.
+The largest difference of `attitude_error` over the first {duration:g} s of the paper's manoeuvre V.B, in rad, relative to `orchestrate`: with its default exchange, and with `exchange` set as in the tool.
 
 | tool | version | what | step, s | from the default | with the tool's exchange |
 |---|---|---|---|---|---|

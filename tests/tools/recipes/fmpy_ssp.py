@@ -4,7 +4,7 @@ plain = simulation.instantiate_fmu
 
 
 def instantiate(component, folder, start, stop=None, given=None):
-    """FMPy passes over the parameter sets of an SSP, and gives every input 0 in the first step."""
+    """FMPy ignores the parameter sets of an SSP, and gives every input 0 in the first step."""
     for values in component.parameterBindings[0].parameterValues:
         for parameter in values.parameters:
             parameter.name = f"{component.name}.{parameter.name}"
