@@ -56,7 +56,10 @@ def with_mathml(text: str) -> str:
         code, displayed, inline = match.groups()
         if code:
             return str(code)
-        return convert((displayed or inline).strip(), display="block" if displayed else "inline")
+        if displayed:
+            return convert(displayed.strip(), display="block")
+        # Markdown takes <math> at the beginning of a line for a block; <span> is never one.
+        return f"<span>{convert(inline.strip(), display='inline')}</span>"
 
     return _EQUATION.sub(replaced, text)
 

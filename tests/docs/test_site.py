@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import markdown  # type: ignore[import-untyped]
 import pytest
 
 from docs.site import __main__ as site
@@ -34,8 +35,15 @@ def test_a_dead_link_a_missing_heading_and_a_script_from_the_network_are_found(t
 
 def test_equations_become_mathml_and_code_stays():
     text = with_mathml("`a $b$`, $x_1$\n```\n$y$\n```\n$$\\hat x$$")
-    assert text.startswith("`a $b$`, <math")
+    assert text.startswith("`a $b$`, <span><math")
     assert "```\n$y$\n```\n<math" in text
+
+
+def test_an_equation_at_the_beginning_of_a_line_stays_in_its_paragraph():
+    html = markdown.markdown(with_mathml("The gains\n$K$ and $L$ are constant."))
+    assert html.count("<p>") == 1
+    assert html.startswith("<p>The gains")
+    assert html.endswith("are constant.</p>")
 
 
 @pytest.mark.parametrize("page", PAGES)
