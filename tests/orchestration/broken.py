@@ -370,17 +370,17 @@ Load an FMU from someone you do not trust only where you would run any other pro
 | a crash, an abort, an exit | the process is the FMU's own; the run ends with a message, and its results are written |
 | a hang, in any call | `timeout` of the block (60 s unless given); the process is ended |
 | memory without end | `memory` of the block (4 GB unless given, or half of the machine's); on Linux only |
-| prints and log messages, however many | they come through a pipe; the last 20 lines are kept and shown with a failure |
-| modules, symbols, signal handlers, locale and the current folder of one FMU in another's way | separate processes; each works in a temporary folder of its own |
+| any number of prints and log messages | they come through a pipe; the last 20 lines are kept and shown with a failure |
+| conflicts between FMUs: modules, symbols, signal handlers, locale, current folder | separate processes; each works in a temporary folder of its own |
 | processes left behind by the FMU, or by a run that is killed | ended with the FMU's process group; the process ends when the master does |
 | archives that unpack elsewhere or without end, symbolic links | refused before unpacking |
 | entities in XML that explode or read files | a DOCTYPE is refused; nothing of it is expanded |
-| answers from the FMU's process that are no answers | JSON of bounded length, read without running anything |
+| invalid answers from the FMU's process | JSON of bounded length, read without running anything |
 
 Not defended: an FMU can read and change every file that you can, use the network, start processes that leave its group, fill the disk
-and keep a processor busy until `timeout`. With `isolation: none`, the default of this project's own blocks, nothing in the table above
-holds but what it says of archives and XML. A Python FMU runs whatever Python code it holds, on loading already. Under Windows and macOS, `memory`
-is not enforced. A hash of each FMU is in the run's manifest, so that it can be told later what was run; FMUs are not signed.
+and keep a processor busy until `timeout`. With `isolation: none`, the default of this project's own blocks, only the rows
+about archives and XML apply. A Python FMU runs whatever Python code it holds, on loading already. Under Windows and macOS, `memory`
+is not enforced. A hash of each FMU is in the run's manifest, so that you can identify later what was run; FMUs are not signed.
 
 | what is broken | message | status | samples |
 |---|---|---|---|"""

@@ -772,7 +772,7 @@ def page() -> str:
         "",
         "What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is wrong and nothing was run,",
         "3 where an FMU failed. Each row is a test; this page is made from their output by",
-        "`python -m tests.orchestration.wrong_inputs > docs/errors.md`. The scenario is one of a motor and its regulator.",
+        "`python -m tests.orchestration.wrong_inputs > docs/errors.md`. The scenario is a loop of a motor and its regulator.",
         "",
         "| what is wrong | message | status |",
         "|---|---|---|",
