@@ -1,7 +1,7 @@
 """Which port of another team's FMU stands for which of ours, and what does not fit.
 
 `fit` finds everything that can be known without running anything. `orchestrate check` prints it, and a
-swap refuses to run where it holds a fault, so the two never disagree.
+swap refuses to run where it holds an error, so the two never disagree.
 """
 
 from __future__ import annotations

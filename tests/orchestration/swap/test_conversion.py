@@ -67,15 +67,15 @@ def test_a_momentum_becomes_a_speed_by_an_inertia():
 def test_a_factor_of_the_wrong_unit_is_refused():
     ours = mocks.model("ours", real("h", "input", unit=unit("N.m.s")))
     theirs = mocks.model("theirs", real("tach", "input", unit=unit("rpm")))
-    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "tach", "divide": "147 g"}}).errors
-    assert "ours, N.m.s, over 147 g does not come out in rpm" in str(fault)
+    (error,) = fitted(ours, theirs, ports={"h": {"theirs": "tach", "divide": "147 g"}}).errors
+    assert "ours, N.m.s, over 147 g does not come out in rpm" in str(error)
 
 
 def test_a_factor_beyond_a_double_is_refused():
     ours = mocks.model("ours", real("h", "input"))
     theirs = mocks.model("theirs", real("v", "input"))
-    (fault,) = fitted(ours, theirs, ports={"h": {"theirs": "v", "divide": 1e-310}}).errors
-    assert "the factor 1e-310 is beyond what a double holds" in str(fault)
+    (error,) = fitted(ours, theirs, ports={"h": {"theirs": "v", "divide": 1e-310}}).errors
+    assert "the factor 1e-310 is beyond what a double holds" in str(error)
 
 
 @pytest.mark.parametrize(

@@ -19,17 +19,17 @@ def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
     theirs = mocks.model("theirs", real("gyro", "input", shape=(4,)))
     ports = {"u": ["gyro[1]", "gyro[3]"]}
     found = fitted(ours, theirs, ports=ports)
-    (fault,) = found.errors
-    assert "inputs gyro[2] gyro[4] are of theirs only, and nothing feeds them; remedy: " in str(fault)
-    assert not unfed(fault), "no scenario can feed them"
+    (error,) = found.errors
+    assert "inputs gyro[2] gyro[4] are of theirs only, and nothing feeds them; remedy: " in str(error)
+    assert not unfed(error), "no scenario can feed them"
     assert found.findings[0].text == "input u = gyro[1] gyro[3], a real [2]"
     found = fitted(ours, theirs, ports=ports, start={"gyro[2]": 0.1, "gyro[4]": 0.2})
     assert not found.errors
     block = Mock("x", theirs, lambda b: None)
     through(found, block, u=[5.0, 6.0])
     assert block.vector("gyro").tolist() == [5.0, 0.1, 6.0, 0.2]
-    (fault,) = fitted(ours, theirs, ports=ports, start={"gyro": [1, 2, 3, 4]}).errors[:1]
-    assert "gyro[1] gyro[3] stands for our u, whose value it takes" in str(fault)
+    (error,) = fitted(ours, theirs, ports=ports, start={"gyro": [1, 2, 3, 4]}).errors[:1]
+    assert "gyro[1] gyro[3] stands for our u, whose value it takes" in str(error)
 
 
 def test_what_is_left_of_outputs_and_parameters_is_told():
