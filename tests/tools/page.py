@@ -23,6 +23,14 @@ An SSP archive (System Structure and Parameterization 1.0) contains the FMUs, th
 `orchestrate` stores the rest of a scenario (step, expectations, figures) in an annotation, so `orchestrate adcs.ssp` gives the same results as the scenario, bit for bit.
 For an archive from another tool it uses step and duration of the default experiments, or `--step` and `--duration`.
 
+SSP has no words for rates (`every`), faults and delays, and other tools would run another system without a word. So the export refuses a scenario
+that has them. `--for-orchestrate` keeps them in the annotation, for `orchestrate` alone.
+
+What `orchestrate` reads is held against the schemas of SSP 1.0, and unpacked within bounds (1 GB, 20,000 entries, 2 GB unpacked). An annotation
+decides neither over guards (`isolation`, `timeout`, `memory`, `validation`) nor over files (`fmu`, `map`, `interface`): such an archive is refused.
+
+Both annotations stand in the system: first that of OMSimulator with the step, which its command line looks for there, then ours. None stands at the root.
+
 ## Checked
 
 | checker | version | finding |

@@ -1,0 +1,37 @@
+"""What OMSimulator's exchange, imitated, makes of the scenarios; docs/tools.md tells of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import orchestration
+
+from .exchange import imitated, plain
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+ERROR = "controller.attitude_error"
+
+
+@pytest.mark.parametrize("name", ["paper_no_singularity", "fault_lost_magnetometer"])
+def test_laws_without_memory_give_the_same_bits_in_omsimulator_s_order(name: str, tmp_path: Path) -> None:
+    scenario = plain(SCENARIOS / f"{name}.yaml", 0.1, 60.0)
+    assert np.array_equal(imitated(scenario, ERROR, tmp_path), np.asarray(orchestration.run(scenario)[ERROR]))
+
+
+def test_the_fault_of_the_lost_magnetometer_is_what_differs_without_it() -> None:
+    with_fault = orchestration.run(SCENARIOS / "fault_lost_magnetometer.yaml")[ERROR]
+    without = orchestration.run(plain(SCENARIOS / "fault_lost_magnetometer.yaml", 0.1, 386.1))[ERROR]
+    assert np.abs(np.asarray(with_fault) - np.asarray(without)).max() == pytest.approx(0.033, abs=5e-4)
+
+
+def test_u_applied_a_sample_later_explains_a_part_of_the_planned_controller_s_difference(tmp_path: Path) -> None:
+    scenario = plain(SCENARIOS / "flight_vb.yaml", 0.5, 120.0)
+    ours = np.asarray(orchestration.run(scenario)[ERROR])
+    differences = []
+    for late in ("", "u_applied"):
+        (tmp_path / f"x{late}").mkdir()
+        differences.append(np.abs(imitated(scenario, ERROR, tmp_path / f"x{late}", late) - ours).max())
+    assert differences == [pytest.approx(0.026, abs=1e-3), pytest.approx(0.021, abs=1e-3)]
