@@ -12,8 +12,8 @@ import pytest
 
 from orchestration.cli.main import main
 
-from . import _campaign
-from ._campaign import campaign
+from .torture import _campaign
+from .torture._campaign import campaign
 
 
 def _crash(random: Random, folder: Path) -> list[str]:
