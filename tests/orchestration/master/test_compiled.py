@@ -86,7 +86,9 @@ def test_a_slow_block_recorded_between_its_steps_shows_its_last_step(loop, excha
     text = text.replace("record: {interval: 0.1 s}", "record: {interval: 0.3 s, signals: [motor.steps, motor.speed]}")
     loop.write_text(text + f"exchange: {exchange}\n")
     a, b = both(loop, ran_in_c)
-    assert a["motor.steps"].tolist() == [3 * sample // 2 for sample in range(7)]
+    assert a["motor.steps"].tolist() == [*(3 * sample // 2 for sample in range(7)), 10], (
+        "the end, 2 s, is recorded besides"
+    )
     assert a.samples.tobytes() == b.samples.tobytes()
 
 
