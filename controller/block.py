@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -61,6 +61,10 @@ class State:
     """|zeta(0)| of [10], rad, latched at the start."""
     rate_error_0: float
     """|omega(0)| of [10], rad/s, latched at the start."""
+    latched: bool = True
+    """Whether the two are latched; they wait for the first attitude where the inputs begin without one."""
+    flown: bool = False
+    """Whether a step has had an attitude; from then on a matrix of zeros is refused."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,7 @@ class Outputs:
     lyapunov: float
     gain_k: float
     gain_l: float
+    no_attitude: bool
 
 
 def check(p: Parameters) -> None:
@@ -109,12 +114,29 @@ def _check_positive_definite(name: str, M: Array) -> None:
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0, with |zeta(0)| and |omega(0)| of the inputs as they stand."""
-    e = _errors(0.0, u, p)
-    return State(t=0.0, attitude_error_0=e.angle, rate_error_0=so3.norm(e.omega))
+    x = State(t=0.0, attitude_error_0=0.0, rate_error_0=0.0, latched=False)
+    return x if _no_attitude(x, u) else _latched(x, u, p)
+
+
+def _latched(x: State, u: Inputs, p: Parameters) -> State:
+    """With the errors of the inputs at x.t, where none are latched."""
+    if x.latched:
+        return x
+    e = _errors(x.t, u, p)
+    return State(x.t, e.angle, so3.norm(e.omega), True, x.flown)
+
+
+def _no_attitude(x: State, u: Inputs) -> bool:
+    """Whether there is none yet: a matrix of zeros, as simple masters give before the first value. Raises ValueError."""
+    _check_finite(u)
+    return not x.flown and not u.R_NB.any()
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The law [8] at the time x.t."""
+    """The law [8] at the time x.t; no torque before the first attitude."""
+    if _no_attitude(x, u):
+        return Outputs(np.zeros(3), math.pi, u.omega_B, 0.0, 0.0, 0.0, True)
+    x = _latched(x, u, p)
     e = _errors(x.t, u, p)
     k, l = _gains(x, e, p)  # noqa: E741 the paper's letter
     K = k * p.K0
@@ -130,21 +152,30 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         lyapunov=law.lyapunov(p.J_B, phi_value, e.omega),
         gain_k=k,
         gain_l=l,
+        no_attitude=False,
     )
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the inputs at t + h, and so is the torque."""
-    x = State(x.t + h, x.attitude_error_0, x.rate_error_0)
+    x = State(x.t + h, x.attitude_error_0, x.rate_error_0, x.latched, x.flown)
+    if _no_attitude(x, u):
+        x = State(x.t, 0.0, 0.0, latched=False)
+        return x, outputs(x, u, p)
+    x = replace(_latched(x, u, p), flown=True)
     return x, outputs(x, u, p)
 
 
 def _errors(t: float, u: Inputs, p: Parameters) -> Errors:
     so3.require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
+    _check_finite(u)
+    return errors(u.R_NB, u.omega_B, _reference(t, u, p))
+
+
+def _check_finite(u: Inputs) -> None:
     for name, value in (("omega_B", u.omega_B), ("r_N", u.r_N), ("v_N", u.v_N)):
         if not math.isfinite(sum(value.tolist())):
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
-    return errors(u.R_NB, u.omega_B, _reference(t, u, p))
 
 
 def _reference(t: float, u: Inputs, p: Parameters) -> Reference:

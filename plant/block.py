@@ -7,7 +7,7 @@ The command is held over the step; moments are those of the moving satellite in 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -40,6 +40,8 @@ class State:
     R: Array
     Pi: Array
     l_w: float
+    dipole_mean: Array = field(default_factory=lambda: np.zeros(3))
+    """Of the rods over the last step, A m2."""
 
     def Omega(self, p: Parameters) -> Array:
         """Body rate (3,), rad/s: J^-1 (Pi - l_w e1)."""
@@ -70,6 +72,7 @@ class Outputs:
     wheel_torque_saturated: bool
     wheel_momentum_saturated: bool
     field_extrapolated: bool
+    dipole_mean: Array
 
 
 def start(p: Parameters, u: Inputs) -> State:
@@ -100,16 +103,18 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
             f"rod_period is {p.rod_period} s; expected at least a millionth of the communication step, {h} s"
         )
     n = max(1, math.ceil(ratio))
-    R, Pi, l_w = x.R, x.Pi, x.l_w
+    R, Pi, l_w, on_time = x.R, x.Pi, x.l_w, 0.0
     for i in range(n):
         t = x.t + i * (h / n)
         for duration, on in p.rod_turns.parts(t, h / n):
             dipole_B = dipoles_B[on]
+            on_time += duration if on else 0.0
             for part in segments(l_w, u.wheel_torque_cmd, duration, p.wheel):
                 R, Pi = _advance(R, Pi, part, moment, p, t)
                 t += part.duration
                 l_w = part.l_end
-    following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w)
+    mean = min(on_time / h, 1.0) * dipoles(u.dipole_cmd, p, True)
+    following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w, dipole_mean=mean)
     return following, outputs(following, u, p)
 
 
@@ -173,6 +178,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
         field_extrapolated=p.field_extrapolated,
+        dipole_mean=x.dipole_mean,
     )
 
 

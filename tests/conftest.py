@@ -17,6 +17,8 @@ MARKERS = {
         "fmus/python",
         "fmus/test_build.py",
         "fmus/test_dependencies.py",
+        "fmus/test_no_attitude.py",
+        "fmus/test_rules.py",
         "fmus/test_nested.py",
         "native",
         "orchestration/acceptance/test_check.py",

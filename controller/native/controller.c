@@ -6,6 +6,7 @@ static const double R_MIN = 1.0;                /* m; nearer to the Earth's cent
 static const double COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision plant stays well below it */
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
+static const double PI = 3.14159265358979323846;
 static const Vector zero = {0.0, 0.0, 0.0};
 
 /* The desired motion: attitude (N from desired body), rate and its derivative in desired body axes [3]. */
@@ -100,11 +101,16 @@ static bool desired(const ControllerLaw *law, double t, const ControllerInputs *
     }
 }
 
+static bool inputs_finite(const ControllerInputs *u, Fault *f)
+{
+    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
+    return all_finite_vectors(inputs, COUNT(inputs), f);
+}
+
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
 static bool tracking_errors(const ControllerLaw *law, double t, const ControllerInputs *u, Errors *e, Fault *f)
 {
-    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
-    if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
+    if (!inputs_finite(u, f)) {
         return false;
     }
     const Matrix R = matrix(u->R_NB);
@@ -148,14 +154,30 @@ static bool gravity_gradient(const ControllerLaw *law, const ControllerInputs *u
     return true;
 }
 
-bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)
+/* Whether there is none yet: a matrix of zeros, as simple masters give before the first value. */
+static bool no_attitude(const ControllerState *x, const ControllerInputs *u)
+{
+    return !x->flown && is_zero_matrix(matrix(u->R_NB));
+}
+
+/* |zeta(0)| and |omega(0)| of the inputs at x->t, where none are latched. */
+static bool latch(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)
 {
     Errors e;
-    if (!tracking_errors(law, 0.0, u, &e, f)) {
+    if (x->latched) {
+        return true;
+    }
+    if (!tracking_errors(law, x->t, u, &e, f)) {
         return false;
     }
-    *x = (ControllerState){0.0, e.angle, norm(e.omega)};
+    *x = (ControllerState){x->t, e.angle, norm(e.omega), true, x->flown};
     return true;
+}
+
+bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)
+{
+    *x = (ControllerState){0.0, 0.0, 0.0, false, false};
+    return no_attitude(x, u) ? inputs_finite(u, f) : latch(law, u, x, f);
 }
 
 bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
@@ -165,14 +187,21 @@ bool controller_outputs(const ControllerLaw *law, const ControllerState *x, cons
     const Matrix J = matrix(p->J_B);
     Errors e;
     Vector M_g = zero;
-    if (!tracking_errors(law, x->t, u, &e, f) || (p->compensate_gravity && !gravity_gradient(law, u, J, &M_g, f))) {
+    if (no_attitude(x, u)) {
+        *y = (ControllerOutputs){.attitude_error = PI, .no_attitude = true};
+        store(vector(u->omega_B), y->rate_error_B);
+        return inputs_finite(u, f);
+    }
+    ControllerState now = *x;
+    if (!latch(law, u, &now, f) || !tracking_errors(law, x->t, u, &e, f) ||
+        (p->compensate_gravity && !gravity_gradient(law, u, J, &M_g, f))) {
         return false;
     }
 
     /* K = k K0, L = l L0 [9], with k and l by [10]. */
     const bool scheduled = p->gain_schedule == CONTROLLER_GAIN_SCHEDULE_ERROR;
-    const double k = scheduled ? p->kappa0 * (p->a1 + e.angle) / (p->a2 + x->attitude_error_0) : p->kappa0;
-    const double l = scheduled ? p->lambda0 * (p->c1 + norm(e.omega)) / (p->c2 + x->rate_error_0) : p->lambda0;
+    const double k = scheduled ? p->kappa0 * (p->a1 + e.angle) / (p->a2 + now.attitude_error_0) : p->kappa0;
+    const double l = scheduled ? p->lambda0 * (p->c1 + norm(e.omega)) / (p->c2 + now.rate_error_0) : p->lambda0;
     const Vector K = scale(k, vector(p->K0));
 
     /* sum k_i e_i x Q^T e_i [7]; Q^T e_i is row i of Q. */
@@ -191,14 +220,18 @@ bool controller_outputs(const ControllerLaw *law, const ControllerState *x, cons
     y->lyapunov = 0.5 * dot(e.omega, apply(J, e.omega)) + phi.value; /* [11] */
     y->gain_k = k;
     y->gain_l = l;
+    y->no_attitude = false;
     return true;
 }
 
 bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h, ControllerOutputs *y,
                      Fault *f)
 {
-    const ControllerState next = {x->t + h, x->attitude_error_0, x->rate_error_0};
-    if (!controller_outputs(law, &next, u, y, f)) {
+    ControllerState next = *x;
+    next.t = x->t + h;
+    next.latched = x->latched && !no_attitude(x, u);
+    next.flown = !no_attitude(x, u);
+    if ((next.flown && !latch(law, u, &next, f)) || !controller_outputs(law, &next, u, y, f)) {
         return false;
     }
     *x = next;

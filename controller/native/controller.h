@@ -14,6 +14,8 @@ typedef struct {
     double t;                /* s */
     double attitude_error_0; /* |zeta(0)| of [10], rad, latched at the start */
     double rate_error_0;     /* |omega(0)| of [10], rad/s, latched at the start */
+    bool latched;            /* the two are; they wait for the first attitude where the inputs begin without one */
+    bool flown;              /* a step has had an attitude; from then on a matrix of zeros is refused */
 } ControllerState;
 
 /* Parameters and what follows from them alone. */

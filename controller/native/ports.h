@@ -88,6 +88,8 @@ typedef struct {
     double gain_k;
     /* l, scale of the rate gain: L = l L0 [9][10] */
     double gain_l;
+    /* R_NB is a matrix of zeros, since there is no attitude yet: no torque, and attitude_error is pi */
+    bool no_attitude;
 } ControllerOutputs;
 
 #endif

@@ -50,9 +50,10 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
-    """Nothing is remembered but the time, s, which the reference 'rate' needs."""
+    """The time, s, which the reference 'rate' needs, and whether a step has had an attitude."""
 
     t: float
+    flown: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Outputs:
 
     attitude_error: float
     rate_error_B: Array
+    no_attitude: bool
 
 
 def check(p: Parameters) -> None:
@@ -83,16 +85,23 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """
     for name in ("omega_B", "r_N", "v_N"):
         _require_finite(name, getattr(u, name))
+    if _no_attitude(x, u):
+        return Outputs(attitude_error=math.pi, rate_error_B=u.omega_B, no_attitude=True)
     _require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
     desired = _reference(x.t, u, p)
     Q = desired.R_d.T @ u.R_NB
-    return Outputs(attitude_error=principal_angle(Q), rate_error_B=u.omega_B - Q.T @ desired.Omega_d)
+    return Outputs(attitude_error=principal_angle(Q), rate_error_B=u.omega_B - Q.T @ desired.Omega_d, no_attitude=False)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u is the truth at t + h."""
-    x = State(x.t + h)
+    x = State(x.t + h, not _no_attitude(x, u))
     return x, outputs(x, u, p)
+
+
+def _no_attitude(x: State, u: Inputs) -> bool:
+    """Whether there is none yet: a matrix of zeros, as simple masters give before the first value."""
+    return not x.flown and not u.R_NB.any()
 
 
 def principal_angle(Q: Array) -> float:

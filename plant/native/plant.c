@@ -16,8 +16,7 @@ bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fau
 {
     (void)u, (void)f;
     const double l_w = plant->p.h_w0;
-    x->t = 0.0;
-    x->l_w = l_w;
+    *x = (PlantState){.t = 0.0, .l_w = l_w};
     store_matrix(plant->R_NB0, x->R);
     store(add(apply(plant->body.J, vector(plant->p.omega_B0)), (Vector){l_w, 0.0, 0.0}), x->Pi);
     return true;
@@ -77,7 +76,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     Acting acting = {plant, with_rods};
     const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
     Attitude attitude = {matrix(now->R), vector(now->Pi)};
-    double l_w = now->l_w;
+    double l_w = now->l_w, on_time = 0.0;
     for (int i = 0; i < n; ++i) {
         double t = x->t + i * (h / n), left = h / n;
         for (Turn turn = plant_turn_at(&plant->p, t); left > 0.0; turn = plant_next_turn(turn)) {
@@ -85,6 +84,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
             Segment parts[SEGMENTS_MAX];
             const int count = plant_wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
             acting.dipole_B = turn.on ? with_rods : without;
+            on_time += turn.on ? duration : 0.0;
             for (int k = 0; k < count; ++k) {
                 if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude,
                                    f)) {
@@ -99,6 +99,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     PlantState next;
     next.t = x->t + h;
     next.l_w = l_w;
+    store(scale(smaller(on_time / h, 1.0), plant_rod_dipoles(&plant->p, u, true)), next.dipole_mean);
     store_matrix(attitude.R, next.R);
     store(attitude.Pi, next.Pi);
     if (!plant_outputs(plant, &next, u, y, f)) {
@@ -163,6 +164,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     store(p->drag ? drag(plant, flow_B, around->density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
     store(cross(dipole_B(plant, dipole), b_B), y->tau_mag_B);
     store(dipole, y->dipole);
+    store(vector(x->dipole_mean), y->dipole_mean);
     y->wheel_torque = plant_wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
     y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
     y->wheel_speed = x->l_w / p->wheel_inertia;

@@ -162,7 +162,8 @@ typedef struct {
     /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
     double tau_mag_B[3];
     /* A.m2; frame rods; Dipole of each rod at this instant: rod_gain times the command clipped at dipole_max;
-     * zero while the rods are off */
+     * zero while the rods are off. In a record, its command is the one that acted before the time stamp, over
+     * the step that ends there */
     double dipole[3];
     /* N.m; True dl_w/dt: the command clipped at wheel_torque_max, minus friction; zero where it would drive
      * h_w beyond its limit */
@@ -186,6 +187,9 @@ typedef struct {
     bool wheel_momentum_saturated;
     /* The epoch lies outside the years that field_model covers, and field_extrapolate accepts it */
     bool field_extrapolated;
+    /* A.m2; frame rods; Mean of the dipole that each rod gave over the last step, the time in which the rods
+     * were off included; zero before the first step */
+    double dipole_mean[3];
 } PlantOutputs;
 
 #endif

@@ -12,7 +12,7 @@ from fmpy.fmi2 import FMU2Slave
 from scipy.spatial.transform import Rotation
 
 from fmus.build import ensure
-from fmus.interface import BLOCKS, InterfaceError, load, parse
+from fmus.interface import BLOCKS, InterfaceError, element_name, load, parse
 
 from .feedthrough import declared_pairs, real_pairs
 
@@ -140,7 +140,12 @@ def test_nothing_changes_an_output_initially_but_what_it_declares(case, tmp_path
 
 
 CAUTION = "the interface also stands in for another team's FMU that declares nothing, and whose law may use it"
+TOGETHER = "it changes where all elements go from zero to a rotation at once"
 UNSEEN = {
+    **{
+        block: {("no_attitude", element_name("R_NB", (i, j))): TOGETHER for i in (1, 2, 3) for j in (1, 2, 3)}
+        for block in ("controller", "controller_planned", "plant_judge")
+    },
     "allocator": {("dipole_cmd", "tau_cmd_B[1]"): CAUTION, ("", "omega_B[1]"): CAUTION},
     "allocator_bounded": {("", "omega_B[1]"): CAUTION},
 }

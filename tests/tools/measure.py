@@ -62,7 +62,7 @@ LOOPS = (
         "FMPy",
         "the loop from `adcs.ssp`",
         note="FMPy ignores the parameter sets of an SSP archive, and in the first step it sets every connected input to 0; "
-        "a controller refuses an attitude of zeros. The lines at the top give it the parameter sets and the start values. It can set neither text nor an "
+        "a controller takes an attitude of zeros for none yet and gives no torque in that step. The lines at the top give it the parameter sets and the start values. It can set neither text nor an "
         "enumeration's item.",
     ),
     Recipe(

@@ -9,7 +9,15 @@ static const double CLOSED = 0.999;            /* of the energy that escapes: th
 static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
 static const double EARLY = 1e-6;              /* of the control period: a sample is due that much before its time */
 
-static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
+static const double PI = 3.14159265358979323846;
+
+/* Whether there is none yet: a matrix of zeros, as simple masters give before the first value. */
+static bool no_attitude(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+{
+    return !x->flown && is_zero_matrix(matrix(u->R_NB));
+}
+
+static bool inputs_finite(const ControllerPlannedInputs *u, Fault *f)
 {
     const NamedVector inputs[] = {
         {"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}, {"b_B", vector(u->b_B)}};
@@ -26,6 +34,14 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
         if (!isfinite(u->u_applied[i])) {
             return fault(f, "u_applied", u->u_applied[i], "finite numbers");
         }
+    }
+    return true;
+}
+
+static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
+{
+    if (!inputs_finite(u, f)) {
+        return false;
     }
     const Vector r_N = vector(u->r_N), v_N = vector(u->v_N);
     const double r = norm(r_N), v = norm(v_N);
@@ -58,12 +74,28 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
-bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
+/* What is put out before the first attitude: no torque, the largest error, what is believed of the satellite. */
+static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
 {
-    if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
-        return false;
-    }
+    const Matrix I = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    ControllerPlannedOutputs y;
+    memset(&y, 0, sizeof y);
+    y.no_attitude = true;
+    y.attitude_error = PI;
+    y.phase = PHASE_STEERING;
+    y.gain_k = y.gain_l = y.rod_gain_estimate = 1.0;
+    y.h_w_estimate = controller_planned_has_h_w(u) ? u->h_w : 0.0;
+    store(vector(u->omega_B), y.rate_error_B);
+    store_matrix(I, y.R_d);
+    store_matrix(matrix(law->p.J_B), y.J_estimate_B);
+    return y;
+}
+
+/* The state at the time t, at which the first attitude has come. */
+static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double t, ControllerPlannedState *x)
+{
     memset(x, 0, sizeof *x);
+    x->t = t;
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     controller_planned_identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
                                             law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
@@ -71,12 +103,30 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;
     sample(law, x, u, true);
+}
+
+bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
+{
+    memset(x, 0, sizeof *x);
+    x->waiting = no_attitude(x, u);
+    if (x->waiting) {
+        x->held = without_attitude(law, u);
+        return inputs_finite(u, f);
+    }
+    if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
+        return false;
+    }
+    begin(law, u, 0.0, x);
     return true;
 }
 
 bool controller_planned_outputs(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
 {
+    if (no_attitude(x, u)) {
+        *y = without_attitude(law, u);
+        return inputs_finite(u, f);
+    }
     *y = x->held;
     if (!x->sampled) {
         return true;
@@ -94,9 +144,27 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
 bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, double h,
                              ControllerPlannedOutputs *y, Fault *f)
 {
+    if (no_attitude(x, u)) {
+        if (!inputs_finite(u, f)) {
+            return false;
+        }
+        const double t = x->t + h;
+        memset(x, 0, sizeof *x);
+        x->t = t;
+        x->waiting = true;
+        x->held = *y = without_attitude(law, u);
+        return true;
+    }
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
+    if (x->waiting) {
+        begin(law, u, x->t + h, x);
+        x->flown = true;
+        *y = x->held;
+        return true;
+    }
+    x->flown = true;
     const double period = law->p.control_period;
     x->t += h;
     x->until_sample -= h;

@@ -139,6 +139,9 @@ typedef struct {
     double rod_gain_estimate;
     /* N.m.s; Wheel momentum that the controller uses: h_w, or its own estimate where h_w is not connected */
     double h_w_estimate;
+    /* R_NB is a matrix of zeros, since there is no attitude yet: no torque, no plan, and attitude_error is pi
+     * */
+    bool no_attitude;
 } ControllerPlannedOutputs;
 
 /* An optional input is not connected where an element is this large. */

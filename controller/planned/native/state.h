@@ -18,6 +18,8 @@ typedef struct {
     double settled_since;  /* s; beyond t while not settled */
     int32_t phase;
     bool sampled; /* whether the control has acted at t */
+    bool waiting; /* for the first attitude, with which all begins */
+    bool flown;   /* a step has had an attitude; from then on a matrix of zeros is refused */
     Steering steering;
     Plan plan;
     Search search;

@@ -101,6 +101,17 @@ static inline bool is_rotation(Matrix R, double tolerance, const char *name, con
     return true;
 }
 
+/* Zero in every element: an attitude of a master that has none yet. */
+static inline bool is_zero_matrix(Matrix M)
+{
+    const Vector rows[] = {M.a, M.b, M.c};
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        sum += fabs(rows[i].x) + fabs(rows[i].y) + fabs(rows[i].z);
+    }
+    return sum == 0.0; /* not of a NaN */
+}
+
 /* Whether S is symmetric to 1e-9 of its largest element and positive definite (leading minors). */
 static inline bool is_positive_definite(Matrix S, const char *name, Fault *f)
 {

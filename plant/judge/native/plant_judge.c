@@ -2,6 +2,7 @@
 
 #include "rotation.h"
 
+static const double PI = 3.14159265358979323846;
 static const double R_MIN = 1.0;                /* m; nearer to the Earth's centre a position has no direction */
 static const double COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB and R_d: single precision stays well below it */
@@ -78,8 +79,14 @@ static bool desired(const PlantJudgeLaw *law, double t, const PlantJudgeInputs *
 bool plant_judge_start(const PlantJudgeLaw *law, const PlantJudgeInputs *u, PlantJudgeState *x, Fault *f)
 {
     (void)law, (void)u, (void)f;
-    x->t = 0.0;
+    *x = (PlantJudgeState){0.0, false};
     return true;
+}
+
+/* Whether there is none yet: a matrix of zeros, as simple masters give before the first value. */
+static bool no_attitude(const PlantJudgeState *x, const PlantJudgeInputs *u)
+{
+    return !x->flown && is_zero_matrix(matrix(u->R_NB));
 }
 
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
@@ -89,8 +96,16 @@ bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, con
     const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
     const Matrix R = matrix(u->R_NB);
     Reference reference;
-    if (!all_finite_vectors(inputs, COUNT(inputs), f) ||
-        !is_rotation(R, ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f) ||
+    if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
+        return false;
+    }
+    y->no_attitude = no_attitude(x, u);
+    if (y->no_attitude) {
+        y->attitude_error = PI;
+        store(vector(u->omega_B), y->rate_error_B);
+        return true;
+    }
+    if (!is_rotation(R, ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f) ||
         !desired(law, x->t, u, &reference, f)) {
         return false;
     }
@@ -103,7 +118,7 @@ bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, con
 bool plant_judge_step(const PlantJudgeLaw *law, PlantJudgeState *x, const PlantJudgeInputs *u, double h, PlantJudgeOutputs *y,
                       Fault *f)
 {
-    const PlantJudgeState next = {x->t + h};
+    const PlantJudgeState next = {x->t + h, !no_attitude(x, u)};
     if (!plant_judge_outputs(law, &next, u, y, f)) {
         return false;
     }

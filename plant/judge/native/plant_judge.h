@@ -8,7 +8,8 @@
 #include "ports.h"
 
 typedef struct {
-    double t; /* s; the reference 'rate' needs it */
+    double t;   /* s; the reference 'rate' needs it */
+    bool flown; /* a step has had an attitude */
 } PlantJudgeState;
 
 typedef struct {

@@ -46,6 +46,9 @@ typedef struct {
     double attitude_error;
     /* rad/s; frame B; omega = Omega - Q^T Omega_d [4] */
     double rate_error_B[3];
+    /* R_NB is a matrix of zeros, since there is no attitude yet: attitude_error is pi, rate_error_B is
+     * omega_B */
+    bool no_attitude;
 } PlantJudgeOutputs;
 
 /* An optional input is not connected where an element is this large. */
