@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -366,3 +367,28 @@ def positive_definite(rng: np.random.Generator) -> np.ndarray:
     R = _rotation(rng)
     L = R @ np.diag(rng.uniform(0.2, 2.0, 3)) @ R.T
     return 0.5 * (L + L.T)
+
+
+@pytest.mark.parametrize(
+    "epoch",
+    [
+        *("1900-01-01T00:00:00Z", "1900-02-28T23:59:59Z", "1900-03-01T00:00:00Z", "1999-12-31T23:59:59.75Z"),
+        *("2000-02-28T12:00:00Z", "2000-02-29T12:00:00Z", "2000-03-01T12:00:00Z", "2000-12-31T00:00:01Z"),
+        *("2012-02-29T06:30:15.5Z", "2023-02-28T23:00:00Z", "2023-03-01T01:00:00Z", "2024-02-29T00:00:00Z"),
+        *("2024-12-31T23:59:59Z", "2025-01-01T00:00:00Z", "2026-07-31T18:00:00Z", "2026-08-01T00:00:00Z"),
+    ],
+)
+def test_both_flavours_count_days_as_the_calendar_of_python_does(epoch: str) -> None:
+    """A day more turns the node by 0.986 deg, 120 km, and a second by 0.5 km."""
+    days = (datetime.fromisoformat(epoch) - datetime(2000, 1, 1, 12, tzinfo=UTC)) / timedelta(days=1)
+    century = days / 36525.0
+    seconds = 67310.54841 + (876600.0 * 3600.0 + 8640184.812866) * century + 0.093104 * century**2 - 6.2e-6 * century**3
+    angle = math.radians(seconds / 240.0)  # Greenwich mean sidereal time, IAU 1982
+    p = parameters("plant", epoch=epoch, field_model="igrf14", node_longitude=0.0)
+    found = module("plant").outputs(module("plant").start(p, inputs("plant")), inputs("plant"), p).r_N
+    expected = p.orbit_radius * np.array([math.cos(angle), math.sin(angle), 0.0])
+    np.testing.assert_allclose(found, expected, atol=1.0)
+    with Instance("plant") as it:
+        it.set_all(p)
+        it.initialize()
+        np.testing.assert_allclose(it.get("r_N"), expected, atol=1.0)

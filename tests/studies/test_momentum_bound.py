@@ -176,3 +176,21 @@ def test_the_integral_is_bounded_from_above_even_with_coarse_chords(monkeypatch)
     truth = fine.impulse(p, 193.4)
     monkeypatch.setattr("studies.momentum_bound.SAMPLE", 40.0 * SAMPLE)
     assert truth < balance().impulse(p, 193.4) < 1.1 * truth
+
+
+def test_no_attitude_has_a_larger_disturbance_than_the_bound_counts_on_and_some_have_nearly_as_large_a_one():
+    parts = loop(**{"plant.drag": False, "plant.gravity_gradient": True})
+    found = MomentumBalance(parts.plant, parts.controller, 25.0, EXACT, 100.0)
+    r, _ = parts.plant.orbit.position_velocity(0.0)
+    directions = np.random.default_rng(7).standard_normal((100000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    rate = 3.0 * parts.plant.gravitational_parameter / np.linalg.norm(r) ** 3
+    largest = rate * np.linalg.norm(np.cross(directions, directions @ parts.plant.body.J), axis=1).max()
+    bound = (found.slack(100.0) - found.slack(0.0)) / 100.0
+    assert 0.99 * bound < largest <= bound
+
+
+def test_a_steady_torque_counts_with_its_size_over_the_whole_time():
+    torque = {"plant.disturbance_torque_B": [1e-6, -2e-6, 2e-6]}
+    with_it, without = (balance(**changes) for changes in (torque, {}))
+    assert with_it.slack(500.0) - without.slack(500.0) == pytest.approx(500.0 * 3e-6, rel=1e-12)

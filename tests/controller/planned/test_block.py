@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fmus.interface import ABSENT_MIN
+from fmus.interface import ABSENT_MIN, load
 from tests.native.driver import Instance, Refused
 from tests.native.test_shell import saved, serialized
 
@@ -576,3 +576,43 @@ def test_identification_can_be_left_out():
         for y in run(it, 0.0, 60.0, inputs=tumbling):
             assert np.array_equal(y["J_estimate_B"], J)
             assert y["rod_gain_estimate"] == 1.0
+
+
+def test_without_a_measured_field_the_controller_goes_on_with_the_difference_that_it_has_seen():
+    """The rods' commands of the steering follow the field: with the sign of the difference wrong they would turn away."""
+    starts = {v.name: v.start for v in load(BLOCK).of("input")}
+    with Instance(BLOCK) as it:
+        it.set("omega_B", [0.06, -0.05, 0.08])
+        it.initialize()
+        own = it.get("dipole_ff")  # by the onboard field alone
+        assert it.get("phase") == 1
+        it.call("Reset")
+        it.set("omega_B", [0.06, -0.05, 0.08])
+        it.set("b_B", [1.5e-5, -2.5e-5, 1e-5])
+        it.initialize()
+        measured = it.get("dipole_ff")
+        it.set("b_B", starts["b_B"])
+        remembered = it.get("dipole_ff")
+    assert np.linalg.norm(measured - own) > 1.0
+    assert np.linalg.norm(remembered - measured) < 0.5 * np.linalg.norm(remembered - own)
+
+
+@pytest.mark.parametrize(("degrees", "phase"), [(4.5, 3), (5.5, 2)])
+def test_a_hold_is_left_beyond_five_degrees_and_not_before(degrees, phase):
+    with Instance(BLOCK) as it:
+        it.set("reference", "inertial")
+        for name, value in AS_MEASURED.items():
+            it.set(name, value)
+        it.initialize()
+        k = 0
+        while it.get("phase") != 3:
+            it.step(0.5 * k, 0.5)
+            k += 1
+            assert k < 400, "61 s at the target are a hold"
+        it.set("R_NB", Rotation.from_rotvec([0.0, math.radians(degrees), 0.0]).as_matrix())
+        seen = set()
+        for i in range(40):
+            it.step(0.5 * (k + i), 0.5)
+            seen.add(it.get("phase"))
+        assert np.degrees(it.get("attitude_error")) > 0.9 * degrees
+    assert seen == {3} if phase == 3 else 2 in seen
