@@ -143,9 +143,10 @@ class Master:
         """Leaves initialization mode and fetches the outputs at 0."""
         for seat in bus.seats:
             seat.block.leave()
-        for seat in bus.seats:
-            seat.block.get_all()
-            check_finite(seat)
+        with np.errstate(over="ignore"):
+            for seat in bus.seats:
+                seat.block.get_all()
+                check_finite(seat)
 
     # ------------------------------------------------------------ the loop
 

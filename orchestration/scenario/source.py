@@ -191,10 +191,7 @@ class _Reader:
             return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
         if node.id == "mapping":
             return self._mapping(node, key)
-        if any("\ud800" <= character <= "\udfff" for character in node.value):
-            raise InputError(
-                self.source.error(key, f"expected text, found half a character (a surrogate) in {node.value!r}")
-            )
+        _refuse_surrogates(node.value, self.source.where(key))
         try:
             return _scalar(node)
         except ValueError:
@@ -209,6 +206,7 @@ class _Reader:
             if name_node.id != "scalar":
                 raise InputError(f"{place}: expected a name before the colon")
             name = str(name_node.value)
+            _refuse_surrogates(name, place)
             if name == "<<" and name_node.style is None:
                 raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
             if name in data:
@@ -217,6 +215,11 @@ class _Reader:
             self.source.lines[(*key, name)] = line
             data[name] = self._value(value_node, (*key, name))
         return data
+
+
+def _refuse_surrogates(text: str, place: str) -> None:
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise InputError(f"{place}: expected text, found half a character (a surrogate) in {text!r}")
 
 
 _DIGITS_MAX = 300

@@ -34,6 +34,8 @@ START = "inertia: 0.5"
         (START, "<<: {inertia: 0.5}", "loop.yaml:9: merging by '<<' is not supported; remedy: write the entries out"),
         (START, "inertia: 1 9**9**9**9 m", "loop.yaml:9: blocks.motor.start.inertia: unknown unit '9**9**9**9 m'"),
         (START, "inertia: 1 Pas", "the unit 'Pas' would be read as 'pascal'; did you mean 'Pa.s'?"),
+        (START, '"\\uD800": 1', r"loop.yaml:9: expected text, found half a character (a surrogate) in '\ud800'"),
+        (START, 'inertia: "\\uD800"', "loop.yaml:9: blocks.motor.start.inertia: expected text, found half a character"),
         (START, "inertia: 10 dB", "loop.yaml:9: blocks.motor.start.inertia: the unit 'dB' is logarithmic"),
         (START, "inertia: '0,5'", "loop.yaml:9: blocks.motor.start.inertia: expected a decimal point, 0.5, found"),
         (

@@ -9,6 +9,7 @@ import pytest
 
 from orchestration.fmu.model import Element
 from orchestration.quantities import Unit
+from orchestration.swap.adapter import Adapter
 
 from .. import mocks
 from ..mocks import Mock, real
@@ -123,3 +124,13 @@ def test_a_stated_unit_stands_for_one_that_is_not_declared():
     block = echo("x", theirs, {"y": "u"})
     through(found, block, u=math.pi)
     assert block["u"] == pytest.approx(180.0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_very_large_value_passes_without_a_warning_of_numpy():
+    """Its square overflows in the quick look for what is not finite."""
+    ours = mocks.model("ours", real("u", "input"), real("y", "output"))
+    theirs = mocks.model("theirs", real("u", "input"), real("z", "output"))
+    adapter = Adapter(echo("x", theirs, {"z": "u"}), fitted(ours, theirs, ports={"y": "z"}))
+    result = mocks.run([adapter], {"step": 1, "duration": 2}, start={"x": {"u": 1e200}})
+    assert result["x.y"].tolist() == [1e200] * 3
