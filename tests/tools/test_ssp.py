@@ -1,4 +1,7 @@
-"""The system as a file: SSP archives written and read, ours and others', and container FMUs."""
+"""The system as a file: SSP archives written and read, ours and others', and container FMUs.
+
+Over 250 lines, since most are tables of what is refused, all made by the same few helpers.
+"""
 
 from __future__ import annotations
 
