@@ -112,6 +112,7 @@ def _ready_made(folder: Path) -> None:
     for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
         (folder / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
     shutil.copy(ROOT / "LICENSE", folder)
-    (folder / "scenarios").mkdir()
-    for path in (ROOT / "scenarios").glob("*.yaml"):
-        shutil.copy(path, folder / "scenarios")
+    for path in (ROOT / "scenarios").rglob("*.yaml"):
+        target = folder / path.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, target)

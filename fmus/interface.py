@@ -19,8 +19,12 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `start` (inputs and parameters), `min`, `max`;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
   0.999e9 or more in any element means that it is not connected;
+- `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
+
+`[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`, `unit`,
+`display_unit`, `frame`, `min`, `max`, `description`. The function NAME in the block's module `inputs` works them out.
 
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
 terminals of one name fit each other. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
@@ -100,6 +104,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
         limits=tuple(data.get("page", {}).get("limits", ())),
         flavours=_flavours(data["block"], file),
+        helpers=_helpers(data.get("helpers", {}), variables, file),
     )
 
 
@@ -116,7 +121,7 @@ def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
 
 
 _KEYS = (
-    "causality type shape unit display_unit frame variability optional start min max items description depends_on "
+    "causality type shape unit display_unit frame variability optional quantity start min max items description depends_on "
     "initially_depends_on"
 ).split()
 
@@ -140,6 +145,8 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
     optional = entry.get("optional", False)
     if optional and (causality != "input" or kind != "real" or set(starts) != {ABSENT}):
         raise InterfaceError(f"only a real input may be optional, and its start is {ABSENT:g} in every element")
+    if "quantity" in entry and causality != "parameter":
+        raise InterfaceError(f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}")
     default = "continuous" if kind == "real" else "discrete"
     return Variable(
         name=name,
@@ -162,7 +169,25 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         depends_on=_expand(entry.get("depends_on", []), groups),
         initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
         optional=optional,
+        quantity=entry.get("quantity"),
     )
+
+
+def _helpers(entries: dict[str, Any], variables: dict[str, Variable], file: str) -> dict[str, Variable]:
+    helpers: dict[str, Variable] = {}
+    for name, entry in entries.items():
+        start: Any = 0.0
+        for length in reversed(entry.get("shape", ())):
+            start = [start] * length
+        try:
+            if name in variables:
+                raise InterfaceError("a variable has this name")
+            helpers[name] = _variable(
+                name, {**entry, "causality": "parameter", "variability": "fixed", "start": start}, {}, 0
+            )
+        except InterfaceError as error:
+            raise InterfaceError(f"{file}: helpers.{name}: {error}") from None
+    return helpers
 
 
 def _units(entry: dict[str, Any], shape: tuple[int, ...], size: int) -> tuple[str | None, ...]:

@@ -47,6 +47,8 @@ class Variable:
     initially_depends_on: tuple[str, ...] = ()
     optional: bool = False
     """An input that may stay unconnected; its start then says so."""
+    quantity: str | None = None
+    """Of a parameter: the quantity that it states, the same in every block of a loop."""
 
     @property
     def unit(self) -> str | None:
@@ -77,6 +79,8 @@ class Interface:
     """Sentences for the documentation page."""
     flavours: tuple[str, ...] = FLAVOURS
     """Those that the block has."""
+    helpers: dict[str, Variable] = field(default_factory=dict)
+    """Inputs of scenarios that stand for start values; no FMU has them."""
 
     def of(self, causality: Causality) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == causality]

@@ -18,6 +18,7 @@ from fmus.interface import load
 from orchestration import InputError, Scenario
 from orchestration import load as load_scenario
 from orchestration.fmu.archive import open_fmu
+from orchestration.fmu.interfaces import with_inputs
 from orchestration.fmu.model import Model
 from orchestration.scenario.source import Source
 from orchestration.system.starts import resolve
@@ -59,7 +60,9 @@ class Setup:
         """An error that names the place of a parameter in the scenario."""
         name = self.names[block]
         key: tuple[str, ...] = ("blocks", name, "start", parameter)
-        if parameter not in self.scenario.blocks[name].start:
+        if parameter not in self.scenario.blocks[name].start and parameter in self.scenario.shared:
+            key = ("shared", parameter)
+        elif parameter not in self.scenario.blocks[name].start:
             key, message = key[:2], f"{parameter}: {message}"
         return InputError(self.scenario.error(key, message))
 
@@ -94,7 +97,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
 @cache
 def _model(block: str, flavour: str) -> Model:
     try:
-        return open_fmu(ensure(block, flavour)).model
+        return with_inputs(open_fmu(ensure(block, flavour)), block)
     except BuildError as error:
         raise InputError(f"the block {block!r} cannot be built: {error}") from None
 

@@ -16,7 +16,7 @@ LOG_CATEGORIES = {
     "logAll": "All messages",
 }
 TOOL = "attitude-cosim"
-"""The tool that the annotation of an optional input names: FMI 2.0 has no attribute for it."""
+"""The tool that our annotations name, of optional inputs and of quantities: FMI 2.0 has no attributes for them."""
 FRAME_N = "N is the mean equator and equinox of date"
 """In the description of each port with components in N: read as GCRS, positions and field would be wrong."""
 DIMENSIONLESS = "1"
@@ -162,9 +162,12 @@ def _scalar_variable(parent: ET.Element, variable: Variable, position: int, elem
     if element.start is not None:
         kind["start"] = _text(float(element.start) if variable.type == "real" else element.start)
     ET.SubElement(entry, _TAGS[variable.type], kind)
-    if variable.optional:
+    if variable.optional or variable.quantity:
         tool = ET.SubElement(ET.SubElement(entry, "Annotations"), "Tool", name=TOOL)
-        ET.SubElement(tool, "Optional")
+        if variable.optional:
+            ET.SubElement(tool, "Optional")
+        if variable.quantity:
+            ET.SubElement(tool, "Quantity", name=variable.quantity)
 
 
 def _model_structure(root: ET.Element, interface: Interface) -> None:

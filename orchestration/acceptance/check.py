@@ -83,7 +83,7 @@ def _description(path: Path, head: Head, findings: list[Finding], lenient: bool)
         )
         return None
     try:
-        description, model, problems = described(path, head.optional, lenient=True)
+        description, model, problems = described(path, head, lenient=True)
     except InputError as error:
         if "model exchange only" not in str(error):
             raise

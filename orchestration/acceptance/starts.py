@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from ..fmu.model import Element
-from ..swap import rotation
+from ..swap.as_ours import in_ours
 from ..swap.findings import Finding, Fit, Link
 
 
@@ -18,25 +16,13 @@ def look(fitted: Fit, starts: Mapping[Element, Any], findings: list[Finding]) ->
     for name, link in fitted.links.items():
         if link.ours.causality == "output" or not all(element in starts for element in link.theirs):
             continue
-        theirs = _ours_of(link, [starts[element] for element in link.theirs])
+        theirs = in_ours(link, [starts[element] for element in link.theirs])
         ours = [fitted.reference.starts.get(element) for element in link.ours.elements]
         if theirs is not None and not all(_equal(a, b) for a, b in zip(theirs, ours, strict=True)):
             unit = f" {link.ours.unit}" if link.ours.unit and link.ours.unit.name not in ("", "1") else ""
             differing.append(f"{name}: {_value(link, theirs)}{unit}, ours {_value(link, ours)}{unit}")
     for text in differing:
         findings.append(Finding("note", "start", text, "none needed where a scenario connects it or gives it a value"))
-
-
-def _ours_of(link: Link, theirs: list[Any]) -> list[Any] | None:
-    if link.ours.type != "real":
-        return theirs
-    if link.A is None or link.c is None:
-        try:
-            R = rotation.matrix([theirs[3], *theirs[:3]] if link.scalar_last else theirs)
-        except ValueError:
-            return None
-        return rotation.transposed(R) if link.inverse else R
-    return None if link.B is None else (link.B @ (np.array(theirs, float) - link.c)).tolist()
 
 
 def _equal(a: Any, b: Any) -> bool:

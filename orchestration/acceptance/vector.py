@@ -21,7 +21,7 @@ from ..runner.run import execute
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
-from ..system.starts import values_of
+from ..system.values import values_of
 from ..system.wiring import fed
 from . import playback
 

@@ -19,8 +19,11 @@ from .paths import PATH
 @click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 def command(copy: Path | None) -> None:
     """List the project's own scenarios, or copy them."""
-    paths = sorted(places.shared("scenarios").glob("*.yaml"))
-    if copy is not None and (there := next((copy / p.name for p in paths if (copy / p.name).exists()), None)):
+    folder = places.shared("scenarios")
+    paths = sorted(folder.glob("*.yaml"))
+    parts = sorted(folder.glob("*/*.yaml"))  # which scenarios extend
+    inside = [path.relative_to(folder) for path in (*paths, *parts)]
+    if copy is not None and (there := next((copy / path for path in inside if (copy / path).exists()), None)):
         raise InputError(f"{there} is there already; expected a folder without it")
-    for path in paths:
-        say(str(shown(path if copy is None else copied(path, copy))))
+    for path in paths if copy is None else (*paths, *parts):
+        say(str(shown(path if copy is None else copied(path, (copy / path.relative_to(folder)).parent))))

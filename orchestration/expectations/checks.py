@@ -14,7 +14,7 @@ from ..scenario.expectations import Bound, Expectation
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
-from ..system.starts import item
+from ..system.values import item
 from ..system.wiring import Node
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,8 @@ from .zipped import shown
 __all__ = ["Fmu", "Head", "described", "expected_library", "libraries", "open_fmu", "read_head", "shown"]
 
 ANNOTATION = "attitude-cosim"
-"""Under this name an FMU says which of its inputs are optional, for which FMI 2.0 has no word."""
+"""Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which FMI 2.0
+has no words."""
 XML_MAX, VARIABLES_MAX = 64_000_000, 100_000
 """Bytes of a modelDescription.xml, and scalar variables that it declares."""
 _UNREADABLE = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError)
@@ -62,6 +63,8 @@ class Head:
     variables: int
     optional: frozenset[str]
     """The inputs of which an annotation of ours says that they may stay unconnected."""
+    quantities: Mapping[str, str]
+    """Of parameters, the quantities that an annotation of ours says they state."""
 
 
 def expected_library(identifier: str) -> str:
@@ -91,7 +94,7 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     if head.version != "2.0":
         version = f"is an FMU of FMI {head.version}" if head.version else "declares no fmiVersion"
         raise InputError(f"{shown(path)} {version}; expected FMI 2.0 for co-simulation")
-    description, model, problems = described(path, head.optional, lenient)
+    description, model, problems = described(path, head, lenient)
     library = expected_library(description.coSimulation.modelIdentifier)
     if library not in names:
         raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {libraries(names)}")
@@ -125,9 +128,10 @@ def read_head(path: Path) -> Head:
         raise InputError(
             f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
         )
-    optional = f"Annotations/Tool[@name='{ANNOTATION}']/Optional"
-    marked = frozenset(v.get("name", "") for v in variables if v.find(optional) is not None)
-    return Head(root.get("fmiVersion"), len(variables), marked)
+    tool = f"Annotations/Tool[@name='{ANNOTATION}']"
+    marked = frozenset(v.get("name", "") for v in variables if v.find(f"{tool}/Optional") is not None)
+    stated = {v.get("name", ""): entry.get("name", "") for v in variables for entry in v.findall(f"{tool}/Quantity")}
+    return Head(root.get("fmiVersion"), len(variables), marked, stated)
 
 
 def _doctype(path: Path) -> InputError:
@@ -136,7 +140,7 @@ def _doctype(path: Path) -> InputError:
     return InputError(f"{shown(path)}: {message}")
 
 
-def described(path: Path, optional: Collection[str], lenient: bool) -> tuple[Any, Model, list[str]]:
+def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:
     """FMPy's ModelDescription, the model made of it, and what is not valid in it.
 
     Raises InputError where it cannot be read, is not for co-simulation, or is not valid and `lenient` is not set.
@@ -155,8 +159,8 @@ def described(path: Path, optional: Collection[str], lenient: bool) -> tuple[Any
     if description.coSimulation is None:
         raise InputError(f"{shown(path)} is for model exchange only; expected an FMU for co-simulation")
     try:
-        model = describe(description, optional)
-        starts_of(description, model)
+        model = describe(description, head.optional, head.quantities)
+        model = replace(model, starts=starts_of(description, model))
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}") from None
     except _UNREADABLE as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,8 +13,11 @@ from ..quantities import Exponents, Unit
 from .model import Element, Model, Variable, shared
 
 
-def describe(description: Any, optional: Collection[str] = ()) -> Model:
-    """The model of an FMU, from what FMPy read of its modelDescription.xml, and the names of its optional inputs."""
+def describe(description: Any, optional: Collection[str] = (), quantities: Mapping[str, str] | None = None) -> Model:
+    """The model of an FMU, from what FMPy read of its modelDescription.xml, and what our annotations say.
+
+    Those are the names of its optional inputs, and the quantities of parameters by their names.
+    """
     units = {unit.name: _unit(unit) for unit in description.unitDefinitions}
     displays = {
         (unit.name, display.name): _display_unit(units[unit.name], display)
@@ -28,6 +31,8 @@ def describe(description: Any, optional: Collection[str] = ()) -> Model:
         variables[name] = _variable(name, shape, first, scalars, units, displays)
         if all(scalar.causality == "input" and scalar.name in optional for scalar in scalars):
             variables[name] = replace(variables[name], optional=True)
+        if len(stated := {(quantities or {}).get(scalar.name) for scalar in scalars}) == 1:
+            variables[name] = replace(variables[name], quantity=stated.pop() or None)
         elements.update((scalar.name, Element(name, i)) for i, scalar in enumerate(scalars))
     return Model(
         name=description.modelName,

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from fmus.block import start_values
 from fmus.interface import BLOCKS, load
 
 from ..errors import InputError, hint
 from ..paths import located
 from ..quantities import ONE, QuantityError, Unit, parse_unit
-from .archive import open_fmu
+from .archive import Fmu, open_fmu
 from .description import starts_of
-from .model import Element, Model, Variable, shared
+from .model import Element, Helper, Model, Variable, shared
 
 __all__ = ["Interface", "is_path", "own", "place", "reference", "starts_of"]
 
@@ -64,6 +66,17 @@ def reference(name: str, folder: Path) -> Interface:
     return Interface(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
 
 
+def helpers(block: str) -> dict[str, Helper]:
+    """The helper inputs of one of the project's own interfaces; none of any other."""
+    declared = load(block).helpers.values() if block in own() else ()
+    return {v.name: Helper(_variable(v), partial(start_values, block, v.name)) for v in declared}
+
+
+def with_inputs(fmu: Fmu, block: str) -> Model:
+    """The model of an FMU with the helper inputs of this interface."""
+    return replace(fmu.model, helpers=helpers(block))
+
+
 def place(block: str) -> str:
     """Where a block stands in the loop: `allocator_bounded` in the place of `allocator`."""
     return block.partition("_")[0]
@@ -107,6 +120,7 @@ def _variable(variable: Any) -> Variable:
         items=tuple((item, number) for number, item in enumerate(variable.items, start=1)),
         description=variable.description,
         optional=variable.optional,
+        quantity=variable.quantity,
     )
 
 

@@ -6,10 +6,10 @@ description.py makes this of an FMU's modelDescription.xml; tests make it by han
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,8 @@ class Variable:
     """What FMI calls the first element: 1 or 0 in each dimension; 1 by default."""
     optional: bool = False
     """An input that may stay unconnected at its own start value, as its FMU says."""
+    quantity: str | None = None
+    """Of a parameter: the quantity that it states. All blocks of a loop should be given the same value of it."""
 
     @property
     def size(self) -> int:
@@ -101,6 +103,15 @@ class NameUnknown(ValueError):
 
 
 @dataclass(frozen=True)
+class Helper:
+    """An input for engineers, such as an altitude, that stands for start values of parameters."""
+
+    variable: Variable
+    function: Callable[[Any, Mapping[str, Any]], Mapping[str, Any]]
+    """Its value and the parameters in force, to the parameters that it gives. Raises ValueError."""
+
+
+@dataclass(frozen=True)
 class Model:
     """A kind of block."""
 
@@ -112,6 +123,12 @@ class Model:
     """The same in initialization."""
     guid: str = ""
     tool: str = ""
+    starts: Mapping[Element, Any] = field(default_factory=dict)
+    """Values of inputs and parameters where a scenario gives none, as far as they are known."""
+    helpers: Mapping[str, Helper] = field(default_factory=dict)
+    """In the order in which they are to be worked out."""
+    lacks: frozenset[str] = frozenset()
+    """Parameters of the interface to which it is held that it does not have."""
 
     def of(self, *causalities: str) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality in causalities]

@@ -17,6 +17,7 @@ from ..results.result import Result
 from ..scenario.faults import sentence
 from ..system.signals import names
 from ..system.starts import Start
+from ..system.values import nested
 from .limits import limits
 from .plan import Plan
 
@@ -68,6 +69,8 @@ def _resolved(plan: Plan) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
     data = plan.scenario.model_dump(exclude_none=True)
     data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": names(plan.columns, plan.models)}
+    for key in ("shared", "extends"):  # each value stands where it is taken
+        data.pop(key)
     for block, values in plan.starts.items():
         data["blocks"][block]["start"] = _starts(plan.models[block], values)
     return data
@@ -100,10 +103,7 @@ def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
         names = {number: item for item, number in variable.items}
         spelt = {position: names.get(value, value) for position, value in by_position.items()}
         if len(spelt) == variable.size:
-            flat = [spelt[position] for position in range(variable.size)]
-            for length in reversed(variable.shape):
-                flat = [flat[i : i + length] for i in range(0, len(flat), length)]
-            starts[name] = flat[0]
+            starts[name] = nested(variable, [spelt[position] for position in range(variable.size)])
         else:
             starts.update((variable.label(position), value) for position, value in spelt.items())
     return starts

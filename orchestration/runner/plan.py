@@ -12,7 +12,7 @@ from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..fmu.model import Model
 from ..scenario.scenario import Scenario
-from ..system import order, panels, signals, starts, wiring
+from ..system import agreement, order, panels, signals, starts, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
@@ -52,7 +52,7 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     needed = [node for look in (*checked, *held) for node in look.needed]
     columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
-    notes = [*remarks, *wired.warnings, *sequence.warnings, *more, *faults.notes]
+    notes = [*remarks, *agreement.notes(scenario, models, values), *wired.warnings, *sequence.warnings, *more, *faults.notes]
     return Plan(scenario, models, times, wired, values, sequence, checked, held, columns, notes, faults)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..scenario import load as loading
-from ..scenario import source
+from ..scenario import extends
 from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..ssp import reader as ssp
@@ -15,7 +15,7 @@ from ..ssp import reader as ssp
 
 def read(path: Path) -> Source:
     """The data of a scenario file with their lines. Raises InputError."""
-    return ssp.read(path) if path.suffix == ".ssp" and path.exists() else source.read(path)
+    return ssp.read(path) if path.suffix == ".ssp" and path.exists() else extends.read(path)
 
 
 def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:

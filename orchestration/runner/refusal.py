@@ -21,12 +21,12 @@ def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError
     if failure.time is not None or not failure.problem.startswith("gave status"):
         return None
     block = failure.block
-    given = {name.variable: name for name in scenario.blocks[block].start}
+    given: dict[str, Key] = {name.variable: ("shared", name) for name in scenario.shared}
+    given |= {name.variable: ("blocks", block, "start", name) for name in scenario.blocks[block].start}
     lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
     for line in lines:
         if match := _named(line, given):
-            key: Key = ("blocks", block, "start", given[match[1]])
-            return scenario.error(key, _reason(line, match))
+            return scenario.error(given[match[1]], _reason(line, match))
     parameters = [variable.name for variable in models[block].of("parameter")]
     for line in lines:
         if (match := _named(line, parameters)) and _begins(line, match):

@@ -18,7 +18,7 @@ def checked(model: type[T], source: Source) -> T:
         keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
         raise InputError(source.error((), f"expected keys such as {keys}, found {as_written(source.data)}"))
     try:
-        return model.model_validate(source.data)
+        return model.model_validate(source.data, context=source.data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
         meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
@@ -82,8 +82,10 @@ def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
 def _at(source: Source, key: Key, shown: Key, text: str) -> str:
     """The message at the line of `key`, under the name of `shown`, the part that holds it."""
     line = source.lines.get(key)
-    here = Source(None, source.file, lines={shown: line} if line else source.lines, options=source.options)
-    return here.error(shown, text)
+    if not line:
+        return source.error(shown, text)
+    file = source.files.get(key, source.file)
+    return Source(None, file, lines={shown: line}, options=source.options).error(shown, text)
 
 
 def _model_at(model: type[BaseModel], key: Key) -> type[BaseModel]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import complaints
+from .extends import extended
 from .scenario import Scenario
 from .source import Source
 
@@ -13,9 +14,9 @@ from .source import Source
 def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
     """A scenario from its source, or from the same data as a dictionary. Raises InputError with all that is wrong.
 
-    `overrides` are start values by `block.parameter`, and `step`, `duration` and `flavour`.
+    `overrides` are start values by `block.parameter`, or shared ones by `parameter`, and `step`, `duration` and `flavour`.
     """
-    source = scenario if isinstance(scenario, Source) else Source(dict(scenario))
+    source = scenario if isinstance(scenario, Source) else extended(Source(dict(scenario)))
     for name, value in (overrides or {}).items():
         if name in ("step", "duration", "flavour"):
             source = source.with_value(name, value, name)

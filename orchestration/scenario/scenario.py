@@ -5,9 +5,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 
 from .expectations import Expectation, HoldEntry
 from .faults import Fault
@@ -44,7 +44,11 @@ class BlockEntry(Model):
     """How the FMU's ports stand to those of the interface: a mapping, or the path of one, relative to the scenario."""
     start: dict[Name, Value] = {}
     """Start values of parameters and inputs: numbers in the unit of the port, or text with a unit; vectors and
-    matrices as lists; one element as `name[2]`; items of enumerations by their names."""
+    matrices as lists; one element as `name[2]`; items of enumerations by their names; a matrix also as
+    `{diagonal: [1, 2, 3]}`, `{axis: [1, 0, 0], angle: 90 deg}`, `{euler: [10 deg, 0, 0], sequence: ZYX}` or
+    `{quaternion: [1, 0, 0, 0]}`, scalar first."""
+    differs: list[Annotated[str, Field(strict=True, min_length=1)]] = []
+    """Parameters whose values are meant to differ from those of the same quantity in other blocks: no warning then."""
 
 
 class Record(Model):
@@ -65,17 +69,28 @@ class Cycle(Model):
     """How long one lasts."""
 
 
+def _whole_or_extending(schema: dict[str, Any]) -> None:
+    """A file that extends others may leave to them what a scenario needs."""
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
+
+
 class Scenario(Model):
     """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
+
+    model_config = ConfigDict(json_schema_extra=_whole_or_extending)
 
     name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
     """Its name, and that of the results' folder: letters, digits, `.`, `_` and `-`."""
     description: str = ""
     """What the scenario shows."""
+    extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
+    """Files that this one extends, relative to it: each is a scenario, or a part of one such as a satellite's values. Mappings
+    are merged, lists and values replaced, a null takes an entry out; later files go before earlier ones, this one before all."""
     step: Period
     """The base communication step, in seconds or as text with a unit."""
     duration: Period
-    """How long the run lasts; it ends with the first step at or after this time."""
+    """How long the run lasts; it ends with the first step at or after this time. All times may also be counted in what
+    `cycle` names, as in `2 orbits`."""
     exchange: Literal["sequential", "parallel"] = "sequential"
     """Whether a block sees what those before it gave in the same step, or all see the values of the step before."""
     flavour: Flavour = "native"
@@ -84,6 +99,8 @@ class Scenario(Model):
     """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
+    shared: dict[Name, Value] = {}
+    """Start values by the parameter's name, for every block that has it; a value under the block's own `start` goes before."""
     connections: list[Connection] = []
     """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
     delays: list[Reference] = []
@@ -99,6 +116,20 @@ class Scenario(Model):
     """Figures that `--figures` draws."""
     cycle: Cycle | None = None
     """A second axis of time in the figures."""
+
+    @field_validator("extends")
+    @classmethod
+    def _laid_over(cls, files: Any) -> Any:
+        if files:
+            raise ValueError("only a scenario in YAML, or one given as data, extends others")
+        return files
+
+    @field_validator("blocks")
+    @classmethod
+    def _free_names(cls, blocks: dict[str, BlockEntry]) -> dict[str, BlockEntry]:
+        if "shared" in blocks:
+            raise ValueError("no block can be called 'shared', which is what --set calls the shared values")
+        return blocks
 
     _source: Source = PrivateAttr()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,8 @@ from ..errors import InputError, hint
 Key = tuple[str | int, ...]
 
 _NODES_MAX = 100_000
+PLACES = ("lines", "options", "origins", "files")
+"""What a Source keeps by key, beside its data."""
 
 
 @dataclass
@@ -28,6 +30,8 @@ class Source:
     options: dict[Key, str] = field(default_factory=dict)
     origins: dict[Key, str] = field(default_factory=dict)
     """Where stands what was put in from another file."""
+    files: dict[Key, str] = field(default_factory=dict)
+    """The file of what stands in none of its own, but in one that it extends."""
 
     def where(self, key: Key) -> str:
         """`file.yaml:14: blocks.plant.start`, or `--set plant.x=1`, of the innermost part that is known."""
@@ -35,34 +39,40 @@ class Source:
             if other := self.options.get(key[:end]) or self.origins.get(key[:end]):
                 return other
         name = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in key).lstrip(".")
-        line = next((self.lines[key[:end]] for end in range(len(key), -1, -1) if key[:end] in self.lines), None)
-        place = self.file if line is None or self.file is None else f"{self.file}:{line}"
+        known = next((key[:end] for end in range(len(key), -1, -1) if key[:end] in self.lines), ())
+        file, line = self.files.get(known, self.file), self.lines.get(known)
+        place = file if line is None or file is None else f"{file}:{line}"
         return ": ".join(filter(None, (place, name))) or "scenario"
 
     def error(self, key: Key, message: str) -> str:
         return f"{self.where(key)}: {message}"
 
     def _copy(self) -> Source:
-        return Source(
-            deepcopy(self.data), self.file, self.folder, dict(self.lines), dict(self.options), dict(self.origins)
-        )
+        places = {name: dict(getattr(self, name)) for name in PLACES}
+        return replace(self, data=deepcopy(self.data), **places)
 
     def with_start(self, name: str, value: Any, option: str = "") -> Source:
-        """A copy in which `value` takes the place of the start value of `block.parameter`."""
+        """A copy in which `value` takes the place of the start value of `block.parameter`, or of a shared one.
+
+        A shared value is called `shared.parameter`, or by the name of the parameter alone.
+        """
         copy = self._copy()
-        blocks = copy.data.get("blocks") if isinstance(copy.data, dict) else None
+        data = copy.data if isinstance(copy.data, dict) else {}
         place = f"{option}{name}={value}"
-        block, dot, variable = name.partition(".")
-        if not dot or not variable:
-            raise InputError(f"{place}: expected block.parameter=value")
-        if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
-            raise InputError(f"{place}: there is no block {block!r}{hint(block, blocks or ())}")
-        starts = blocks[block].get("start")
-        if not isinstance(starts, dict):
-            blocks[block]["start"] = starts = {}
-        starts.pop(variable, None)  # the last one counts, also over elements
-        starts[variable] = value
-        copy.options["blocks", block, "start", variable] = place
+        block, _, variable = name.partition(".") if "." in name else ("shared", "", name)
+        if not block or not variable:
+            raise InputError(f"{place}: expected block.parameter=value, or parameter=value for a shared one")
+        key: Key = ("shared",) if block == "shared" else ("blocks", block, "start")
+        holder, blocks = data, data.get("blocks")
+        if block != "shared":
+            if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
+                raise InputError(f"{place}: there is no block {block!r}{hint(block, blocks or ())}")
+            holder = blocks[block]
+        if not isinstance(holder.get(key[-1]), dict):
+            holder[key[-1]] = {}
+        holder[key[-1]].pop(variable, None)  # the last one counts, also over elements
+        holder[key[-1]][variable] = value
+        copy.options[*key, variable] = place
         return copy
 
     def with_value(self, key: str, value: Any, option: str) -> Source:
@@ -105,7 +115,7 @@ class Source:
                 del holder[key[-1]]
             except (KeyError, IndexError):
                 continue  # went with what held it
-            for places in (copy.lines, copy.options, copy.origins):
+            for places in (getattr(copy, name) for name in PLACES):
                 _moved(places, key)
         return copy
 

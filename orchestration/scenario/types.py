@@ -5,17 +5,32 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo, WithJsonSchema
 
 from ..errors import as_written
-from ..quantities import SECOND, QuantityError, parse, value_in
+from ..quantities import ONE, SECOND, QuantityError, parse, value_in
+from . import forms
 
 
-def _seconds(value: Any) -> float:
+def _seconds(value: Any, info: ValidationInfo) -> float:
     try:
         return value_in(value, SECOND)
     except QuantityError as error:
+        if (cycles := _cycles(value, info.context)) is not None:
+            return cycles
         raise ValueError(f"{error}; expected seconds, or text such as '10 min'") from None
+
+
+def _cycles(value: Any, scenario: Any) -> float | None:
+    """Seconds of "2 orbits", where the scenario's `cycle` is called so; None where it is not, or is not sound itself."""
+    cycle = scenario.get("cycle") if isinstance(scenario, dict) else None
+    match = re.fullmatch(r"\s*(\S+)\s*([^\W\d]\w*)\s*", value) if isinstance(value, str) else None
+    if match is None or not isinstance(cycle, dict) or match[2].removesuffix("s") != str(cycle.get("name")).removesuffix("s"):
+        return None
+    try:
+        return value_in(match[1], ONE) * value_in(cycle.get("period"), SECOND)
+    except QuantityError:
+        return None
 
 
 def _positive(value: float) -> float:
@@ -39,7 +54,7 @@ NUMBER_OR_TEXT: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
 Time = Annotated[float, BeforeValidator(_seconds), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
 Period = Annotated[Time, AfterValidator(_positive)]
 Quantity = Annotated[Any, BeforeValidator(quantity), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
-_VALUE = {"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}]}
+_VALUE = {"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}, *forms.SCHEMA]}
 Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 

@@ -4,11 +4,49 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from .. import rotation
+from ..fmu.interfaces import helpers
 from ..fmu.model import Element, Model
-from .findings import Fit, may_stay_unconnected
+from .findings import Fit, Link, may_stay_unconnected
+
+
+def held(theirs: Model, fitted: Fit) -> Model:
+    """Theirs, with its own start values, as a block that is held to our interface: with our quantities and helper inputs."""
+    ours = fitted.reference.model.variables
+    alike = {n: replace(v, quantity=ours[n].quantity if n in ours else v.quantity) for n, v in theirs.variables.items()}
+    seen = replace(theirs, variables=alike)
+    if not fitted.identical:
+        seen = replace(model(fitted), starts=_starts(theirs, fitted))
+    lacks = frozenset(name for name, variable in fitted.missing.items() if variable.causality == "parameter")
+    return replace(seen, helpers=helpers(fitted.reference.name), lacks=lacks)
+
+
+def _starts(theirs: Model, fitted: Fit) -> dict[Element, Any]:
+    """Their start values, by our elements."""
+    starts = {e: theirs.starts[e] for v in fitted.extra for e in v.elements if e in theirs.starts}
+    for link in fitted.links.values():
+        if link.ours.causality != "output" and all(element in theirs.starts for element in link.theirs):
+            values = in_ours(link, [theirs.starts[element] for element in link.theirs])
+            starts |= dict(zip(link.ours.elements, values or (), strict=False))
+    return starts
+
+
+def in_ours(link: Link, theirs: list[Any]) -> list[Any] | None:
+    """Values of theirs as ours; None where they cannot be told."""
+    if link.ours.type != "real":
+        return theirs
+    if link.A is None or link.c is None:
+        try:
+            R = rotation.matrix([theirs[3], *theirs[:3]] if link.scalar_last else theirs)
+        except ValueError:
+            return None
+        return rotation.transposed(R) if link.inverse else R
+    values: list[Any] | None = None if link.B is None else (link.B @ (np.array(theirs, float) - link.c)).tolist()
+    return values
 
 
 def model(fitted: Fit) -> Model:

@@ -10,7 +10,7 @@ from ..fmu.model import Element, NameUnknown, Variable
 from ..quantities import ONE, QuantityError
 from ..scenario.mapping import Mapping as PortMapping
 from ..scenario.references import Name
-from ..system.starts import values_of
+from ..system.values import values_of
 from .conversion import NO_MEMORY, is_rate
 from .findings import Fit, named
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from ..errors import InputError
 from ..fmu.archive import Fmu, shown
-from ..fmu.interfaces import Interface, is_path, own, place, reference
+from ..fmu.interfaces import Interface, is_path, own, place, reference, with_inputs
 from ..fmu.model import Element
 from ..paths import located
 from ..scenario import mapping as mappings
@@ -19,7 +19,7 @@ from ..scenario.references import Connection
 from ..scenario.scenario import BlockEntry, Scenario
 from ..scenario.source import Key, Source
 from ..system.order import Hook
-from .as_ours import model
+from .as_ours import held
 from .findings import Fit, unfed
 from .fit import fit
 from .prepared import Prepared
@@ -41,7 +41,7 @@ def interface_of(scenario: Scenario, name: str, model_name: str) -> str | None:
 
 def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     """Fits every swapped block to its interface. Raises InputError with everything that does not fit."""
-    prepared = Prepared(scenario, {name: fmu.model for name, fmu in fmus.items()})
+    prepared = Prepared(scenario, {name: with_inputs(fmu, scenario.blocks[name].fmu) for name, fmu in fmus.items()})
     errors: list[str] = []
     interfaces: dict[str, Interface] = {}
     for name, entry in scenario.blocks.items():
@@ -91,8 +91,7 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface,
         key: Key = ("inputs", theirs)
         origin = source.where(key) if source else scenario.source.where(("blocks", name, "map", *key))
         prepared.connections.append((Connection(f"{signal} -> {name}.{theirs}"), origin))
-    if not fitted.identical:
-        prepared.models[name] = model(fitted)
+    prepared.models[name] = held(prepared.models[name], fitted)
     prepared.notes += [f"{name}: {note}" for note in _notes(fitted)]
 
 

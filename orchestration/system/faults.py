@@ -20,7 +20,7 @@ from ..scenario.faults import Fault, sentence
 from ..scenario.references import Assignment, Name, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from .starts import Scalar, leaves, scalar, values_of
+from .values import Scalar, leaves, scalar, values_of
 from .wiring import Link, Node, Wiring
 
 Span = tuple[int, float]

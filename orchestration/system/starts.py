@@ -1,18 +1,18 @@
-"""Start values of a scenario, checked and brought into the unit of the port."""
+"""Start values of a scenario: shared ones, those of each block, and what helper inputs such as an altitude stand for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from ..errors import InputError, as_written, nearest, suggestion
-from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
-from ..quantities import QuantityError, convert, parse, value_in
+from ..errors import InputError, hint
+from ..fmu.model import Element, Model, NameUnknown, Variable
+from ..quantities import QuantityError
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
-
-Scalar = float | int | bool | str
+from ..scenario.source import Key
+from .values import Scalar, nested, values_of
 
 
 @dataclass(frozen=True)
@@ -26,150 +26,131 @@ class Start:
 def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[Start]]:
     """The start values of each block. Raises InputError with everything that is wrong."""
     starts: dict[str, list[Start]] = {}
-    errors: list[str] = []
-    for block, entry in scenario.blocks.items():
-        given: dict[Element, Scalar] = {}
-        first: dict[Element, str] = {}
-        for name, value in entry.start.items():
-            key = ("blocks", block, "start", name)
-            try:
-                values = values_of(block, models[block], name, value)
-                if key not in scenario.source.options:  # an option takes the place of what the file says
-                    _refuse_twice(scenario, key, first, values)
-                given.update(values)
-            except (QuantityError, NameUnknown) as error:
-                # The place ends with the variable's name only where the variable is known.
-                known = name.variable in models[block].variables
-                errors.append(_at(scenario, key, key if known else key[:-1], str(error)))
-        starts[block] = [Start(element, value) for element, value in given.items()]
+    errors = _untaken(scenario, models)
+    for block in scenario.blocks:
+        given = _Given(scenario, block, models[block])
+        starts[block] = [Start(element, value) for element, value in given.values().items()]
+        errors += given.errors
     if errors:
-        raise InputError(*errors)
+        raise InputError(*dict.fromkeys(errors))
     return starts
 
 
-def _refuse_twice(
-    scenario: Scenario, key: tuple[str, ...], first: dict[Element, str], values: Mapping[Element, Scalar]
-) -> None:
-    if again := next((element for element in values if element in first), None):
-        line = scenario.source.lines.get((*key[:-1], first[again]))
-        place = f", in line {line}" if line else ""
-        raise QuantityError(f"has a start value already, by {first[again]!r}{place}")
-    first.update(dict.fromkeys(values, key[-1]))
+def taken(model: Model, name: Name) -> Name | None:
+    """What a block calls a shared value: its parameter of this quantity, or of this name; None where it has none."""
+    if name.variable in model.helpers:
+        return name
+    of = {v.quantity: v for v in model.of("parameter") if v.quantity}
+    variable = of.get(name.variable) or model.variables.get(name.variable)
+    if variable is None or variable.causality != "parameter" or variable.quantity not in (None, name.variable):
+        return None
+    return Name(variable.name + name[len(name.variable) :])
 
 
-def _at(scenario: Scenario, key: tuple[str, ...], shown: tuple[str, ...], text: str) -> str:
-    place = scenario.source.where(key)
-    return f"{place.removesuffix('.' + key[-1]) if shown != key else place}: {text}"
+def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[str]:
+    """Errors: shared values that no block takes."""
+    known = {v.quantity or v.name for model in models.values() for v in model.of("parameter")}
+    known |= {name for model in models.values() for name in model.helpers}
+    return [
+        scenario.error(("shared", name), f"no block has a parameter {name.variable!r}{hint(name.variable, known)}")
+        for name in scenario.shared
+        if not any(taken(model, name) or name.variable in model.lacks for model in models.values())
+    ]
 
 
-def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element, Scalar]:
-    """The values of a parameter or input, or of an element of it. Raises QuantityError or NameUnknown."""
-    try:
-        variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"))
-    except NameUnknown as error:
-        raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
-    if variable.causality not in ("parameter", "input"):
-        match = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
-        raise QuantityError(
-            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts"
-            f"{suggestion(match)}"
+_Values = Callable[[Name, Any], dict[Element, Scalar]]
+_Entry = tuple[Name, Key, Any]
+
+
+@dataclass
+class _Layer:
+    """Values that stand in one place: the shared ones, or those of a block."""
+
+    values: dict[Element, Scalar] = field(default_factory=dict)
+    keys: dict[Element, Key] = field(default_factory=dict)
+
+
+class _Given:
+    """What a scenario gives a block; errors are collected."""
+
+    def __init__(self, scenario: Scenario, block: str, model: Model) -> None:
+        self.scenario, self.block, self.model = scenario, block, model
+        self.errors: list[str] = []
+        self.layers = (_Layer(), _Layer())
+        own: Key = ("blocks", block, "start")
+        shared = [(name, ("shared", name), v) for name, v in scenario.shared.items() if taken(model, name)]
+        self._entries: tuple[list[_Entry], list[_Entry]] = (
+            [(taken(model, name) or name, key, value) for name, key, value in shared],
+            [(name, (*own, name), value) for name, value in scenario.blocks[block].start.items()],
         )
-    shape = variable.shape if len(positions) == variable.size else ()
-    scalars = leaves(value, shape, variable)
-    return {
-        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, scalars, strict=True)
-    }
+
+    def values(self) -> dict[Element, Scalar]:
+        for layer, entries in zip(self.layers, self._entries, strict=True):
+            for name, key, value in entries:
+                if name.variable not in self.model.helpers:
+                    self._put(layer, key, name, value, self._plain)
+        for helper in self.model.helpers:  # in their order, since one may rest on what another gives
+            for layer, entries in zip(self.layers, self._entries, strict=True):
+                for name, key, value in entries:
+                    if name.variable == helper:
+                        self._put(layer, key, name, value, self._helped)
+        return self._together()
+
+    def _together(self) -> dict[Element, Scalar]:
+        shared, own = self.layers
+        return shared.values | own.values
+
+    def _put(self, layer: _Layer, key: Key, name: Name, value: Any, values: _Values) -> None:
+        options = self.scenario.source.options
+        try:
+            given = values(name, value)
+            for element in given:
+                first = layer.keys.get(element, key)
+                if first != key and (first in options) == (key in options):
+                    raise QuantityError(f"has a start value already, by {first[-1]!r}{self._line(first, key)}")
+            # An option takes the place of what the file says.
+            kept = {e: value for e, value in given.items() if layer.keys.get(e, key) not in options or key in options}
+            layer.values |= kept
+            layer.keys |= dict.fromkeys(kept, key)
+        except (QuantityError, NameUnknown) as error:
+            self.errors.append(self._at(key, str(error)))
+
+    def _line(self, first: Key, key: Key) -> str:
+        source = self.scenario.source
+        line, file = source.lines.get(first), source.files.get(first)
+        return f", in line {line}{'' if file == source.files.get(key) else f' of {file}'}" if line else ""
+
+    def _at(self, key: Key, text: str) -> str:
+        """The error at its place, which ends with the variable's name only where the variable is known."""
+        place = self.scenario.source.where(key)
+        name = Name(str(key[-1])).variable
+        known = name in self.model.variables or name in self.model.helpers
+        return f"{place if known else place.removesuffix(f'.{key[-1]}')}: {text}"
+
+    def _plain(self, name: Name, value: Any) -> dict[Element, Scalar]:
+        return values_of(self.block, self.model, name, value)
+
+    def _helped(self, name: Name, value: Any) -> dict[Element, Scalar]:
+        """The values that a helper input stands for, by the block's own function."""
+        helper = self.model.helpers[name.variable]
+        if name.indices:
+            raise QuantityError(f"{name.variable} is given as a whole, found {name!r}")
+        variable = helper.variable
+        alone = Model(self.model.name, {variable.name: variable})
+        own = nested(variable, list(values_of(self.block, alone, name, value).values()))
+        in_force = {**self.model.starts, **self._together()}
+        parameters = {v.name: _in_words(v, in_force) for v in self.model.of("parameter") if v.elements[0] in in_force}
+        try:
+            derived = helper.function(own, parameters)
+        except ValueError as error:
+            raise QuantityError(str(error)) from None
+        values: dict[Element, Scalar] = {}
+        for given, number in derived.items():
+            values |= values_of(self.block, self.model, Name(given), number)
+        return values
 
 
-def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
-    """The elements of a value of this shape, row by row. Raises QuantityError where the shape differs."""
-    wanted = f"expected {_shape_in_words(variable.shape if shape else ())}"
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    items = [value]
-    for length in shape:
-        if not all(isinstance(item, (list, tuple)) and len(item) == length for item in items):
-            raise QuantityError(f"{wanted}, found {_shape_found(value)}")
-        items = [leaf for item in items for leaf in item]
-    if any(isinstance(leaf, (list, tuple)) for leaf in items):
-        raise QuantityError(f"{wanted}, found {_shape_found(value)}")
-    return items
-
-
-def _shape_in_words(shape: tuple[int, ...]) -> str:
-    if not shape:
-        return "one value"
-    return f"a list of {shape[0]} values" if len(shape) == 1 else f"{shape[0]} rows of {shape[1]} values"
-
-
-def _shape_found(value: Any) -> str:
-    if not isinstance(value, (list, tuple)):
-        return as_written(value)
-    lengths = {len(row) if isinstance(row, (list, tuple)) else 0 for row in value}
-    if lengths == {0} or not value:
-        return f"a list of {len(value)}"
-    return f"{len(value)} rows of {' or '.join(map(str, sorted(lengths)))}"
-
-
-def scalar(variable: Variable, position: int, value: Any) -> Scalar:
-    """The value of one element, in the unit of its port and within its limits. Raises QuantityError."""
-    if hasattr(value, "item"):  # a scalar of NumPy's
-        value = value.item()
-    if variable.type == "string":
-        if not isinstance(value, str):
-            raise QuantityError(f"expected text, found {as_written(value)}")
-        return value
-    if variable.type == "boolean":
-        if not isinstance(value, bool):
-            raise QuantityError(f"expected true or false, found {as_written(value)}")
-        return value
-    if variable.type == "enumeration":
-        return item(variable, value)
-    if variable.type == "integer":
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise QuantityError(f"expected a whole number, found {as_written(value)}")
-        if not -(2**31) <= value < 2**31:
-            raise QuantityError(f"expected a whole number of 32 bits, found {value}")
-        return _limited(variable, position, value, value)
-    return _limited(variable, position, _real(variable, value), value)
-
-
-def item(variable: Variable, value: Any) -> int:
-    """The number of an enumeration's item, given by its name."""
-    items = dict(variable.items)
-    if isinstance(value, bool) or str(value) not in items:
-        match = suggestion(nearest(str(value), items))
-        raise QuantityError(f"expected one of {', '.join(items)}, found {as_written(value)}{match}")
-    return items[str(value)]
-
-
-def _real(variable: Variable, value: Any) -> float:
-    unit = unit_of(variable)
-    if isinstance(value, str) and unit.exponents is None:
-        # The FMU names its unit without defining it: only the same name, or no unit, will do.
-        number, own = (
-            parse(value)
-            if not value.strip().endswith(unit.name)
-            else (*parse(value.strip()[: -len(unit.name)])[:1], None)
-        )
-        return convert(number, own, unit) if own is not None else number
-    try:
-        return value_in(value, unit)
-    except QuantityError as error:
-        if isinstance(value, str) and variable.unit is None and "does not fit" in str(error):
-            raise QuantityError(
-                f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}"
-            ) from None
-        raise
-
-
-def _limited(variable: Variable, position: int, number: float, value: Any) -> float:
-    low = variable.minima[position] if variable.minima else float("-inf")
-    high = variable.maxima[position] if variable.maxima else float("inf")
-    if low <= number <= high:
-        return number
-    unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
-    given = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
-    element = f"{variable.label(position)}: " if variable.shape else ""
-    side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"
-    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}")
+def _in_words(variable: Variable, values: Mapping[Element, Any]) -> Any:
+    """A parameter's value in force: nested lists of its shape, items of enumerations by their names."""
+    names = {number: item for item, number in variable.items}
+    return nested(variable, [names.get(values[element], values[element]) for element in variable.elements])

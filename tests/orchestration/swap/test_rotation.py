@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestration.swap import rotation
+from orchestration import rotation
 
 from .. import mocks
 from ..mocks import Mock, real

@@ -1,0 +1,108 @@
+"""A scenario that extends other files: theirs below, its own above; mappings merge, lists and values replace."""
+
+from __future__ import annotations
+
+import os
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, as_written
+from . import source as sources
+from .source import PLACES, Key, Source
+
+
+def read(path: Path) -> Source:
+    """A scenario file, laid over the files that it extends. Raises InputError."""
+    return extended(sources.read(path), (path.resolve(),))
+
+
+def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
+    """The source laid over the files that it extends, in their order; `within` are the files that lead to it. Raises InputError."""
+    if not isinstance(source.data, dict) or "extends" not in source.data:
+        return source
+    given = source.data["extends"]
+    names = given if isinstance(given, list) else [given]
+    if wrong := [name for name in names if not isinstance(name, str) or not name]:
+        raise InputError(source.error(("extends",), f"expected the paths of files, found {as_written(wrong[0])}"))
+    merged = Source({}, source.file, source.folder, {(): source.lines.get((), 1)} if source.file else {})
+    for number, name in enumerate(names):
+        key = ("extends", number) if given is names else ("extends",)
+        _lay(merged, _part(source, key, name, within))
+    _lay(merged, source.without([("extends",)]))
+    merged.options = dict(source.options)
+    return merged
+
+
+def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Source:
+    path = (Path(source.file).parent if source.file else source.folder) / Path(name).expanduser()
+    if path.resolve() in within:
+        through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
+        raise InputError(source.error(key, f"the files extend each other in a circle: {through}"))
+    try:
+        part = sources.read(path)
+    except InputError as error:
+        raise InputError(*(m if m.startswith(f"{path}:1") else source.error(key, m) for m in error.messages)) from None
+    if not isinstance(part.data, dict):
+        raise InputError(part.error((), f"expected keys such as 'shared' or 'blocks', found {as_written(part.data)}"))
+    part = extended(part, (*within, path.resolve()))
+    _anchor(part, source.folder)
+    return part
+
+
+def _anchor(part: Source, folder: Path) -> None:
+    """Makes the relative paths of a part start at the folder of the file that extends it."""
+    blocks = part.data.get("blocks")
+    for entry in blocks.values() if isinstance(blocks, dict) and part.folder != folder else ():
+        for key in ("fmu", "interface", "map") if isinstance(entry, dict) else ():
+            text = entry.get(key)
+            if isinstance(text, str) and "://" not in text and (key == "map" or _is_path(text)):
+                path = part.folder / Path(text).expanduser()
+                try:
+                    entry[key] = Path(os.path.relpath(path, folder)).as_posix()
+                except ValueError:  # on another drive of Windows
+                    entry[key] = str(path)
+                if "/" not in entry[key] and not entry[key].endswith(".fmu"):
+                    entry[key] = f"./{entry[key]}"
+
+
+def _is_path(text: str) -> bool:
+    return text.endswith(".fmu") or "/" in text or "\\" in text
+
+
+def _lay(below: Source, above: Source, key: Key = (), data: Any = None, over: Any = None) -> None:
+    """Puts `above` over `below`, in place; a null above takes the entry out."""
+    data, over = (below.data, above.data) if data is None else (data, over)
+    for name, value in over.items():
+        place = (*key, name)
+        if isinstance(value, dict) and isinstance(data.get(name), dict) and not _is_value(place):
+            _lay(below, above, place, data[name], value)
+        else:
+            inherited = name in data
+            _forget(below, place)
+            data.pop(name, None)
+            if value is None and inherited:
+                continue
+            data[name] = deepcopy(value)
+        _adopt(below, place, above)
+
+
+def _forget(source: Source, key: Key) -> None:
+    """Drops the places of what stands under a key."""
+    for places in (getattr(source, name) for name in PLACES):
+        for place in [p for p in places if p[: len(key)] == key]:
+            del places[place]
+
+
+def _adopt(source: Source, key: Key, other: Source) -> None:
+    """Takes over the places of what stands under a key in another source."""
+    taken = {p: line for p, line in other.lines.items() if p[: len(key)] == key}
+    source.lines.update(taken)
+    source.files.update((p, file) for p in taken if (file := other.files.get(p, other.file)))
+
+
+def _is_value(place: Key) -> bool:
+    """Whether a start value stands here, which is replaced as a whole also where it is written as names with values."""
+    return (len(place) == 2 and place[0] == "shared") or (
+        len(place) == 4 and place[0] == "blocks" and place[2] == "start"
+    )

@@ -1,0 +1,135 @@
+"""Values that a user writes for a variable, checked and brought into its unit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..errors import as_written, nearest, suggestion
+from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
+from ..quantities import QuantityError, convert, parse, value_in
+from ..scenario.forms import matrix
+from ..scenario.references import Name
+
+Scalar = float | int | bool | str
+
+
+def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element, Scalar]:
+    """The values of a parameter or input, or of an element of it. Raises QuantityError or NameUnknown."""
+    try:
+        variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"))
+    except NameUnknown as error:
+        raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
+    if variable.causality not in ("parameter", "input"):
+        match = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
+        raise QuantityError(
+            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts"
+            f"{suggestion(match)}"
+        )
+    shape = variable.shape if len(positions) == variable.size else ()
+    scalars = leaves(value, shape, variable)
+    return {
+        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, scalars, strict=True)
+    }
+
+
+def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
+    """The elements of a value of this shape, row by row. Raises QuantityError where the shape differs."""
+    wanted = f"expected {_shape_in_words(variable.shape if shape else ())}"
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        value = matrix(value)
+    items = [value]
+    for length in shape:
+        if not all(isinstance(item, (list, tuple)) and len(item) == length for item in items):
+            raise QuantityError(f"{wanted}, found {_shape_found(value)}")
+        items = [leaf for item in items for leaf in item]
+    if any(isinstance(leaf, (list, tuple)) for leaf in items):
+        raise QuantityError(f"{wanted}, found {_shape_found(value)}")
+    return items
+
+
+def nested(variable: Variable, flat: list[Any]) -> Any:
+    """The elements of a variable, given row by row, as lists of its shape; a scalar as itself."""
+    for length in reversed(variable.shape):
+        flat = [flat[i : i + length] for i in range(0, len(flat), length)]
+    return flat[0]
+
+
+def _shape_in_words(shape: tuple[int, ...]) -> str:
+    if not shape:
+        return "one value"
+    return f"a list of {shape[0]} values" if len(shape) == 1 else f"{shape[0]} rows of {shape[1]} values"
+
+
+def _shape_found(value: Any) -> str:
+    if not isinstance(value, (list, tuple)):
+        return as_written(value)
+    lengths = {len(row) if isinstance(row, (list, tuple)) else 0 for row in value}
+    if lengths == {0} or not value:
+        return f"a list of {len(value)}"
+    return f"{len(value)} rows of {' or '.join(map(str, sorted(lengths)))}"
+
+
+def scalar(variable: Variable, position: int, value: Any) -> Scalar:
+    """The value of one element, in the unit of its port and within its limits. Raises QuantityError."""
+    if hasattr(value, "item"):  # a scalar of NumPy's
+        value = value.item()
+    if variable.type == "string":
+        if not isinstance(value, str):
+            raise QuantityError(f"expected text, found {as_written(value)}")
+        return value
+    if variable.type == "boolean":
+        if not isinstance(value, bool):
+            raise QuantityError(f"expected true or false, found {as_written(value)}")
+        return value
+    if variable.type == "enumeration":
+        return item(variable, value)
+    if variable.type == "integer":
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise QuantityError(f"expected a whole number, found {as_written(value)}")
+        if not -(2**31) <= value < 2**31:
+            raise QuantityError(f"expected a whole number of 32 bits, found {value}")
+        return _limited(variable, position, value, value)
+    return _limited(variable, position, _real(variable, value), value)
+
+
+def item(variable: Variable, value: Any) -> int:
+    """The number of an enumeration's item, given by its name."""
+    items = dict(variable.items)
+    if isinstance(value, bool) or str(value) not in items:
+        match = suggestion(nearest(str(value), items))
+        raise QuantityError(f"expected one of {', '.join(items)}, found {as_written(value)}{match}")
+    return items[str(value)]
+
+
+def _real(variable: Variable, value: Any) -> float:
+    unit = unit_of(variable)
+    if isinstance(value, str) and unit.exponents is None:
+        # The FMU names its unit without defining it: only the same name, or no unit, will do.
+        number, own = (
+            parse(value)
+            if not value.strip().endswith(unit.name)
+            else (*parse(value.strip()[: -len(unit.name)])[:1], None)
+        )
+        return convert(number, own, unit) if own is not None else number
+    try:
+        return value_in(value, unit)
+    except QuantityError as error:
+        if isinstance(value, str) and variable.unit is None and "does not fit" in str(error):
+            raise QuantityError(
+                f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}"
+            ) from None
+        raise
+
+
+def _limited(variable: Variable, position: int, number: float, value: Any) -> float:
+    low = variable.minima[position] if variable.minima else float("-inf")
+    high = variable.maxima[position] if variable.maxima else float("inf")
+    if low <= number <= high:
+        return number
+    unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
+    given = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
+    element = f"{variable.label(position)}: " if variable.shape else ""
+    side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"
+    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}")
