@@ -146,7 +146,9 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
     if optional and (causality != "input" or kind != "real" or set(starts) != {ABSENT}):
         raise InterfaceError(f"only a real input may be optional, and its start is {ABSENT:g} in every element")
     if "quantity" in entry and causality != "parameter":
-        raise InterfaceError(f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}")
+        raise InterfaceError(
+            f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}"
+        )
     default = "continuous" if kind == "real" else "discrete"
     return Variable(
         name=name,

@@ -73,7 +73,11 @@ def euler(angles: Sequence[float], sequence: str) -> list[float]:
     Capitals turn about the turned axes, "ZYX" being R_z(a) R_y(b) R_x(c); small letters about the fixed ones, "xyz" being
     R_z(c) R_y(b) R_x(a). Raises ValueError where the sequence is none, or names an axis twice in a row.
     """
-    if not isinstance(sequence, str) or not re.fullmatch("[XYZ]{3}|[xyz]{3}", sequence) or re.search(r"(.)\1", sequence):
+    if (
+        not isinstance(sequence, str)
+        or not re.fullmatch("[XYZ]{3}|[xyz]{3}", sequence)
+        or re.search(r"(.)\1", sequence)
+    ):
         raise ValueError(
             f"sequence: expected three axes, ZYX about the turned axes or xyz about the fixed ones, found {sequence!r}"
         )

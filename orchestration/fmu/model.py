@@ -157,6 +157,7 @@ class Model:
             wanted = tuple(of)
             kind = " or ".join(wanted) or "variable"
             names = [v.name for v in self.variables.values() if not wanted or v.causality in wanted]
+            names += self.helpers if "parameter" in wanted else ()
             raise NameUnknown(f"{block} has no {kind} {name!r}{hint(name, names)}")
         variable = self.variables[name]
         if not index:

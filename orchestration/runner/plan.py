@@ -52,7 +52,14 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     needed = [node for look in (*checked, *held) for node in look.needed]
     columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
-    notes = [*remarks, *agreement.notes(scenario, models, values), *wired.warnings, *sequence.warnings, *more, *faults.notes]
+    notes = [
+        *remarks,
+        *agreement.notes(scenario, models, values),
+        *wired.warnings,
+        *sequence.warnings,
+        *more,
+        *faults.notes,
+    ]
     return Plan(scenario, models, times, wired, values, sequence, checked, held, columns, notes, faults)
 
 

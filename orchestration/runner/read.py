@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..scenario import load as loading
 from ..scenario import extends
+from ..scenario import load as loading
 from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..ssp import reader as ssp

@@ -25,7 +25,11 @@ def _cycles(value: Any, scenario: Any) -> float | None:
     """Seconds of "2 orbits", where the scenario's `cycle` is called so; None where it is not, or is not sound itself."""
     cycle = scenario.get("cycle") if isinstance(scenario, dict) else None
     match = re.fullmatch(r"\s*(\S+)\s*([^\W\d]\w*)\s*", value) if isinstance(value, str) else None
-    if match is None or not isinstance(cycle, dict) or match[2].removesuffix("s") != str(cycle.get("name")).removesuffix("s"):
+    if (
+        match is None
+        or not isinstance(cycle, dict)
+        or match[2].removesuffix("s") != str(cycle.get("name")).removesuffix("s")
+    ):
         return None
     try:
         return value_in(match[1], ONE) * value_in(cycle.get("period"), SECOND)

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from .. import rotation
 from ..errors import BlockError
 from ..fmu.model import Element, Floats, Model
 from ..instances.block import Block
-from .. import rotation
 from .as_ours import model
 from .findings import Fit, Link
 

@@ -61,7 +61,7 @@ def _text(scenario: str) -> str:
 def base(scenario: str = "tumble") -> Data:
     """A flight scenario as data that records what is needed, and expects and draws nothing."""
     data: Data = json.loads(_text(scenario))
-    for key in ("expect", "figures", "cycle"):
+    for key in ("expect", "figures"):
         data.pop(key, None)
     data["record"] = {"interval": 1.0, "signals": [*RECORD, "controller.phase"]}
     return data

@@ -101,9 +101,8 @@ def bound(data: Data) -> float | None:
     connections = [f"{a}.{port} -> {b}.{port}" for a, ports in wires.items() for port, b in ports.items()]
     connections += [f"plant.{port} -> allocator.{port}" for port in ("b_B", "omega_B", "h_w")]
     blocks = {name: {"fmu": name} for name in wires} | {"plant": data["blocks"]["plant"]}
-    loop = read(
-        Source({"name": "bound", "step": 0.1, "duration": 1.0, "blocks": blocks, "connections": connections})
-    ).loop
+    scenario = {"name": "bound", "step": 0.1, "duration": 1.0, "shared": data["shared"]}
+    loop = read(Source({**scenario, "blocks": blocks, "connections": connections})).loop
     rods = loop.plant.dipole_max * float(np.max(loop.plant.rod_gain))
     balance = MomentumBalance(loop.plant, loop.controller, rods, Tolerance(math.radians(5.0), RATE), 3000.0)
     return balance.least_time().least
@@ -151,7 +150,14 @@ def key(case: Case, fmus: Mapping[str, Path]) -> str:
 def bound_key(data: Data) -> str:
     """Of everything that decides a momentum bound."""
     sources = [*sorted((ROOT / "plant").glob("*.py")), Path(momentum_bound.__file__)]
-    return _digest(["bound", data["blocks"]["plant"], [hashlib.sha256(p.read_bytes()).hexdigest() for p in sources]])
+    return _digest(
+        [
+            "bound",
+            data["shared"],
+            data["blocks"]["plant"],
+            [hashlib.sha256(p.read_bytes()).hexdigest() for p in sources],
+        ]
+    )
 
 
 def _digest(what: Any) -> str:

@@ -107,6 +107,7 @@ def _fingerprint() -> str:
         ("plant", "*.py"),
         ("controller", "*.py"),
         ("scenarios", "paper_*.yaml"),
+        ("scenarios/satellites", "*.yaml"),
         ("studies", "*.py"),
         ("studies/reproduction", "*.py"),
     ):

@@ -95,6 +95,8 @@ def test_a_wheel_brings_fmus_loops_scenarios_and_licence(wheel: Path) -> None:
     } <= names
     assert {f"attitude_cosim/fmus/ready/loop/{n}" for n in ("linux64.so", "win64.dll", "darwin64.dylib")} <= names
     assert {f"attitude_cosim/fmus/ready/scenarios/{p.name}" for p in (ROOT / "scenarios").glob("*.yaml")} <= names
+    assert "attitude_cosim/fmus/ready/scenarios/satellites/paper_50kg.yaml" in names
+    assert "attitude_cosim/plant/inputs.py" in names
     assert "attitude_cosim/fmus/ready/LICENSE" in names
     assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == NAMES
     assert {f"{name}/py.typed" for name in NAMES} <= names

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 import orchestration
@@ -118,8 +117,8 @@ def test_the_papers_allocator_runs_with_the_planned_controller_but_holds_through
 
 def test_the_papers_controller_flies_with_the_bounded_allocator():
     """The paper's manoeuvre V.B, in its own reading, by the other allocator."""
-    scenario = YAML(typ="safe").load(ROOT / "scenarios" / "paper_no_singularity.yaml")
-    kept = {name: scenario[name] for name in ("name", "step", "duration", "blocks", "connections")}
+    scenario = orchestration.load(ROOT / "scenarios" / "paper_no_singularity.yaml").source.data
+    kept = {name: scenario[name] for name in ("name", "shared", "step", "duration", "blocks", "connections")}
     kept["blocks"]["allocator"] = {"fmu": "allocator_bounded"}
     result = orchestration.run(kept)
     angle, rate = errors(result)

@@ -1,0 +1,135 @@
+"""A scenario that extends other files."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+
+import pytest
+from click.testing import CliRunner
+
+from orchestration import InputError, load, run
+from orchestration.cli.main import main
+
+from ..wrong_inputs import SCENARIO
+
+
+def test_mappings_merge_lists_and_values_replace_and_a_null_takes_out(loop):
+    (loop.parent / "over.yaml").write_text(
+        "extends: loop.yaml\nduration: 1 s\nblocks: {motor: {start: {speed0: 3}}}\nexpect: []\nrecord: ~\n"
+    )
+    data = load("over.yaml").source.data
+    assert (data["name"], data["duration"], data["expect"]) == ("loop", "1 s", [])
+    assert data["blocks"]["motor"] == {"fmu": "motor.fmu", "start": {"speed0": 3, "inertia": 0.5}}
+    assert not {"record", "extends"} & data.keys()
+    result = run("over.yaml", {"motor.inertia": 0.7})
+    assert result["motor.speed"][0] == 3.0
+    assert result.manifest["scenario"]["blocks"]["motor"]["start"]["inertia"] == 0.7
+
+
+def test_later_files_go_before_earlier_ones_and_a_value_of_several_names_is_replaced_as_a_whole(loop):
+    (loop.parent / "a.yaml").write_text("blocks: {motor: {start: {J: {axis: [1, 0, 0], angle: 1}, inertia: 1}}}\n")
+    (loop.parent / "b.yaml").write_text("blocks: {motor: {start: {J: {quaternion: [1, 0, 0, 0]}}}}\n")
+    (loop.parent / "over.yaml").write_text("extends: [loop.yaml, a.yaml, b.yaml]\n")
+    assert load("over.yaml").blocks["motor"].start == {
+        "speed0": "2 rad/s",
+        "inertia": 1,
+        "J": {"quaternion": [1, 0, 0, 0]},
+    }
+
+
+def test_an_error_names_the_file_and_the_line_that_it_is_in(loop):
+    (loop.parent / "part.yaml").write_text("# a part\nblocks:\n  motor:\n    start:\n      inertia: 50\n")
+    (loop.parent / "over.yaml").write_text(
+        "extends: [loop.yaml, part.yaml]\nblocks:\n  regulator: {start: {gian: 1}}\n"
+    )
+    with pytest.raises(InputError) as error:
+        run("over.yaml")
+    assert "part.yaml:5: blocks.motor.start.inertia: expected at most 10 kg.m2" in str(error.value)
+    assert "over.yaml:3: blocks.regulator.start: regulator has no parameter 'gian'" in str(error.value)
+
+
+def test_a_misspelt_key_of_a_part_is_found_there(loop):
+    (loop.parent / "part.yaml").write_text("\nshard: {inertia: 1}\n")
+    (loop.parent / "over.yaml").write_text("extends: [loop.yaml, part.yaml]\n")
+    with pytest.raises(InputError, match=r"part.yaml:2: unknown key 'shard'; did you mean 'shared'\?"):
+        load("over.yaml")
+
+
+def test_paths_start_at_the_folder_of_the_file_that_names_them(loop):
+    (loop.parent / "deep" / "er").mkdir(parents=True)
+    (loop.parent / "deep" / "base.yaml").write_text(SCENARIO.replace("fmu: ", "fmu: ../"))
+    (loop.parent / "deep" / "er" / "over.yaml").write_text("extends: ../base.yaml\nname: over\n")
+    source = load("deep/er/over.yaml").source
+    assert source.data["blocks"]["motor"]["fmu"] == "../../motor.fmu"
+    assert run("deep/er/over.yaml").passed
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        (
+            {"over.yaml": "extends: over.yaml\n"},
+            "over.yaml:1: extends: the files extend each other in a circle: over.yaml",
+        ),
+        (
+            {"over.yaml": "extends: [b.yaml]\n", "b.yaml": "name: b\nextends: over.yaml\n"},
+            "b.yaml:2: extends: the files extend each other in a circle: over.yaml -> b.yaml -> over.yaml",
+        ),
+        (
+            {"over.yaml": "name: x\nextends:\n  - lop.yaml\n"},
+            "over.yaml:3: extends[1]: lop.yaml: there is no such file; did you mean 'loop.yaml'?",
+        ),
+        ({"over.yaml": "extends: [3]\n"}, "over.yaml:1: extends: expected the paths of files, found 3"),
+        ({"over.yaml": "extends: b.yaml\n", "b.yaml": "- a\n"}, "b.yaml:1: expected keys such as 'shared' or 'blocks'"),
+    ],
+)
+def test_what_cannot_be_extended_is_refused(loop, files, message):
+    for name, text in files.items():
+        (loop.parent / name).write_text(text)
+    with pytest.raises(InputError) as error:
+        load("over.yaml")
+    assert message in str(error.value)
+
+
+def test_a_scenario_given_as_data_extends_files_too(loop):
+    assert run({"extends": "loop.yaml", "duration": 0.5}).time[-1] == 0.5
+
+
+def test_an_archive_extends_nothing(loop):
+    assert CliRunner().invoke(main, ["export", "loop.yaml", "--ssp", "a.ssp"]).exit_code == 0
+    with zipfile.ZipFile("a.ssp") as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    key = "SystemStructure.ssd"
+    files[key] = files[key].replace(b'{"name"', b'{"extends": "../../secret.yaml", "name"')
+    assert b"secret" in files[key]
+    with zipfile.ZipFile("a.ssp", "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    with pytest.raises(InputError, match="only a scenario in YAML"):
+        run("a.ssp")
+
+
+def test_times_are_counted_in_what_the_cycle_names(loop):
+    text = SCENARIO.replace("duration: 2 s", "duration: 2 turns").replace("signal:", "after: 0.5 turn\n    signal:")
+    loop.write_text(text + "cycle: {name: turns, period: 0.25 s}\n")
+    scenario = load("loop.yaml", {})
+    assert (scenario.duration, scenario.expect[0].after) == (0.5, 0.125)
+    assert load("loop.yaml", {"duration": "4 turns"}).duration == 1.0
+    loop.write_text(text)
+    with pytest.raises(InputError, match="loop.yaml:3: duration: .*turns"):
+        load("loop.yaml")
+    loop.write_text(text + "cycle: {name: turns, period: 2 turns}\n")
+    with pytest.raises(InputError, match="loop.yaml:22: cycle.period"):
+        load("loop.yaml")
+
+
+def test_the_manifest_has_the_scenario_as_resolved_which_runs_as_it_stands(loop):
+    loop.write_text(
+        SCENARIO.replace("inertia: 0.5", "speed0: 1").replace("speed0: 2 rad/s\n", "") + "shared: {inertia: 0.5}\n"
+    )
+    first = run("loop.yaml")
+    resolved = json.loads(json.dumps(first.manifest["scenario"]))
+    assert "shared" not in resolved
+    assert resolved["blocks"]["motor"]["start"]["inertia"] == 0.5
+    assert (run(resolved)["motor.speed"] == first["motor.speed"]).all()

@@ -1,0 +1,196 @@
+"""Values that a scenario states once, and blocks that state one quantity with different values."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from fmus.build import ensure
+from fmus.interface import BLOCKS
+from fmus.interface import load as load_interface
+from orchestration import InputError, load, run
+from orchestration.cli.main import main
+from orchestration.fmu.archive import open_fmu
+from orchestration.runner.open import open_scenario
+
+from .. import vendor
+from ..swapped import orchestrate, swapped
+from ..wrong_inputs import SCENARIO
+
+ROOT = Path(__file__).parents[3]
+PAPER, FLIGHT = (ROOT / "scenarios" / f"{name}.yaml" for name in ("paper_no_singularity", "flight_vb"))
+
+
+def notes(scenario, **changes) -> list[str]:
+    """The warnings about quantities, before anything runs."""
+    loaded = load(scenario, {name.replace("__", "."): value for name, value in changes.items()})
+    return [note for note in open_scenario(loaded).plan.notes if "the same quantity" in note]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "scenarios").glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_blocks_of_our_scenarios_agree(path):
+    assert notes(path) == []
+
+
+def test_a_shared_value_reaches_every_block_that_has_the_parameter(loop):
+    loop.write_text(SCENARIO.replace("gain: -1, ", "") + "shared: {gain: -2, inertia: 0.7}\n")
+    starts = run("loop.yaml").manifest["scenario"]["blocks"]
+    assert starts["regulator"]["start"]["gain"] == -2.0
+    assert starts["motor"]["start"]["inertia"] == 0.5, "the block's own value goes before"
+
+
+def test_set_works_on_shared_values_with_and_without_their_prefix():
+    for name in ("dipole_max", "shared.dipole_max"):
+        plan = open_scenario(load(FLIGHT, {name: "10 A.m2"})).plan
+        for block in ("plant", "controller", "allocator"):
+            given = {start.element.variable: start.value for start in plan.starts[block]}
+            assert given["dipole_max"] == 10.0, block
+    assert notes(FLIGHT, dipole_max=10) == []
+
+
+def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_and_manifest(tmp_path):
+    done = CliRunner().invoke(
+        main, [str(PAPER), "--set", "plant.dipole_max=10 A.m2", "--duration", "1", "--out", str(tmp_path)]
+    )
+    text = "plant.dipole_max = 10 A.m2 and allocator.dipole_max = 25 A.m2: the same quantity with different values; remedy: "
+    assert text in " ".join(done.stderr.split())
+    assert any(note.startswith(text) for note in json.loads((tmp_path / "manifest.json").read_text())["notes"])
+
+
+def test_an_epoch_changed_in_the_plant_alone_is_warned_of():
+    (note,) = notes(FLIGHT, plant__epoch="2010-08-10T00:00:00Z")
+    assert note.startswith("plant.epoch = 2010-08-10T00:00:00Z and controller.epoch = 2009-08-10T00:00:00Z")
+
+
+def test_a_matrix_is_warned_of_by_its_first_element_that_differs():
+    (note,) = notes(PAPER, plant__J_B=[[0.0426, 0, 0], [0, 0.07, 0], [0, 0, 0.08]])
+    assert "plant.J_B[2][2] = 0.07 kg.m2 and controller.J_B[2][2] = 0.0608 kg.m2 (and 1 more elements)" in note
+
+
+def test_units_and_rounding_are_no_difference():
+    assert notes(FLIGHT, plant__wheel_torque_max="0.003 N.m", controller__dipole_max=25.0 * (1 + 1e-12)) == []
+
+
+def test_a_difference_that_is_declared_is_not_warned_of_and_others_are():
+    source = load(FLIGHT, {"plant.epoch": "2010-08-10T00:00:00Z", "plant.dipole_max": 10}).source
+    declared = load(source.with_entry(("blocks", "plant", "differs"), ["epoch"]))
+    (note,) = [n for n in open_scenario(declared).plan.notes if "the same quantity" in n]
+    assert note.startswith("plant.dipole_max = 10 A.m2 and controller.dipole_max = allocator.dipole_max = 25 A.m2")
+
+
+def test_a_known_error_of_inertia_is_declared_by_the_plants_own_parameter():
+    assert notes(PAPER, plant__J_error_B=[[0.001, 0, 0], [0, 0, 0], [0, 0, 0]]) == []
+
+
+def test_blocks_that_are_not_wired_together_may_differ():
+    data = load(PAPER).source.data
+    twins = {
+        **data["blocks"],
+        "other": {"fmu": "plant", "start": {"dipole_max": 5, "dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}},
+    }
+    assert notes({**data, "blocks": twins}) == []
+
+
+def test_a_foreign_fmu_is_compared_by_our_interface(tmp_path):
+    """An allocator without any annotation of ours, its limit left at 25 A m2."""
+    path = tmp_path / "theirs.fmu"
+    with zipfile.ZipFile(ensure("allocator", "native")) as archive, zipfile.ZipFile(path, "w") as copy:
+        for name in archive.namelist():
+            data = archive.read(name)
+            if name == "modelDescription.xml":
+                assert b"attitude-cosim" in data
+                data = data.replace(b'Tool name="attitude-cosim"', b'Tool name="other"')
+            copy.writestr(name, data)
+    assert {v.quantity for v in open_fmu(path).model.of("parameter")} == {None}
+    source = load(PAPER, {"plant.dipole_max": 10}).source.with_entry(("blocks", "allocator", "fmu"), str(path))
+    (note,) = notes(source)
+    assert "allocator.dipole_max = 25 A.m2" in note
+
+
+def test_a_shared_value_reaches_a_swapped_fmu_by_its_mapping_and_one_that_it_lacks_is_told(tmp_path, monkeypatch):
+    text = SCENARIO.replace("gain: -1, ", "") + "shared: {gain: -0.7}\n"
+    swapped(tmp_path, monkeypatch, scenario=text)
+    ours = run("loop.yaml")
+    swap = ("loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--format", "mat")
+    assert orchestrate(*swap, "--out", "theirs").exit_code == 0
+    theirs = json.loads(Path("theirs/manifest.json").read_text())
+    assert theirs["parameters"]["regulator"]["kp"] == pytest.approx(-0.7 * vendor.GAIN)
+    assert theirs["scenario"]["blocks"]["regulator"]["start"] == {"gain": -0.7, "enabled": True}
+    assert ours.manifest["parameters"]["regulator"]["gain"] == -0.7
+    Path("mapping.yaml").write_text("ports: {speed: rate, voltage: command}\n")
+    lost = orchestrate(*swap, "--out", "lost")
+    assert lost.exit_code in (0, 1)
+    assert "regulator: its FMU has no parameter gain, so the shared value does not reach it" in lost.stderr
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_an_fmu_states_the_quantities_of_its_interface(block):
+    model = open_fmu(ensure(block, "native")).model
+    expected = {v.name: v.quantity for v in load_interface(block).of("parameter")}
+    assert {v.name: v.quantity for v in model.of("parameter")} == expected
+
+
+def test_one_quantity_has_one_unit_and_one_shape_in_all_interfaces():
+    seen: dict[str, tuple[object, ...]] = {}
+    for block in BLOCKS:
+        for v in load_interface(block).of("parameter"):
+            if v.quantity:
+                assert seen.setdefault(v.quantity, (v.unit, v.shape, v.type)) == (v.unit, v.shape, v.type), (
+                    block,
+                    v.name,
+                )
+    assert {"epoch", "J_B", "rod_axes", "dipole_max", "wheel_torque_max", "wheel_momentum_max"} <= seen.keys()
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        (
+            "shared: {inertai: 1}\n",
+            "loop.yaml:20: shared.inertai: no block has a parameter 'inertai'; did you mean 'inertia'?",
+        ),
+        ("shared:\n  inertia: 1 kg\n  gain: true\n", "loop.yaml:22: shared.gain: expected"),
+        ("shared: 3\n", "loop.yaml:20: shared: expected names with values, found 3"),
+    ],
+)
+def test_a_wrong_shared_value_is_an_error_at_its_line(loop, extra, message):
+    loop.write_text(SCENARIO.replace("      inertia: 0.5\n", "").replace("gain: -1, ", "") + extra)
+    with pytest.raises(InputError) as error:
+        run("loop.yaml")
+    assert message in str(error.value)
+
+
+def test_a_shared_value_that_two_blocks_refuse_is_one_error():
+    with pytest.raises(InputError) as error:
+        open_scenario(load(PAPER, {"rod_axes": 1}))
+    assert str(error.value) == "rod_axes=1: expected 3 rows of 3 values, found 1"
+
+
+def test_differs_names_a_parameter_that_other_blocks_state():
+    source = load(PAPER).source.with_entry(("blocks", "plant", "differs"), ["epohc"])
+    with pytest.raises(
+        InputError, match="blocks.plant.differs.1.: plant has no parameter 'epohc' .*did you mean 'epoch'"
+    ):
+        open_scenario(load(source))
+
+
+def test_no_block_is_called_shared(loop):
+    loop.write_text(SCENARIO.replace("motor", "shared"))
+    with pytest.raises(InputError, match="no block can be called 'shared'"):
+        load("loop.yaml")
+
+
+def test_the_system_as_an_archive_keeps_the_values_and_the_declared_differences(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = load(PAPER, {"plant.dipole_max": 10, "duration": 2}).source
+    source = source.with_entry(("blocks", "plant", "differs"), ["dipole_max"]).without([("expect",), ("figures",)])
+    data = {**source.data, "name": "archived"}
+    Path("paper.yaml").write_text(json.dumps(data))
+    assert CliRunner().invoke(main, ["export", "paper.yaml", "--ssp", "paper.ssp"]).exit_code == 0
+    again = run("paper.ssp")
+    assert (again["plant.dipole"] == run("paper.yaml")["plant.dipole"]).all()
+    assert not [note for note in again.warnings if "the same quantity" in note]
