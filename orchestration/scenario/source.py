@@ -48,7 +48,7 @@ class Source:
         return f"{self.where(key)}: {message}"
 
     def _copy(self) -> Source:
-        places = {name: dict(getattr(self, name)) for name in PLACES}
+        places: dict[str, Any] = {name: dict(getattr(self, name)) for name in PLACES}
         return replace(self, data=deepcopy(self.data), **places)
 
     def with_start(self, name: str, value: Any, option: str = "") -> Source:

@@ -18,7 +18,10 @@ def _seconds(value: Any, info: ValidationInfo) -> float:
     except QuantityError as error:
         if (cycles := _cycles(value, info.context)) is not None:
             return cycles
-        raise ValueError(f"{error}; expected seconds, or text such as '10 min'") from None
+        raise ValueError(f"{error}; expected seconds, {_EXPECTED}") from None
+
+
+_EXPECTED = "text such as '10 min', or a count of what 'cycle' names"
 
 
 def _cycles(value: Any, scenario: Any) -> float | None:

@@ -130,6 +130,51 @@ CASES = [
         "loop.yaml:1: expected keys such as 'name' and 'blocks', found a list",
         new="- a\n- b\n",
     ),
+    # ---------------------------------------------------------------- files that it extends, values that it shares
+    Case(
+        "a file to extend that is not there",
+        "loop.yaml:2: extends: parts/motor.yaml: there is no such file",
+        "step: 0.1 s",
+        "extends: parts/motor.yaml\nstep: 0.1 s",
+    ),
+    Case(
+        "files that extend each other",
+        "part.yaml:1: extends[1]: the files extend each other in a circle: loop.yaml -> part.yaml -> loop.yaml",
+        "step: 0.1 s",
+        "extends: part.yaml\nstep: 0.1 s",
+        spoil=_file("part.yaml", b"extends: [loop.yaml]\n"),
+    ),
+    Case(
+        "a wrong value in a file that is extended",
+        "part.yaml:3: shared.gain: expected a number or text with a unit, found true",
+        "    start: {gain: -1, enabled: true}\n",
+        "extends: part.yaml\n",
+        spoil=_file("part.yaml", b"shared:\n\n  gain: true\n"),
+    ),
+    Case(
+        "a shared value that no block takes",
+        "loop.yaml:2: shared.inertai: no block has a parameter 'inertai'; did you mean 'inertia'?",
+        "step: 0.1 s",
+        "shared: {inertai: 0.5}\nstep: 0.1 s",
+    ),
+    Case(
+        "a difference declared of what is no parameter",
+        "loop.yaml:7: blocks.motor.differs[1]: motor has no parameter 'gain' that other blocks state, too",
+        "    fmu: motor.fmu",
+        "    fmu: motor.fmu\n    differs: [gain]",
+    ),
+    Case(
+        "a form of a matrix for a scalar",
+        "blocks.motor.start.inertia: expected one value, found 2 rows of 2",
+        "inertia: 0.5",
+        "inertia: {diagonal: [1, 2]}",
+    ),
+    Case(
+        "times counted in what no cycle names",
+        "loop.yaml:3: duration: unknown unit 'orbits'; expected seconds, text such as '10 min', or a count of what 'cycle' names",
+        "duration: 2 s",
+        "duration: 2 orbits",
+    ),
     # ---------------------------------------------------------------- keys and types
     Case("a misspelt key", "loop.yaml:3: unknown key 'duratoin'; did you mean 'duration'?", "duration:", "duratoin:"),
     Case("a missing key", "loop.yaml:1: 'step' is missing: the base communication step", "step: 0.1 s\n", ""),

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import zipfile
 
 import pytest
-from click.testing import CliRunner
 
 from orchestration import InputError, load, run
-from orchestration.cli.main import main
+from orchestration.scenario.source import Source
 
 from ..wrong_inputs import SCENARIO
 
@@ -96,18 +94,10 @@ def test_a_scenario_given_as_data_extends_files_too(loop):
     assert run({"extends": "loop.yaml", "duration": 0.5}).time[-1] == 0.5
 
 
-def test_an_archive_extends_nothing(loop):
-    assert CliRunner().invoke(main, ["export", "loop.yaml", "--ssp", "a.ssp"]).exit_code == 0
-    with zipfile.ZipFile("a.ssp") as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
-    key = "SystemStructure.ssd"
-    files[key] = files[key].replace(b'{"name"', b'{"extends": "../../secret.yaml", "name"')
-    assert b"secret" in files[key]
-    with zipfile.ZipFile("a.ssp", "w") as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    with pytest.raises(InputError, match="only a scenario in YAML"):
-        run("a.ssp")
+def test_what_is_neither_a_file_nor_data_extends_nothing(loop):
+    source = Source({**load("loop.yaml").source.data, "extends": ["secret.yaml"]}, "archive.ssp")
+    with pytest.raises(InputError, match="archive.ssp: extends: only a scenario in YAML"):
+        load(source)
 
 
 def test_times_are_counted_in_what_the_cycle_names(loop):
