@@ -27,7 +27,7 @@ def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[S
     """The start values of each block. Raises InputError with everything that is wrong."""
     starts: dict[str, list[Start]] = {}
     errors = _untaken(scenario, models)
-    for block in scenario.blocks:
+    for block in models:
         given = _Given(scenario, block, models[block])
         starts[block] = [Start(element, value) for element, value in given.values().items()]
         errors += given.errors

@@ -104,7 +104,7 @@ def prepare(folder: Path) -> None:
 
 def prepare_item(folder: Path) -> Path:
     """The same with an enumeration's item that is not the FMU's own; returns the scenario."""
-    text = SCENARIO.read_text("utf-8")
+    text = SCENARIO.read_text("utf-8").replace("extends: ", f"extends: {SCENARIO.parent.as_posix()}/")
     old = "    fmu: controller\n    start:\n"
     assert old in text
     scenario = folder / "item.yaml"

@@ -19,6 +19,8 @@ pytestmark = [pytest.mark.compile, pytest.mark.isolate, pytest.mark.fly]
 
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 PAPER = SCENARIOS / "paper_no_singularity.yaml"
+TEXT = PAPER.read_text("utf-8").replace("extends: ", f"extends: {SCENARIOS.as_posix()}/")
+"""The scenario as it may stand in any folder."""
 SETTLED = ["attitude error settled within 1/30 orbit", "rate error settled within 1/30 orbit"]
 
 
@@ -46,7 +48,7 @@ def without_errors(tmp_path_factory) -> Path:
 def judging_itself(tmp_path) -> Path:
     """The paper's scenario with its claims read from the controller's own outputs."""
     path = tmp_path / "own.yaml"
-    path.write_text(PAPER.read_text("utf-8").replace("judge.attitude_error", "controller.attitude_error"), "utf-8")
+    path.write_text(TEXT.replace("judge.attitude_error", "controller.attitude_error"), "utf-8")
     return path
 
 
@@ -113,7 +115,7 @@ def test_a_controller_without_errors_flies_the_papers_scenario_and_is_judged(wit
 @pytest.mark.parametrize("ignored", [True, False])
 def test_a_figure_that_loses_all_its_panels_is_left_out_with_a_note(without_errors, tmp_path, ignored):
     """A figure of two panels of one signal each, as the paper's scenario had it; and one that keeps a panel and a curve."""
-    text = PAPER.read_text("utf-8").split("\nexpect:")[0].replace("duration: 386.1 s", "duration: 1 s")
+    text = TEXT.split("\nexpect:")[0].replace("duration: 386.1 s", "duration: 1 s")
     path = tmp_path / "figures.yaml"
     path.write_text(
         text
@@ -147,7 +149,7 @@ figures:
 
 
 def test_where_all_signals_to_be_recorded_are_gone_all_outputs_are_recorded(without_errors, tmp_path):
-    text = PAPER.read_text("utf-8").split("\nexpect:")[0].replace("duration: 386.1 s", "duration: 1 s")
+    text = TEXT.split("\nexpect:")[0].replace("duration: 386.1 s", "duration: 1 s")
     path = tmp_path / "recorded.yaml"
     path.write_text(f"{text}\nrecord: {{signals: [controller.attitude_error]}}\n", "utf-8")
     (tmp_path / "mapping.yaml").write_text("ignore: [attitude_error, rate_error_B]\n", "utf-8")
