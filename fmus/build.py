@@ -12,7 +12,7 @@ import hashlib
 import os
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -124,7 +124,35 @@ def _stamp(path: Path) -> bytes | None:
 
 
 def _fingerprint(block: Block, flavour: str) -> str:
-    """A hash of all that an FMU is made of: files by their content, packages by their versions."""
+    """A hash of all that an FMU is made of: files by their content, packages by their versions.
+
+    Within a process the files are read anew only where one of their names, sizes or times has changed.
+    """
+    seen = hash(
+        (block.interface.source, *_seen(_HERE), *_seen(block.folder), places.shared("LICENSE").stat().st_mtime_ns)
+    )
+    key = block.name, block.folder, flavour
+    if key not in _known or _known[key][0] != seen:
+        _known[key] = seen, _of_content(block, flavour)
+    return _known[key][1]
+
+
+_known: dict[tuple[str, Path, str], tuple[int, str]] = {}
+
+
+def _seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:
+    """Name, size and time of each file in a folder."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir():
+                if entry.name != "__pycache__":
+                    yield from _seen(entry.path)
+            else:
+                status = entry.stat()
+                yield entry.path, status.st_size, status.st_mtime_ns
+
+
+def _of_content(block: Block, flavour: str) -> str:
     digest = hashlib.sha256(block.interface.source.encode())
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
     makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]

@@ -84,7 +84,33 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line.
 
     `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the same.
+    What has been read is kept for the file as it is: by the hash of its content, which is looked at every time.
     """
+    kept = _kept.get((path, lenient))
+    if (
+        kept is not None
+        and path.is_file()
+        and path.stat().st_size <= zipped.ARCHIVE_MAX
+        and _digest(path) == kept.sha256
+    ):
+        return kept
+    fmu = _open(path, lenient)
+    while len(_kept) >= _KEPT_MAX:
+        del _kept[next(iter(_kept))]
+    _kept[path, lenient] = fmu
+    return fmu
+
+
+_kept: dict[tuple[Path, bool], Fmu] = {}
+_KEPT_MAX = 50
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _open(path: Path, lenient: bool) -> Fmu:
     if not path.exists():
         near = hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
@@ -98,9 +124,7 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     library = expected_library(description.coSimulation.modelIdentifier)
     if library not in names:
         raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {libraries(names)}")
-    with path.open("rb") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return Fmu(path, digest, description, model, tuple(problems))
+    return Fmu(path, _digest(path), description, model, tuple(problems))
 
 
 def read_head(path: Path) -> Head:

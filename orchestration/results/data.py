@@ -21,7 +21,7 @@ from ..system import signals
 from ..system.wiring import Node
 
 
-@dataclass
+@dataclass(repr=False)
 class RunData(Mapping[str, NDArray[Any]]):
     """What a run recorded, by name as `Result` says; without the ways to keep it, which stand above."""
 

@@ -6,6 +6,8 @@ Matplotlib is imported only when something is drawn.
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,8 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#0
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
 _PANEL_SIZE = (5.2, 3.4)
 """inches"""
+_PANELS_MAX = 6
+"""Panels of a plot for which no signals are named."""
 
 
 def require(scenario: Scenario) -> None:
@@ -90,6 +94,36 @@ def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
     figure.suptitle(entry.title or _plain(entry.name), fontsize=11)
     figure.savefig(file, metadata={"Software": None} if file.suffix == ".png" else None)
     return file
+
+
+def plot(result: RunData, names: Sequence[str] = ()) -> Any:
+    """A figure of these signals over time, a panel for each; by default of those that expectations look at, or of all.
+
+    At most `_PANELS_MAX` of them by default. A notebook shows it. Raises KeyError for a signal that was not recorded.
+    """
+    if importlib.util.find_spec("matplotlib") is None:
+        raise InputError("figures need Matplotlib: pip install matplotlib")
+    from matplotlib.figure import Figure  # optional, and slow to import
+
+    expected = [e.signal for e in result.scenario.expect if e.signal in result]
+    chosen = list(names) or list(dict.fromkeys(expected or result))[:_PANELS_MAX]
+    for name in chosen:
+        result[name]
+    entry = FigureEntry(name="plot", panels=[Panel(signals=[name]) for name in chosen])
+    width, height = _PANEL_SIZE
+    figure = type("Plot", (Figure,), {"_repr_png_": _png})(
+        figsize=(1.5 * width, 0.8 * height * len(chosen)), dpi=100, layout="constrained"
+    )
+    for panel, axes in zip(entry.panels, np.ravel(figure.subplots(len(chosen), 1)), strict=True):
+        draw_panel(axes, panel, entry, result)
+    return figure
+
+
+def _png(figure: Any) -> bytes:
+    """What a notebook shows of a figure."""
+    data = BytesIO()
+    figure.savefig(data, format="png")
+    return data.getvalue()
 
 
 def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> None:

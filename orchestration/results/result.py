@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
 
 from ..errors import InputError
 from ..scenario.scenario import Scenario
-from . import figures
+from . import figures, frames
 from .data import RunData
+from .differences import Differences, compare
 from .folder import write
+from .html import rows
 
 
 def target(folder: str | Path | None, scenario: Scenario) -> Path:
@@ -23,6 +28,7 @@ class Result(RunData):
 
     `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
     `result["plant.omega_B[2]"]` (n,); `result.time` (n,). Booleans and whole numbers come as such.
+    `result.units["plant.omega_B"]` is the unit.
     """
 
     def save(self, folder: str | Path | None = None, format: str = "csv") -> Path:
@@ -39,3 +45,52 @@ class Result(RunData):
         Raises InputError without Matplotlib, and ResultsError where they cannot be written.
         """
         return figures.draw(self, Path(folder), format)
+
+    @property
+    def signals(self) -> list[str]:
+        """The names of the recorded signals, each of which is a key."""
+        return list(self)
+
+    def plot(self, *names: str) -> Any:
+        """A Matplotlib figure of these signals over time, a panel for each; of those that expectations look at by default.
+
+        A notebook shows it. Raises KeyError for a signal that was not recorded, and InputError without Matplotlib.
+        """
+        return figures.plot(self, names)
+
+    def compare(self, other: RunData) -> Differences:
+        """The largest and rms difference of each signal that both results have, at the instants that both have.
+
+        Raises ValueError where they have no instant in common.
+        """
+        return compare(self, other)
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: the index is time in s, a column for each element, units in `attrs["units"]`."""
+        return frames.to_pandas(self)
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset: vectors and matrices with their dimensions, units among the attributes."""
+        return frames.to_xarray(self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """What a notebook offers behind `result["`."""
+        return self.signals
+
+    def __repr__(self) -> str:
+        return f"<Result {self._text()}>"
+
+    def _text(self) -> str:
+        """The run in a line."""
+        ended = "failed at" if self.failure else "interrupted at" if self.interrupted else "ran"
+        met = sum(outcome.passed for outcome in self.outcomes)
+        claims = f", {met} of {len(self.outcomes)} expectations met" if self.outcomes else ""
+        return f"{self.scenario.name}: {ended} {self.reached:.10g} s, {len(self)} signals, {len(self.time)} samples{claims}"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the run in a line, and its expectations."""
+        cells = [(o.status, o.name, o.text, o.expected) for o in self.outcomes]
+        head = Markup("<tr><th>outcome</th><th>expectation</th><th>found</th><th>expected</th></tr>")
+        table = Markup("<table>{}{}</table>").format(head, rows(cells)) if cells else ""
+        failure = Markup("<pre>{}</pre>").format(self.failure) if self.failure else ""
+        return Markup("<p><b>Result</b> {}</p>{}{}").format(self._text(), failure, table)

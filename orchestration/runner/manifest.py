@@ -6,6 +6,7 @@ import platform
 import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -109,6 +110,7 @@ def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
     return starts
 
 
+@cache
 def _version(package: str) -> str | None:
     try:
         return version(package)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
+import os
+import shutil
 import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -46,16 +49,20 @@ class Opened:
         """
         scenario = self.plan.scenario
         bounds = {name: limits(scenario, name) for name in self.fmus}
-        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
-        work = Path(stack.enter_context(folder))
+        shared = {name for name in self.fmus if bounds[name] is None and _is_own_native(scenario, name)}
+        work = Path()
+        if len(shared) < len(self.fmus):
+            folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
+            work = Path(stack.enter_context(folder))
         blocks: dict[str, Block] = {}
         name = ""
         try:
             for name, fmu in self.fmus.items():
-                fmu.extract(work / name)
                 bound = bounds[name]
+                if name not in shared:
+                    fmu.extract(work / name)
                 if bound is None:
-                    blocks[name] = Slave(name, fmu, work / name, verbose)
+                    blocks[name] = Slave(name, fmu, _unpacked(fmu) if name in shared else work / name, verbose)
                 else:
                     blocks[name] = IsolatedBlock(name, fmu, work / name, bound, verbose)
                 stack.callback(blocks[name].close)
@@ -69,6 +76,34 @@ class Opened:
             message = f"{shown(self.fmus[name].path)}: {error}"
             raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
         return blocks
+
+
+def _is_own_native(scenario: Scenario, name: str) -> bool:
+    entry = scenario.blocks[name]
+    return not is_path(entry.fmu) and (entry.flavour or scenario.flavour) == "native"
+
+
+def _unpacked(fmu: Fmu) -> Path:
+    """Where one of the project's own native FMUs is unpacked, once for all runs of this process.
+
+    It has no state but that of its instances and writes no file, which is not known of any other FMU.
+    """
+    known = os.getpid(), fmu.sha256
+    if known not in _folders or not (_folders[known] / fmu.library).exists():
+        folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
+        atexit.register(_remove, folder, os.getpid())
+        fmu.extract(folder)
+        _folders[known] = folder
+    return _folders[known]
+
+
+_folders: dict[tuple[int, str], Path] = {}
+
+
+def _remove(folder: Path, process: int) -> None:
+    """Removes a folder when the process that made it ends; one that was forked from it has the list of it, too."""
+    if os.getpid() == process:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def open_scenario(scenario: Scenario) -> Opened:

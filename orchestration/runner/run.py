@@ -31,6 +31,8 @@ def run(
     scenario: str | Path | Mapping[str, Any] | Scenario,
     overrides: Mapping[str, Any] | None = None,
     *,
+    duration: float | str | None = None,
+    step: float | str | None = None,
     out: str | Path | None = None,
     progress: Progress | None = None,
     verbose: bool = False,
@@ -38,13 +40,15 @@ def run(
 ) -> Result:
     """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
 
-    `overrides` are start values by name, `{"plant.x0": "98 deg"}`, and `step` and `duration`.
+    `overrides` are start values by name, `{"plant.x0": "98 deg"}`. `duration` and `step` (s, or text with a unit) take the
+    place of the scenario's.
     `out` is a folder to write the results to; without it nothing is written. `compiled` False asks for the
     step loop in Python, which is otherwise used only where the one in C cannot be; both give the same bits.
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
     to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result is marked as interrupted.
     """
-    loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, overrides)
+    times = {key: value for key, value in (("duration", duration), ("step", step)) if value is not None}
+    loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, {**(overrides or {}), **times})
     with reserved(target(out, loaded)) if out is not None else nullcontext():
         result = execute(loaded, progress, verbose, compiled)
         if out is not None:
