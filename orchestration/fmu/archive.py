@@ -9,6 +9,7 @@ import hashlib
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from lxml import etree
 from ..errors import InputError, hint
 from . import zipped
 from .description import describe, starts_of
-from .model import Model
+from .model import Element, Model
 from .zipped import shown
 
 __all__ = ["Fmu", "Head", "described", "expected_library", "libraries", "open_fmu", "read_head", "shown"]
@@ -44,6 +45,11 @@ class Fmu:
     model: Model
     problems: tuple[str, ...] = ()
     """What is not valid in its modelDescription.xml, where that was asked to be passed over."""
+
+    @cached_property
+    def starts(self) -> Mapping[Element, Any]:
+        """Start values of its inputs and parameters, as `starts_of` has them."""
+        return starts_of(self.description, self.model)
 
     @property
     def library(self) -> str:

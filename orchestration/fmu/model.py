@@ -60,11 +60,11 @@ class Variable:
     quantity: str | None = None
     """Of a parameter: the quantity that it states. All blocks of a loop should be given the same value of it."""
 
-    @property
+    @cached_property
     def size(self) -> int:
         return math.prod(self.shape)
 
-    @property
+    @cached_property
     def elements(self) -> list[Element]:
         return [Element(self.name, position) for position in range(self.size)]
 

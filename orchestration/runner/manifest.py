@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from ..fmu.archive import Fmu
-from ..fmu.interfaces import starts_of
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.result import Result
@@ -79,7 +78,7 @@ def _resolved(plan: Plan) -> dict[str, Any]:
 
 def _parameters(fmu: Fmu, plan: Plan, block: str, handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
     """All parameters of an FMU with the values in force: its own, but where the scenario gives others."""
-    own = starts_of(fmu.description, fmu.model)
+    own = fmu.starts
     declared = {element: value for element, value in own.items() if _is_parameter(fmu.model, element)}
     starts = handed_on[block] if block in handed_on else {s.element: s.value for s in plan.starts[block]}
     given = {element: value for element, value in starts.items() if _is_parameter(fmu.model, element)}

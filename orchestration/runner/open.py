@@ -6,7 +6,8 @@ import atexit
 import os
 import shutil
 import tempfile
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from ..fmu.interfaces import is_path
 from ..instances.block import Block
 from ..instances.isolation import IsolatedBlock
 from ..instances.slave import Slave
+from ..interrupt import held
 from ..paths import located
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
@@ -52,8 +54,7 @@ class Opened:
         shared = {name for name in self.fmus if bounds[name] is None and _is_own_native(scenario, name)}
         work = Path()
         if len(shared) < len(self.fmus):
-            folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
-            work = Path(stack.enter_context(folder))
+            work = stack.enter_context(_temporary())
         blocks: dict[str, Block] = {}
         name = ""
         try:
@@ -62,7 +63,8 @@ class Opened:
                 if name not in shared:
                     fmu.extract(work / name)
                 if bound is None:
-                    blocks[name] = Slave(name, fmu, _unpacked(fmu) if name in shared else work / name, verbose)
+                    place = _unpacked(fmu) if name in shared else work / name
+                    blocks[name] = Slave(name, fmu, place, verbose, shared=name in shared)
                 else:
                     blocks[name] = IsolatedBlock(name, fmu, work / name, bound, verbose)
                 stack.callback(blocks[name].close)
@@ -90,8 +92,9 @@ def _unpacked(fmu: Fmu) -> Path:
     """
     known = os.getpid(), fmu.sha256
     if known not in _folders or not (_folders[known] / fmu.library).exists():
-        folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
-        atexit.register(_remove, folder, os.getpid())
+        with held():
+            folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
+            atexit.register(_remove, folder, os.getpid())
         fmu.extract(folder)
         _folders[known] = folder
     return _folders[known]
@@ -103,7 +106,20 @@ _folders: dict[tuple[int, str], Path] = {}
 def _remove(folder: Path, process: int) -> None:
     """Removes a folder when the process that made it ends; one that was forked from it has the list of it, too."""
     if os.getpid() == process:
-        shutil.rmtree(folder, ignore_errors=True)
+        with held(firmly=True):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def _temporary() -> Iterator[Path]:
+    """A folder that is removed, also where a signal comes meanwhile."""
+    with held():
+        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
+    try:
+        yield Path(folder.name)
+    finally:
+        with held():
+            folder.cleanup()
 
 
 def open_scenario(scenario: Scenario) -> Opened:

@@ -143,6 +143,24 @@ def test_a_second_signal_ends_the_writing_and_the_earlier_results_stand(tmp_path
     assert_whole(tmp_path / "out", 1.0)
 
 
+@POSIX
+def test_a_signal_while_the_temporary_folder_is_removed_leaves_nothing_of_it(loop, tmp_path, monkeypatch):
+    temporary, original = tmp_path / "temporary", os.rmdir
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+
+    def signalled(*arguments, **options):
+        monkeypatch.setattr(os, "rmdir", original)
+        os.kill(os.getpid(), signal.SIGINT)
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(os, "rmdir", signalled)
+    with pytest.raises(KeyboardInterrupt):
+        run(loop)
+    assert os.rmdir is original, "it was called"
+    assert contents(temporary) == []
+
+
 def test_what_a_killed_run_left_is_removed_or_completed_by_the_next(tmp_path):
     out = result(1.0).save(tmp_path / "out")
     ready = result(2.0).save(tmp_path / "other")
