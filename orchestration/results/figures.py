@@ -18,6 +18,7 @@ from ..fmu.model import Floats
 from ..quantities import ONE, Unit, value_in
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
+from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system.panels import unit_of
@@ -109,7 +110,7 @@ def plot(result: RunData, names: Sequence[str] = ()) -> Any:
     chosen = list(names) or list(dict.fromkeys(expected or result))[:_PANELS_MAX]
     for name in chosen:
         result[name]
-    entry = FigureEntry(name="plot", panels=[Panel(signals=[name]) for name in chosen])
+    entry = FigureEntry(name="plot", panels=[Panel(signals=[Reference(name)]) for name in chosen])
     width, height = _PANEL_SIZE
     figure = type("Plot", (Figure,), {"_repr_png_": _png})(
         figsize=(1.5 * width, 0.8 * height * len(chosen)), dpi=100, layout="constrained"

@@ -15,7 +15,6 @@ from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.result import Result
 from ..scenario.faults import sentence
-from ..system.signals import names
 from ..system.starts import Start
 from ..system.values import nested
 from .limits import limits
@@ -35,13 +34,13 @@ def manifest(
         "failure": None if result.failure is None else str(result.failure),
         "scenario_file": scenario.source.file,
         "options": sorted(set(scenario.source.options.values())),
-        "scenario": _resolved(plan),
+        "scenario": _resolved(plan, list(result)),
         "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
         "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
         "units": {"time": "s", **result.units},
         "names": RULE,
         "order": plan.order.blocks,
-        "notes": plan.notes,
+        "notes": list(plan.notes),
         "faults": [sentence(fault) for fault in scenario.faults],
         "fmus": {
             name: {
@@ -65,10 +64,10 @@ def manifest(
     }
 
 
-def _resolved(plan: Plan) -> dict[str, Any]:
+def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
     data = plan.scenario.model_dump(exclude_none=True)
-    data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": names(plan.columns, plan.models)}
+    data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": recorded}
     for key in ("shared", "extends"):  # each value stands where it is taken
         data.pop(key)
     for block, values in plan.starts.items():

@@ -124,12 +124,22 @@ def _temporary() -> Iterator[Path]:
 
 def open_scenario(scenario: Scenario) -> Opened:
     """Locates and opens the FMUs, prepares what is swapped and plans the run. Raises InputError with all errors."""
+    global _latest
     fmus = _open_fmus(scenario)
+    if _latest is not None and _latest[0] == scenario and all(_latest[1].fmus.get(n) is fmu for n, fmu in fmus.items()):
+        return _latest[1]
     prepared = prepare(scenario, fmus)
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = [*_not_valid(scenario, fmus), *prepared.notes, *timed.notes]
-    return Opened(fmus, prepared, timed, ready)
+    opened = Opened(fmus, prepared, timed, ready)
+    if not any(is_path(e.fmu) or e.interface or e.map for e in scenario.blocks.values()):  # these read more files
+        _latest = scenario, opened
+    return opened
+
+
+_latest: tuple[Scenario, Opened] | None = None
+"""The scenario that was opened last, for one that is run again and again: the same data from the same lines, on the same FMUs."""
 
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:

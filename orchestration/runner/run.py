@@ -123,7 +123,7 @@ def run_blocks(
         outcomes=[judge.outcome(not complete) for judge in judges],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
         highlights=highlights(judges),
-        warnings=ready.notes,
+        warnings=list(ready.notes),
         steps=recording.steps,
         reached=ready.clock.time(recording.steps),
         wall=recording.wall,

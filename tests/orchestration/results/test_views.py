@@ -158,3 +158,27 @@ def test_a_second_run_gives_the_same_bits_and_what_one_run_changes_is_not_in_the
     second, third = run(loop), run(loop, {"motor.speed0": 5})
     assert second["motor.speed"][0] != first["motor.speed"][0]
     assert first.samples.tobytes() == third.samples.tobytes()
+
+
+def test_a_scenario_that_is_run_again_is_planned_once_and_gives_the_same_in_all_that_does_not_tell_the_time(
+    monkeypatch,
+):
+    from orchestration.runner import open as opening
+
+    scenario = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"
+    first = run(scenario, duration="10 s")
+    first.warnings.append("of the first run")
+    first.manifest["notes"].append("of the first run")
+    planned = []
+    original = opening.plan
+    monkeypatch.setattr(opening, "plan", lambda *a: planned.append(1) or original(*a))
+    second = run(scenario, duration="10 s")
+    assert planned == []
+    assert first.samples.tobytes() == second.samples.tobytes()
+    assert "of the first run" not in [*second.warnings, *second.manifest["notes"]]
+    told = ("wall_time", "steps_per_second", "finished", "notes")
+    assert {k: v for k, v in first.manifest.items() if k not in told} == {
+        k: v for k, v in second.manifest.items() if k not in told
+    }
+    assert run(scenario, duration="20 s").reached == 20.0
+    assert planned == [1], "another duration is another plan"
