@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import InputError, as_written, hint
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, parse
-from ..scenario.source import read
+from ..scenario.text import read
 
 DEFAULT = 1e-6
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..errors import InputError
-from ..scenario.source import Source, parse
+from ..scenario.source import Source
+from ..scenario.text import parse
 
 
 def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -> Source:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, as_written
-from . import source as sources
 from .source import PLACES, Key, Source
+from .text import read as read_text
 
 
 def read(path: Path) -> Source:
     """A scenario file, laid over the files that it extends. Raises InputError."""
-    return extended(sources.read(path), (path.resolve(),))
+    return extended(read_text(path), (path.resolve(),))
 
 
 def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
@@ -40,7 +40,7 @@ def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Sour
         through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
         raise InputError(source.error(key, f"the files extend each other in a circle: {through}"))
     try:
-        part = sources.read(path)
+        part = read_text(path)
     except InputError as error:
         raise InputError(*(m if m.startswith(f"{path}:1") else source.error(key, m) for m in error.messages)) from None
     if not isinstance(part.data, dict):

@@ -23,7 +23,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from ..errors import InputError, as_written
 from ..quantities import QuantityError, parse, parse_unit, real
-from . import complaints, source
+from . import complaints, source, text
 from .references import Name, Reference
 
 
@@ -165,7 +165,7 @@ MapEntry = Annotated[Mapping, BeforeValidator(_file, json_schema_input_type=str 
 def load(path: Path) -> tuple[Mapping, source.Source]:
     """The mapping that a file holds, and the file's source for messages. Raises InputError."""
     here = Path.cwd()
-    read = source.read(path.relative_to(here) if path.is_relative_to(here) else path)
+    read = text.read(path.relative_to(here) if path.is_relative_to(here) else path)
     mapping = complaints.checked(Mapping, read)
     if mapping.file is not None:
         raise InputError(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from .source import parse
+from .text import parse
 
 _NAME = re.compile(r"(\S+?)((?:\[\s*\d+\s*(?:,\s*\d+\s*)*\])*)")
 _REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S.*)", re.DOTALL)

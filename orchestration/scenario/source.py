@@ -1,11 +1,9 @@
-"""A YAML file as plain data that remembers the line of everything in it, so that errors can name it."""
+"""A scenario's data, which remember where each part of them stands, so that errors can name it."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,6 @@ from ..errors import InputError, hint
 
 Key = tuple[str | int, ...]
 
-_NODES_MAX = 100_000
 PLACES = ("lines", "options", "origins", "files")
 """What a Source keeps by key, beside its data."""
 
@@ -138,136 +135,3 @@ def _moved(places: dict[Key, Any], key: Key) -> None:
         after = [p for p in later if int(p[n - 1]) > last]
         moved = {(*p[: n - 1], int(p[n - 1]) - 1, *p[n:]): places.pop(p) for p in after}
         places.update(moved)
-
-
-def read(path: Path) -> Source:
-    """The data of a YAML file with their lines. Raises InputError."""
-    try:
-        regular = path.is_file() or path.is_dir() or not path.exists()
-    except (OSError, ValueError):
-        regular = True  # reading it tells why it is no path
-    if not regular:
-        raise InputError(f"{path} is no regular file; expected a file of YAML")
-    try:
-        text = path.read_text("utf-8")
-    except FileNotFoundError:
-        near = hint(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
-        raise InputError(f"{path}: there is no such file{near}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: expected text in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"{str(path)!r} is no path: {error}") from None
-    source = parse(text, str(path))
-    source.folder = path.resolve().parent
-    return source
-
-
-def parse(text: str, file: str | None = None) -> Source:
-    """The data of YAML text with their lines. Raises InputError."""
-    source = _parsed(text, file)._copy()
-    source.folder = Path.cwd()
-    return source
-
-
-@lru_cache(32)
-def _parsed(text: str, file: str | None) -> Source:
-    from ruamel.yaml import YAML  # 30 ms, which a scenario given as a dictionary does without
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
-
-    source = Source(None, file)
-    try:
-        node = YAML(typ="safe", pure=True).compose(text)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = f":{mark.line + 1}" if mark and "\n" in text.rstrip("\n") else ""
-        what = " ".join(filter(None, (error.context, error.problem)))
-        if error.context_mark and mark and error.context_mark.line != mark.line:
-            what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
-        raise InputError(f"{file or 'text'}{line}: no valid YAML: {what}") from None
-    except (YAMLError, RecursionError) as error:
-        raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None
-    if node is None:
-        raise InputError(f"{file or 'text'}: is empty")
-    _Reader(source).read(node, ())
-    source.data = source.data[0]
-    return source
-
-
-class _Reader:
-    """Makes data of YAML nodes: dictionaries, lists, text, numbers, booleans. Dates stay text."""
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.count = 0
-        self.source.data = []
-
-    def read(self, node: Any, key: Key) -> None:
-        self.source.data.append(self._value(node, key))
-
-    def _value(self, node: Any, key: Key) -> Any:
-        self.count += 1
-        if self.count > _NODES_MAX or len(key) > 50:
-            raise InputError(f"{self.source.file or 'text'}: has too many entries, or contains itself")
-        self.source.lines.setdefault(key, node.start_mark.line + 1)
-        if node.id == "sequence":
-            return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
-        if node.id == "mapping":
-            return self._mapping(node, key)
-        _refuse_surrogates(node.value, self.source.where(key))
-        try:
-            return _scalar(node)
-        except ValueError:
-            place = self.source.error(key, "")
-            raise InputError(f"{place}expected a number, found {_shortened(node.value)}") from None
-
-    def _mapping(self, node: Any, key: Key) -> dict[str, Any]:
-        data: dict[str, Any] = {}
-        for name_node, value_node in node.value:
-            line = name_node.start_mark.line + 1
-            place = f"{self.source.file or 'text'}:{line}"
-            if name_node.id != "scalar":
-                raise InputError(f"{place}: expected a name before the colon")
-            name = str(name_node.value)
-            _refuse_surrogates(name, place)
-            if name == "<<" and name_node.style is None:
-                raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
-            if name in data:
-                first = self.source.lines[(*key, name)]
-                raise InputError(f"{place}: {name!r} stands here a second time; first in line {first}")
-            self.source.lines[(*key, name)] = line
-            data[name] = self._value(value_node, (*key, name))
-        return data
-
-
-def _refuse_surrogates(text: str, place: str) -> None:
-    if any("\ud800" <= character <= "\udfff" for character in text):
-        raise InputError(f"{place}: expected text, found half a character (a surrogate) in {text!r}")
-
-
-_DIGITS_MAX = 300
-"""More than a double can hold."""
-_INTEGER = re.compile(r"[-+]?\d+$")
-_FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-
-
-def _shortened(text: str) -> str:
-    return repr(text) if len(text) < 40 else f"{text[:20]!r} ... of {len(text)} digits"
-
-
-def _scalar(node: Any) -> Any:
-    text, tag = node.value, str(node.tag).rpartition(":")[2]
-    if tag == "null":
-        return None
-    if tag == "bool":
-        return text.lower() in ("true", "yes", "on")
-    if node.style is None and _INTEGER.match(text):
-        if len(text) > _DIGITS_MAX:
-            raise ValueError
-        return int(text)
-    if node.style is None and _FLOAT.match(text):
-        return float(text)
-    if tag == "float":  # .inf and .nan
-        return float(text.replace(".", ""))
-    return text

@@ -277,7 +277,7 @@ def test_its_connections_values_and_delays_are_dropped_and_told_and_the_run_is_t
 
 
 def orchestration_source(text: str) -> dict[str, Any]:
-    from orchestration.scenario.source import parse
+    from orchestration.scenario.text import parse
 
     return parse(text, "here.yaml").data
 
