@@ -10,6 +10,7 @@ import numpy as np
 from orchestration import load
 from orchestration.errors import BlockError
 from orchestration.fmu.model import Element, Floats, Model, Variable
+from orchestration.instances.block import Block
 from orchestration.results.result import Result
 from orchestration.runner.plan import plan
 from orchestration.runner.run import run_blocks
@@ -144,7 +145,7 @@ def ramp(name: str) -> Mock:
     return Mock(name, model("ramp", real("u", "input"), real("y", "output"), real("seen", "output")), evaluate, advance)
 
 
-def run(blocks: Sequence[Mock], scenario: Mapping[str, Any], **options: Any) -> Result:
+def run(blocks: Sequence[Block], scenario: Mapping[str, Any], **options: Any) -> Result:
     """Runs mocks under a scenario, given without its `blocks` and `name`."""
     every, start = options.pop("every", {}), options.pop("start", {})
     entries = {b.name: {"fmu": "mock", "every": every.get(b.name, 1), "start": start.get(b.name, {})} for b in blocks}
