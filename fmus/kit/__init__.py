@@ -29,10 +29,34 @@ _HERE = Path(__file__).parent
 _TOOL = "attitude-cosim, kit"
 
 
+class InUse(ValueError):
+    """The folder holds something other than a kit of this interface."""
+
+
+def refuse_other(interface: Interface, folder: Path, *more: str) -> None:
+    """Raises InUse where `write`, or what writes `more` beside it, would overwrite what is not of a kit of this interface."""
+    there, remedy = folder / "interface.toml", "remedy: another folder"
+    if there.exists():
+        if there.read_bytes().replace(b"\r\n", b"\n") != _for_teams(interface).source.encode():
+            found = (
+                f"found a different or edited one; {remedy}, or python -m fmus.kit {folder} to generate from that one"
+            )
+            raise InUse(f"{there}: expected the interface {interface.name} as it is written, {found}")
+        return
+    for name in ("fmi_shell", "generated", "tools", *more):
+        if (folder / name).exists():
+            raise InUse(f"{folder / name} is there already, and no interface.toml says that it is of a kit; {remedy}")
+
+
+def _for_teams(interface: Interface) -> Interface:
+    """The interface without `flavours`: a team may build in Python what we have in C only."""
+    return parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
+
+
 def write(interface: Interface, folder: Path, language: str) -> list[Path]:
-    """Writes the project and returns its files; those of the team that are there already are kept."""
-    # A team may build in Python what we have in C only.
-    interface = parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
+    """Writes the project and returns its files; those of the team that are there already are kept. Raises InUse."""
+    refuse_other(interface, folder)
+    interface = _for_teams(interface)
     files: dict[str, bytes | str] = {"interface.toml": interface.source}
     kept = {"README.md": filled(f"README.{language}.md", interface)}
     if language == "c":

@@ -49,11 +49,14 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
         )
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file; expected a folder")
-    rows = record(run, block, target / "vector")
     try:
+        kit.refuse_other(load(block), target, "vector")
+        rows = record(run, block, target / "vector")
         files = kit.write(load(block), target, lang)
+    except kit.InUse as error:
+        raise InputError(str(error)) from None
     except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror}") from None
+        raise InputError(f"{error.filename}: {error.strerror}; expected a folder that can be written") from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     build = "make" if lang == "c" else "python build.py"
     say(f"\n  cd {target} && {build}")

@@ -149,6 +149,50 @@ def test_what_a_team_has_written_is_kept(tmp_path):
     assert "ROW(" in (tmp_path / "generated" / "table.c").read_text()
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_kit_of_another_or_of_an_edited_interface_is_not_overwritten(tmp_path):
+    folder = tmp_path / "kit"
+    assert orchestrate("new", "allocator", folder).exit_code == 0
+    again = contents(folder)
+    assert orchestrate("new", "allocator", folder).exit_code == 0
+    assert contents(folder) == again, "the same interface is generated anew"
+    other = orchestrate("new", "plant", folder)
+    assert (other.exit_code, contents(folder)) == (2, again)
+    assert other.stderr.startswith(f"{folder / 'interface.toml'}: expected the interface plant as it is written, found")
+    (folder / "interface.toml").write_text((folder / "interface.toml").read_text() + "\n# ours\n")
+    edited = contents(folder)
+    refused = orchestrate("new", "allocator", folder)
+    assert (refused.exit_code, contents(folder)) == (2, edited)
+    assert f"remedy: another folder, or python -m fmus.kit {folder}" in refused.stderr
+
+
+@pytest.mark.parametrize("name", ["vector/vector.csv", "vector", "generated/ports.h", "tools/pack.c"])
+def test_a_folder_in_use_by_something_else_is_not_overwritten(name, tmp_path):
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("ours")
+    result = orchestrate("new", "allocator", tmp_path)
+    assert (result.exit_code, contents(tmp_path)) == (2, {name: b"ours"})
+    assert result.stderr.startswith(f"{tmp_path / name.partition('/')[0]} is there already, and no interface.toml")
+
+
+@pytest.mark.parametrize("blocked", ["file/kit", "kit/vector"])
+def test_a_folder_that_cannot_be_written_is_refused_in_one_line(blocked, tmp_path):
+    if blocked == "kit/vector":
+        assert orchestrate("new", "allocator", tmp_path / "kit").exit_code == 0
+        shutil.rmtree(tmp_path / "kit" / "vector")
+        (tmp_path / "kit" / "vector").write_text("a file")
+        result = orchestrate("new", "allocator", tmp_path / "kit")
+    else:
+        (tmp_path / "file").write_text("a file")
+        result = orchestrate("new", "allocator", tmp_path / "file" / "kit")
+    assert result.exit_code == 2, result.stderr
+    assert result.stderr.startswith(str(tmp_path / blocked).removesuffix("/vector"))
+    assert result.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -355,7 +355,7 @@ def test_an_fmu_that_is_called_as_a_block_for_this_place_is_held_to_that(here):
         fed.replace("fmu: allocator_bounded", "fmu: allocator_bounded, start: {rod_weight: 2.0e-6}")
     )
     ours = orchestration.run("fed.yaml")
-    assert orchestrate("export", "fed.yaml", "--ssp", "fed.ssp").exit_code == 0
+    assert orchestrate("export", "fed.yaml", "--ssp", "fed.ssp", "--for-orchestrate").exit_code == 0
     back = orchestration.run("fed.ssp")
     np.testing.assert_array_equal(back["plant.omega_B"], ours["plant.omega_B"])
     assert not [note for note in back.warnings if "dropped" in note or "further" in note]
