@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench torture figures reproduction flight release format docs site authorities clean
+.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -37,6 +37,16 @@ bench: $(VENV)/test
 # Random trials: what each counts, and exit status 1 where one finds an error. They take hours.
 torture: $(VENV)/test
 	for trial in tests/torture/[a-z]*.py; do $(BIN)/python -m tests.torture $$(basename $$trial .py) || exit; done
+
+# Changes the code of some modules and prints the changes that no test sees; exit status 1 where there are any. About half an hour.
+mutants: $(VENV)/test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[measures]'
+	$(BIN)/python -m tests.mutants
+
+# Branches of the blocks' C that the tests take: a table, and out/coverage/index.html. Needs gcc.
+coverage: $(VENV)/test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[measures]'
+	$(BIN)/python -m tests.branches
 
 # The paper's figures, as docs/figures shows them.
 figures: $(VENV)/test

@@ -195,6 +195,7 @@ def test_demand_fraction_is_that_of_the_most_loaded_actuator():
     assert allocation.demand_fraction(np.array([3.0, -20.0, 1.0]), 1e-3, 25.0, 3e-3) == pytest.approx(0.8)
     assert allocation.demand_fraction(np.array([3.0, -5.0, 1.0]), -2.7e-3, 25.0, 3e-3) == pytest.approx(0.9)
     assert allocation.demand_fraction(np.array([3.0, -5.0, 9.0]), -1e-6, 10.0, 3e-3) == pytest.approx(0.9)
+    assert allocation.demand_fraction(np.array([-8.0, 3.0, 1.0]), -1e-6, 10.0, 3e-3) == pytest.approx(0.8)
     assert allocation.demand_fraction(np.array([3.0, np.nan, 9.0]), 0.0, 10.0, 3e-3) == np.inf
 
 

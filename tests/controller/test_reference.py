@@ -80,3 +80,13 @@ def test_rate_reference_turns_with_its_body_rate():
 def test_lvlh_without_an_orbits_plane_is_refused(r_N, v_N):
     with pytest.raises(ValueError, match=r"r_N, v_N: reference 'lvlh' expects .* found r_N = "):
         reference.lvlh(np.array(r_N), np.array(v_N))
+
+
+@pytest.mark.parametrize(("angle", "spans"), [(2e-9, True), (0.5e-9, False)])
+def test_lvlh_needs_a_velocity_a_billionth_of_a_radian_off_the_position(angle, spans):
+    r_N, v_N = np.array([7e6, 0.0, 0.0]), 7.5e3 * np.array([math.cos(angle), 0.0, math.sin(angle)])
+    if spans:
+        assert reference.lvlh(r_N, v_N).Omega_d[1] == pytest.approx(-7.5e3 * angle / 7e6)
+    else:
+        with pytest.raises(ValueError, match="span the orbit's plane"):
+            reference.lvlh(r_N, v_N)

@@ -78,3 +78,15 @@ def test_a_matrix_that_is_no_rotation_is_refused_with_its_deviation():
             so3.require_rotation("R_NB", R @ sheared, 1e-4)
     with pytest.raises(ValueError, match=r"determinant \+1, found -1"):
         so3.require_rotation("R_NB", -R, 1e-4)
+
+
+def test_rotations_pass_within_the_tolerance_and_their_mirror_images_and_smaller_copies_do_not():
+    for R in Rotation.random(20, random_state=11).as_matrix():
+        for scale in (1.0, 1.0 + 0.49e-4, 1.0 - 0.49e-4):
+            so3.require_rotation("R_NB", scale * R, 1e-4)
+        with pytest.raises(ValueError, match=r"found 0\.002"):
+            so3.require_rotation("R_NB", 0.999 * R, 1e-4)
+        for axis in range(3):
+            mirror = np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))
+            with pytest.raises(ValueError, match=r"determinant \+1, found -1 \(a reflection\)"):
+                so3.require_rotation("R_NB", R @ mirror, 1e-4)

@@ -49,6 +49,40 @@ def test_units_that_only_pint_knows():
     assert value_in("68 degF", parse_unit("degC")) == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize(
+    ("value", "unit", "same", "other"),
+    [(20.0, "degC", 293.15, "K"), (293.15, "K", 20.0, "degC"), (math.pi, "rad", 180.0, "deg"), (1.0, "h", 3600.0, "s")],
+)
+def test_conversion_is_that_of_the_si_brochure(value, unit, same, other):
+    assert convert(value, parse_unit(unit), parse_unit(other)) == pytest.approx(same, rel=1e-15)
+
+
+def test_a_bare_number_has_no_unit():
+    assert parse("98") == (98.0, None)
+
+
+def test_a_value_is_written_with_four_figures_and_without_a_blank_after_it():
+    assert quantities.with_unit(0.0123456, "rad") == "0.01235 rad"
+    assert quantities.with_unit(2.0, "") == "2"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("5 m", "the unit 'm' does not fit 'rad'"),
+        ("fast", "expected a number with a unit such as '98 deg', found 'fast'"),
+        (10**400, "expected a number below 1.8e308, found a larger one"),
+        (True, "expected a number or text with a unit, found true"),
+        ([1.0], "expected a number or text with a unit, found a list"),
+        (math.inf, "expected a finite number, found inf"),
+    ],
+)
+def test_a_value_that_is_no_angle_is_told_with_what_was_expected(value, message):
+    with pytest.raises(QuantityError) as error:
+        value_in(value, RAD)
+    assert str(error.value) == message
+
+
 @pytest.mark.parametrize("text", ["abc", "", "1 xyz", "3 bit", "nan rad", "1e999 rad", "5 m"])
 def test_what_is_no_angle_is_refused(text):
     with pytest.raises(QuantityError):

@@ -1,0 +1,126 @@
+"""Expectations held against samples, in one piece or in several."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestration import load
+from orchestration.expectations.checks import prepare
+from orchestration.expectations.judge import Judge
+from orchestration.quantities import parse_unit
+
+from ..mocks import model, real
+
+
+def outcome(values, bound, time=None, **more):
+    """The outcome of one expectation of `a.x` (and the boolean `a.on`) on given samples."""
+    values = np.atleast_2d(np.asarray(values, float).T).T
+    unit = more.pop("unit", None)
+    x = real("x", "output", shape=() if values.shape[1] == 1 else values.shape[1:], unit=unit)
+    models = {"a": model("a", x, real("on", "output", type="boolean"))}
+    expectation = {
+        "name": "it",
+        "signal": more.pop("signal", "a.x"),
+        **bound,
+        **{k: v for k, v in more.items() if k != "on"},
+    }
+    scenario = load({"name": "s", "step": 1, "duration": 100, "blocks": {"a": {"fmu": "a"}}, "expect": [expectation]})
+    ((check,), _) = prepare(scenario, models)
+    time = np.arange(float(len(values))) if time is None else np.asarray(time, float)
+    columns = {node: values[:, i] for i, node in enumerate(n for n in check.nodes if n.element.variable == "x")}
+    on = np.asarray(more.get("on", np.ones(len(values))), float)
+    columns.update((node, on) for node in check.needed if node.element.variable == "on")
+    found = []
+    for piece in (len(values), 1):  # in one piece or in several, the outcome is the same
+        judge = Judge(check)
+        for i in range(0, len(values), piece):
+            judge.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
+        found.append(judge.outcome())
+    assert found[0] == found[1]
+    return found[0]
+
+
+@pytest.mark.parametrize(
+    ("values", "bound", "passed", "found", "margin", "at"),
+    [
+        ([1, 3, 2], {"always": {"below": 3.5}}, True, 3, 0.5, 1),
+        ([1, 3, 2], {"always": {"below": 3}}, False, 3, 0, 1),
+        ([1, 3, 2], {"always": {"above": 0}}, True, 1, 1, 0),
+        ([1, -3, 2], {"always": {"within": 3}}, True, -3, 0, 1),
+        ([1, -3, 2], {"always": {"within": [-2, 5]}}, False, -3, -1, 1),
+        ([1, 3, 2], {"ever": {"above": 2.5}}, True, 3, 0.5, 1),
+        ([1, 3, 2], {"ever": {"below": 0.5}}, False, 1, -0.5, 0),
+        ([2, 2, 2], {"always": {"equals": 2}}, True, 2, None, 0),
+        ([2, 2, 4], {"always": {"equals": 2}}, False, 4, None, 2),
+        ([2, 3, 4], {"ever": {"equals": 3}}, True, 3, None, 1),
+    ],
+)
+def test_bounds(values, bound, passed, found, margin, at):
+    result = outcome(values, bound)
+    assert (result.passed, result.found, result.time) == (passed, found, at)
+    assert result.margin == (None if margin is None else pytest.approx(margin))
+
+
+def test_always_looks_at_every_element_and_ever_wants_all_of_them_at_once():
+    vectors = [[0, 5], [5, 0], [3, 3]]
+    assert outcome(vectors, {"always": {"below": 5.5}}).passed
+    assert not outcome(vectors, {"always": {"below": 4}}).passed
+    assert outcome(vectors, {"ever": {"above": 2}}).time == 2
+    assert not outcome(vectors, {"ever": {"above": 4}}).passed
+
+
+def test_the_norm_is_euclidean():
+    result = outcome([[3, 4], [0, 1]], {"always": {"below": 6}}, measure="norm")
+    assert (result.found, result.signal) == (5.0, "|a.x|")
+
+
+def test_only_samples_within_the_window_count_with_its_ends():
+    values = [9, 1, 2, 9]
+    assert outcome(values, {"always": {"below": 3}}, after=1, before=2).samples == 2
+    assert outcome(values, {"always": {"below": 3}}, after=1, before=2).passed
+    assert outcome(values, {"always": {"below": 3}}, time=[0, 0.1, 0.2, 0.30000000000000004], after=0.3).samples == 1
+
+
+def test_only_samples_count_at_which_the_condition_is_true_and_there_must_be_one():
+    assert outcome([9, 1, 9], {"always": {"below": 3}}, when="a.on", on=[0, 1, 0]).passed
+    never = outcome([1, 1, 1], {"always": {"below": 3}}, when="a.on", on=[0, 0, 0])
+    assert (never.passed, never.note, never.found) == (False, "a.on is never true", None)
+
+
+def test_a_window_without_a_sample_fails():
+    result = outcome([1], {"always": {"below": 3}}, after=50)
+    assert (result.passed, result.note) == (False, "no sample lies in this span of time")
+
+
+@pytest.mark.parametrize(
+    ("values", "zeros"),
+    [
+        ([1, 2, 3], 0),
+        ([1, -1, 1], 2),
+        ([1, 0, -1], 1),
+        ([1, 0, 1], 0),
+        ([0, 0, 1, -1], 1),
+        ([-1, 0, 0, 1], 1),
+    ],
+)
+def test_zeros_are_changes_of_sign(values, zeros):
+    result = outcome(values, {"zeros": zeros})
+    assert result.passed
+    assert result.found == zeros
+    assert not outcome(values, {"zeros": zeros + 1}).passed
+
+
+def test_what_is_always_zero_has_no_sign_that_could_change():
+    result = outcome([0, 0], {"zeros": 0})
+    assert (result.passed, result.found, result.note) == (False, None, "always 0, so it has no sign")
+
+
+def test_values_are_told_in_the_unit_of_the_bound():
+    result = outcome([0.0, np.pi / 6], {"always": {"below": "45 deg"}}, unit=parse_unit("rad"))
+    assert result.found == pytest.approx(30.0)
+    assert result.margin == pytest.approx(15.0)
+    assert (result.unit, result.expected) == ("deg", "always < 45 deg")
+    mixed = outcome([0.0, 0.5], {"always": {"within": ["-1 deg", "1 rad"]}}, unit=parse_unit("rad"))
+    assert mixed.found == pytest.approx(0.0)
+    assert mixed.margin == pytest.approx(1.0)
