@@ -82,6 +82,8 @@ format: $(VENV)/test
 docs: $(VENV)/test
 	$(BIN)/orchestrate schema > docs/scenario.schema.json
 	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/errors.md
+	$(BIN)/python -m tests.orchestration.broken > docs/broken-fmus.md
+	$(BIN)/python -m docs.site.packages
 	$(BIN)/python -m fmus.native
 
 # The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
@@ -92,10 +94,12 @@ clean:
 	rm -rf $(VENV) out dist results
 
 $(VENV)/run: pyproject.toml
+	@echo "installing into $(VENV): about a minute"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[build]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/run
+	@echo "installing the test tools into $(VENV): a minute or two"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
 	@touch $@

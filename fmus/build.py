@@ -75,7 +75,7 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
     path = _path(chosen.name, flavour, out)
     stamp = _fingerprint(chosen, flavour).encode()
     if _stamp(path) != stamp:
-        from filelock import FileLock  # here, since it takes 30 ms and only a build needs it
+        from filelock import FileLock  # here, since it takes 30 ms and only a build needs it  # noqa: PLC0415
 
         path.parent.mkdir(parents=True, exist_ok=True)
         with FileLock(path.with_name(f".{path.name}.lock")):
@@ -87,11 +87,11 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
 def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
     """Imported here, since it takes long and `ensure` seldom needs it; PythonFMU may be missing."""
     if flavour == "native":
-        from . import native
+        from . import native  # takes long, and `ensure` seldom needs it  # noqa: PLC0415
 
         return native.package
     try:
-        from .python import packaging
+        from .python import packaging  # PythonFMU may be missing  # noqa: PLC0415
     except ModuleNotFoundError as error:
         raise BuildError(
             f"building the Python flavour needs the package {error.name}: pip install {error.name}"

@@ -159,7 +159,7 @@ def _factors(text: str) -> list[tuple[str, int]] | None:
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
-    import pint  # here, since it takes 0.3 s and few units need it
+    import pint  # here, since it takes 0.3 s and few units need it  # noqa: PLC0415
 
     try:
         return pint.UnitRegistry(cache_folder=":auto:")

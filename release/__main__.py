@@ -32,7 +32,7 @@ def check() -> None:
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
 def files(folder: Path) -> None:
     """Write the bills of the one wheel in FOLDER and of its FMUs beside it, and hashes.md, for the release notes."""
-    from . import sbom  # here, since it imports what only a release needs
+    from . import sbom  # here, since it imports what only a release needs  # noqa: PLC0415
 
     wheels = list(folder.glob("*.whl"))
     if len(wheels) != 1:

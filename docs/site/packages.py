@@ -9,10 +9,12 @@ import tomllib
 from pathlib import Path
 
 import grimp
+import numpy as np
 
 ROOT = Path(__file__).parents[2]
 TARGET = ROOT / "docs" / "figures" / "packages.svg"
-WIDTH, ROW, BOX = 760.0, 58.0, (132.0, 30.0)
+WIDTH, ROW, BOX = 800.0, 58.0, (132.0, 30.0)
+APART = 14.0  # between two lines, and from a line to a box that it passes
 
 
 def layers() -> list[list[str]]:
@@ -46,8 +48,18 @@ def reduced(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:
     return {(a, b) for a, b in pairs if not any(b in reach(c) for c in below[a] if c != b)}
 
 
+def lane(x: float, u: float, boxes: list[float], taken: list[float]) -> float:
+    """The abscissa at which a line from `x` to `u` passes between the boxes at `boxes` and beside the lines at `taken`."""
+    free = [
+        at
+        for at in np.arange(APART, WIDTH, APART / 2)
+        if all(abs(at - box) >= BOX[0] / 2 + APART for box in boxes) and all(abs(at - line) >= APART for line in taken)
+    ]
+    return float(min(free, key=lambda at: abs(at - x) + abs(at - u) + abs(at - WIDTH / 2) / 100))
+
+
 def drawing() -> str:
-    """The SVG: a row for each layer, a curve for each import, from the upper package to the lower one."""
+    """The SVG: a row for each layer, a line for each import, from the upper package to the lower one, behind no box."""
     rows = layers()
     place = {
         name: (WIDTH / 2 + (i - (len(row) - 1) / 2) * 210.0, 30.0 + ROW * k)
@@ -56,17 +68,27 @@ def drawing() -> str:
     }
     height = ROW * len(rows) + 10
     lines = []
+    passing: list[list[float]] = [[] for _ in rows]
     for upper, lower in sorted(reduced(imports())):
         if upper not in place or lower not in place:
             continue
         (x, y), (u, v) = place[upper], place[lower]
-        span = round((v - y) / ROW)
-        side = 1 if u > x or (u == x and span % 2) else -1
-        bend = 0.0 if span == 1 else side * (90.0 + 22.0 * span)
-        start, end = y + BOX[1] / 2, v - BOX[1] / 2
+        passed = range(round((y - 30.0) / ROW) + 1, round((v - 30.0) / ROW))
+        start, end, gap = y + BOX[1] / 2, v - BOX[1] / 2, ROW - BOX[1]
+        if passed:
+            boxes = [place[name][0] for k in passed for name in rows[k]]
+            near = range(passed[0] - 1, passed[-1] + 2)  # with the gaps above and below
+            at = lane(x, u, boxes, [line for k in near for line in passing[k]])
+            for k in passed:
+                passing[k].append(at)
+            way = (
+                f"C{x:.0f},{start + gap:.0f} {at:.0f},{start:.0f} {at:.0f},{start + gap:.0f} L{at:.0f},{end - gap:.0f} "
+                f"C{at:.0f},{end:.0f} {u:.0f},{end - gap:.0f} {u:.0f},{end:.0f}"
+            )
+        else:
+            way = f"C{x:.0f},{start + gap / 2:.0f} {u:.0f},{end - gap / 2:.0f} {u:.0f},{end:.0f}"
         lines.append(
-            f'<path d="M{x:.0f},{start:.0f} C{x + bend:.0f},{start + 12:.0f} {u + bend:.0f},{end - 12:.0f} {u:.0f},{end:.0f}" '
-            'fill="none" stroke="#0072b2" stroke-opacity=".8" marker-end="url(#tip)"/>'
+            f'<path d="M{x:.0f},{start:.0f} {way}" fill="none" stroke="#0072b2" stroke-opacity=".8" marker-end="url(#tip)"/>'
         )
     for name, (x, y) in place.items():
         lines.append(

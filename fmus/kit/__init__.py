@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-import shutil
 from pathlib import Path
 
 from .. import places
@@ -117,8 +116,3 @@ def regenerate(folder: Path) -> list[Path]:
     """Writes `generated/` anew from the folder's interface.toml."""
     interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
     return [_put(folder / "generated" / name, text) for name, text in generated(interface).items()]
-
-
-def has_compiler() -> bool:
-    """Whether a C kit can be built here."""
-    return shutil.which("make") is not None and any(shutil.which(cc) for cc in ("cc", "gcc", "clang"))

@@ -72,11 +72,6 @@ def lay_out(
     return compiled, [SHELL, COMMON, generated_into, native]
 
 
-def flight_code(folder: Path, generated_into: Path) -> list[Path]:
-    """The C sources of a block without the FMI shell: its own, and the tables that the build writes."""
-    return [*sorted((folder / "native").glob("*.c")), *_written(_generated(folder), generated_into)]
-
-
 def _written(files: dict[str, str], into: Path) -> list[Path]:
     """Writes generated files; returns the C sources among them."""
     for name, text in files.items():

@@ -93,12 +93,12 @@ class Progress:
         if not self.wanted or perf_counter() - self._begun < _PATIENCE:
             return
         if self._bar is None:
-            # Imported here since it takes longer than a short run.
-            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+            from rich import progress  # here, since it takes longer than a short run  # noqa: PLC0415
 
-            text = TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
-            self._bar = Progress(
-                text, BarColumn(), TextColumn("{task.percentage:.0f}%"), TimeRemainingColumn(), transient=True
+            text = progress.TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
+            share = progress.TextColumn("{task.percentage:.0f}%")
+            self._bar = progress.Progress(
+                text, progress.BarColumn(), share, progress.TimeRemainingColumn(), transient=True
             )
             self._task = self._bar.add_task("run", total=self.duration)
             self._bar.start()

@@ -23,9 +23,8 @@ from .system import System
 def write(system: System, path: Path) -> None:
     """Builds the container. Raises InputError where the toolbox is missing, or the scenario needs what it cannot do."""
     try:
-        # Optional, and needed for containers only.
-        from fmu_manipulation_toolbox.assembly import Assembly, AssemblyError
-        from fmu_manipulation_toolbox.container import FMUContainerError
+        from fmu_manipulation_toolbox.assembly import Assembly, AssemblyError  # optional  # noqa: PLC0415
+        from fmu_manipulation_toolbox.container import FMUContainerError  # optional  # noqa: PLC0415
     except ImportError:
         raise InputError(
             "--container needs the package fmu-manipulation-toolbox, version 2 or later: pip install fmu-manipulation-toolbox"

@@ -41,7 +41,7 @@ def limit_memory(bytes_max: int | None) -> None:
     """Bounds memory, where the system can, and leaves no core file after a crash."""
     if sys.platform == "win32":
         return
-    import resource  # here, since Windows has none
+    import resource  # here, since Windows has none  # noqa: PLC0415
 
     with suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -83,7 +83,7 @@ def take_pipes() -> tuple[int, int]:
     os.dup2(2, 1)
     os.close(nothing)
     if sys.platform == "win32":
-        import msvcrt  # here, since only Windows has it
+        import msvcrt  # here, since only Windows has it  # noqa: PLC0415
 
         for pipe in (source, to):
             msvcrt.setmode(pipe, os.O_BINARY)

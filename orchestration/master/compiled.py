@@ -228,7 +228,7 @@ def _compiled(folder: Path) -> Path:
     digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
     if not path.exists():
-        from fmus.native import toolchain  # here, since it takes 15 ms and is seldom needed
+        from fmus.native import toolchain  # here, since it takes 15 ms and is seldom needed  # noqa: PLC0415
 
         host = toolchain.host_platform()
         data = toolchain.compile_library("loop", [_SOURCE], [native / "shell"], [host])[host]

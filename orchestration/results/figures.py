@@ -55,8 +55,8 @@ def require(scenario: Scenario) -> None:
 
 def _undrawn(text: str) -> str:
     """Why Matplotlib cannot draw a text; "" where it can."""
-    from matplotlib.cbook import is_math_text  # optional, and slow to import
-    from matplotlib.mathtext import MathTextParser
+    from matplotlib.cbook import is_math_text  # optional, and slow to import  # noqa: PLC0415
+    from matplotlib.mathtext import MathTextParser  # optional, and slow to import  # noqa: PLC0415
 
     try:
         if is_math_text(text):
@@ -86,7 +86,7 @@ def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
 
 
 def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
-    from matplotlib.figure import Figure  # optional, and slow to import
+    from matplotlib.figure import Figure  # optional, and slow to import  # noqa: PLC0415
 
     width, height = _PANEL_SIZE
     figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
@@ -104,7 +104,7 @@ def plot(result: RunData, names: Sequence[str] = ()) -> Any:
     """
     if importlib.util.find_spec("matplotlib") is None:
         raise InputError("figures need Matplotlib: pip install matplotlib")
-    from matplotlib.figure import Figure  # optional, and slow to import
+    from matplotlib.figure import Figure  # optional, and slow to import  # noqa: PLC0415
 
     expected = [e.signal for e in result.scenario.expect if e.signal in result]
     chosen = list(names) or list(dict.fromkeys(expected or result))[:_PANELS_MAX]

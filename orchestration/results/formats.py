@@ -67,8 +67,8 @@ def _csv(result: RunData, path: Path) -> None:
 
 def _parquet(result: RunData, path: Path) -> None:
     """Each column says its unit in its field's metadata, under `unit`."""
-    import pyarrow  # optional, and slow to import
-    import pyarrow.parquet
+    import pyarrow  # optional, and slow to import  # noqa: PLC0415
+    import pyarrow.parquet  # optional, and slow to import  # noqa: PLC0415
 
     units = {
         "time": "s",
@@ -83,7 +83,7 @@ def _parquet(result: RunData, path: Path) -> None:
 
 def _mat(result: RunData, path: Path) -> None:
     """`units` has the same structs and fields as the blocks, with text."""
-    from scipy.io import savemat  # slow to import
+    from scipy.io import savemat  # slow to import  # noqa: PLC0415
 
     blocks: dict[str, dict[str, Any]] = {}
     units: dict[str, dict[str, str]] = {}

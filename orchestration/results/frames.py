@@ -16,7 +16,7 @@ def to_pandas(result: RunData) -> Any:
     Raises InputError where pandas is missing.
     """
     try:
-        import pandas  # optional, and slow to import
+        import pandas  # optional, and slow to import  # noqa: PLC0415
     except ModuleNotFoundError:
         raise _missing("pandas") from None
 
@@ -34,7 +34,7 @@ def to_xarray(result: RunData) -> Any:
     Raises InputError where xarray is missing.
     """
     try:
-        import xarray  # optional, and slow to import
+        import xarray  # optional, and slow to import  # noqa: PLC0415
     except ModuleNotFoundError:
         raise _missing("xarray") from None
 

@@ -98,7 +98,7 @@ def _lock(folder: Path) -> Callable[[], None]:
             os.close(descriptor)
         else:
             return lambda: os.close(descriptor)
-    from filelock import FileLock  # here, since it takes 30 ms and is seldom needed
+    from filelock import FileLock  # here, since it takes 30 ms and is seldom needed  # noqa: PLC0415
 
     lock = FileLock(folder / _LOCK, timeout=0)
     lock.acquire()

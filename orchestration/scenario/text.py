@@ -46,8 +46,8 @@ def parse(text: str, file: str | None = None) -> Source:
 
 @lru_cache(32)
 def _parsed(text: str, file: str | None) -> Source:
-    from ruamel.yaml import YAML  # 30 ms, which a scenario given as a dictionary does without
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml import YAML  # 30 ms, which a scenario given as a dictionary does without  # noqa: PLC0415
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError  # as above  # noqa: PLC0415
 
     source = Source(None, file)
     try:

@@ -14,6 +14,8 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+import pymsis
+from scipy.optimize import least_squares
 
 from .. import atmosphere
 from ..atmosphere import ACTIVITY, AZIMUTH, DAY, QUANTITIES, DensityModel
@@ -96,8 +98,6 @@ def run(day, seconds, latitude, longitude, height_km, f107, f107_average, ap) ->
 
     With the indices given pymsis opens no connection and reads no file of indices.
     """
-    import pymsis
-
     n = len(day)
     dates = np.datetime64("2001-01-01", "s") + (86400 * (np.floor(day) - 1) + seconds).astype("timedelta64[s]")
     wide = [np.broadcast_to(np.asarray(x, float), n) for x in (height_km, f107, f107_average, ap)]
@@ -178,8 +178,6 @@ def _ap_function(ap: np.ndarray, a: float, b: float) -> np.ndarray:
 
 def _ap_shape() -> np.ndarray:
     """a and b (2, 11) of each quantity's function of Ap, from its course at one place."""
-    from scipy.optimize import least_squares
-
     n = 101
     at = _Samples(np.random.default_rng(0), n, ap=np.linspace(0.0, 200.0, n))
     for array, value in zip(

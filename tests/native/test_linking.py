@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fmus import native
-from fmus.interface import BLOCKS
+from fmus.interface import BLOCKS, load
 from fmus.native.generate import camel_case
 from fmus.native.toolchain import FLAGS
 from tests.blocks import folder
@@ -27,7 +27,8 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def _archive(block: str, made: Path) -> Path:
     objects = []
-    for source in native.flight_code(folder(block), made):
+    sources, _ = native.lay_out(load(block), folder(block), "{}", made)
+    for source in (s for s in sources if s.parent != native.SHELL and s.name != "table.c"):
         objects.append(made / f"{block}.{source.stem}.o")
         includes = [f"-I{native.COMMON}", f"-I{folder(block) / 'native'}"]
         subprocess.run([*ZIG, "cc", *FLIGHT, *includes, "-c", str(source), "-o", str(objects[-1])], check=True)

@@ -16,8 +16,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from fmus.build import FLAVOURS, blocks_of
-from fmus.kit import has_compiler
 from hatch_build import renamed
+from tests.compilers import has_compiler
 from tests.kept import once
 
 ROOT = Path(__file__).parents[2]

@@ -16,7 +16,7 @@ Made by `python -m tests.tools`; do not edit. Every row is also a test (`tests/t
 
 These commands write the files that other tools read:
 
-```
+```sh
 {orchestrate}```
 
 An SSP archive (System Structure and Parameterization 1.0) contains the FMUs, their connections, units and start values.

@@ -23,9 +23,10 @@ from orchestration.acceptance.vector import name_of
 from orchestration.cli.main import main
 from orchestration.fmu.interfaces import place
 from tests.blocks import folder as folder_of
+from tests.compilers import has_compiler
 
 ROOT = Path(__file__).parents[3]
-needs_compiler = pytest.mark.skipif(not kit.has_compiler(), reason="a C kit needs make and a C compiler")
+needs_compiler = pytest.mark.skipif(not has_compiler(), reason="a C kit needs make and a C compiler")
 
 
 def orchestrate(*arguments):
