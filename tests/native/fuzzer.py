@@ -27,7 +27,7 @@ def compiler(kind: str) -> list[str] | None:
     if kind == "zig":
         return [sys.executable, "-m", "ziglang", "cc", *ZIG]
     name = next((c for c in ("gcc", "clang", "cc") if shutil.which(c)), None)
-    return name and [name, *SYSTEM]
+    return [name, *SYSTEM] if name else None
 
 
 def build(block: str, command: Sequence[str], path: Path) -> None:
