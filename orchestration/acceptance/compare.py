@@ -214,7 +214,7 @@ def verdict(comparison: Comparison) -> str:
     met = sum(outcome.passed for outcome in outcomes)
     left = len(comparison.ours.outcomes) - len(outcomes)
     text = f"{'equivalent' if comparison.equivalent else 'not equivalent'}: {within} of {len(compared)} outputs within tolerance; "
-    text += f"{met} of {len(outcomes)} expectations met" + (f", {left} left out" if left else "")
+    text += f"{met} of {len(outcomes)} expectations met" + (f", {left} not evaluated" if left else "")
     return f"an FMU failed; {text}" if comparison.failure is not None else text
 
 

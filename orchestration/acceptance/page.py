@@ -91,7 +91,7 @@ def _output(comparison: Comparison, difference: Difference, made: Page) -> Marku
 
 
 def _claims(comparison: Comparison) -> list[list[object]]:
-    missing = "not looked at, since theirs lacks an output"
+    missing = "not evaluated, since theirs lacks an output"
     return [
         [verdict("" if b is None else b.status), a.name, a.text, missing if b is None else b.text, a.expected]
         for a, b in comparison.claims

@@ -97,7 +97,7 @@ def _print(comparison: Comparison, page: Path) -> None:
     for (passed, cells), line in zip(rows, lines, strict=True):
         say(line, head=mark("" if cells[5] == "" else "ok" if passed else "differs"))
     say("\nclosed loop: the expectations of the scenario")
-    claims = [(a.name, a.text, "left out" if b is None else b.text, a.expected) for a, b in comparison.claims]
+    claims = [(a.name, a.text, "not evaluated" if b is None else b.text, a.expected) for a, b in comparison.claims]
     header, *lines = table(("expectation", "ours", "theirs", "expected"), claims)
     say(header, head=mark())
     for (_, b), line in zip(comparison.claims, lines, strict=True):

@@ -10,11 +10,13 @@ from ..scenario.faults import sentence
 from .console import say, table
 
 
-def mark(word: str = "") -> str:
-    """A verdict before a line of a table, in its colour and as wide as the widest."""
+def mark(word: str = "", width: int = 13) -> str:
+    """A verdict before a line of a table, in its colour and as wide as the widest of the table."""
     if word in ("met", "ok"):
-        return click.style(f"{word:<13}", fg="green")
-    return click.style(f"{word:<13}", fg="red", bold=True) if word else " " * 13
+        return click.style(f"{word:<{width}}", fg="green")
+    if word == "not evaluated":
+        return click.style(f"{word:<{width}}", fg="yellow")
+    return click.style(f"{word:<{width}}", fg="red", bold=True) if word else " " * width
 
 
 def summary(result: Result) -> None:
@@ -32,15 +34,19 @@ def summary(result: Result) -> None:
         say()
         for line in table(("key figure", "at the end", "largest"), rows):
             say(line)
-    if result.outcomes:
+    if outcomes := [*result.outcomes, *result.not_evaluated]:
+        width = 15 if result.not_evaluated else 13
         lines_ = [
-            (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit))
-            for o in result.outcomes
+            (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit)) for o in outcomes
         ]
         header, *lines = table(("expectation", "found", "expected", "margin"), lines_)
-        say(header, head=f"\n{mark()}")
-        for outcome, line in zip(result.outcomes, lines, strict=True):
-            say(line, head=mark(outcome.status))
+        say(header, head=f"\n{mark(width=width)}")
+        for outcome, line in zip(outcomes, lines, strict=True):
+            say(line, head=mark(outcome.status, width))
+        if left := len(result.not_evaluated):
+            met = sum(outcome.passed for outcome in result.outcomes)
+            failed = f", {n} not met" if (n := len(result.outcomes) - met) else ""
+            say(f"expectations: {met} met{failed}, {left} not evaluated", fg="yellow")
     if result.holds:
         say()
     for hold in result.holds:

@@ -95,7 +95,7 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
             message = f"zeros are counted of one number; {expectation.signal} is {variable.kind}"
             raise InputError(scenario.error((*key, "zeros"), message))
         unit = variable.unit or ONE
-        return Check(expectation, nodes, when, unit, 1.0, 0.0, 0.0, 0.0, False, _times(expectation.zeros))
+        return Check(expectation, nodes, when, unit, 1.0, 0.0, 0.0, 0.0, False, changes_of_sign(expectation.zeros))
     how = "always" if expectation.always else "ever"
     bound: Bound = getattr(expectation, how)
     try:
@@ -104,7 +104,8 @@ def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mappi
         raise InputError(scenario.error((*key, how, bound.kind), str(error))) from None
 
 
-def _times(count: int) -> str:
+def changes_of_sign(count: int) -> str:
+    """What `zeros` expects, in words."""
     return "no change of sign" if count == 0 else f"{count} change{'s' if count > 1 else ''} of sign"
 
 

@@ -15,7 +15,7 @@ from ..fmu.model import Floats
 from ..quantities import with_unit
 from ..scenario.expectations import Expectation
 from ..system.wiring import Node
-from .checks import Check
+from .checks import Check, changes_of_sign
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,26 @@ class Outcome:
         if self.expected.startswith("always") and self.passed and self.margin is None:
             return value  # at all times
         return value if self.time is None else f"{value} at {self.time:.5g} s"
+
+
+@dataclass(frozen=True)
+class NotEvaluated(Outcome):
+    """An expectation that the run cannot be held against, since a swapped block lacks what it reads."""
+
+    @property
+    def status(self) -> str:
+        return "not evaluated"
+
+
+def not_evaluated(expectation: Expectation, reason: str) -> NotEvaluated:
+    """The outcome of an expectation that could not be looked at; it counts neither as met nor as failed."""
+    how = "always" if expectation.always else "ever"
+    bound = expectation.always or expectation.ever
+    value = getattr(bound, bound.kind) if bound else None
+    text = f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value)
+    text = text.lower() if isinstance(value, bool) else text
+    expected = f"{how} {bound.kind} {text}" if bound else changes_of_sign(expectation.zeros or 0)
+    return NotEvaluated(expectation.name, _signal(expectation), expected, False, None, "", None, None, 0, reason)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import BlockError, hint
 from ..expectations.holds import Hold
-from ..expectations.judge import Highlight, Outcome
+from ..expectations.judge import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
 from ..quantities import Unit
 from ..scenario.references import Reference
@@ -32,6 +32,9 @@ class RunData(Mapping[str, NDArray[Any]]):
     """A row for each instant, a column for each of `columns`."""
     columns: list[Node]
     outcomes: list[Outcome] = field(default_factory=list)
+    """Of the expectations that were evaluated."""
+    not_evaluated: list[NotEvaluated] = field(default_factory=list)
+    """Of those that a swapped block gives no signal for."""
     highlights: list[Highlight] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
     manifest: dict[str, Any] = field(default_factory=dict)
@@ -51,7 +54,7 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @property
     def passed(self) -> bool:
-        """Whether the run came to its end and every expectation is met."""
+        """Whether the run came to its end and every expectation that could be evaluated is met."""
         return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
 
     @property

@@ -24,7 +24,10 @@ def write(result: RunData, folder: Path, format: str = "csv") -> Path:
     expected = {
         "complete": _complete(result),
         "passed": result.passed,
-        "expectations": [{**asdict(outcome), "status": outcome.status} for outcome in result.outcomes],
+        "expectations": [
+            *({**asdict(outcome), "status": outcome.status} for outcome in result.outcomes),
+            *({**asdict(entry), "passed": None, "status": entry.status} for entry in result.not_evaluated),
+        ],
         "holds": [{**asdict(hold), "text": hold.text} for hold in result.holds],
     }
     try:

@@ -65,7 +65,7 @@ def rows(cells: Iterable[Iterable[object]]) -> Markup:
 
 def verdict(word: str) -> Markup:
     """A verdict of one word or two, in its colour; a dash where there is none."""
-    kind = "good" if word in ("met", "ok") else "bad" if word else "plain"
+    kind = "good" if word in ("met", "ok") else "plain" if word in ("", "not evaluated") else "bad"
     return Markup('<span class="{}">{}</span>').format(kind, word or "\N{EN DASH}")
 
 

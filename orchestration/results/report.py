@@ -55,14 +55,17 @@ def _outcome(result: RunData) -> tuple[str, str]:
         return "bad", f"failed after {reached}"
     if result.interrupted:
         return "bad", f"interrupted after {reached}"
-    if not result.outcomes:
+    left = f", {len(result.not_evaluated)} not evaluated" if result.not_evaluated else ""
+    if not result.outcomes and not left:
         return "plain", "completed; it has no expectations"
     statuses = [outcome.status for outcome in result.outcomes]
     count = len(statuses)
+    if result.passed and left:
+        return "warn", f"{count} expectation{'s' * (count != 1)} met{left}"
     if result.passed:
         return "good", f"all {count} expectations met" if count > 1 else "the expectation is met"
     counts = {status: statuses.count(status) for status in ("failed", "not reached") if status in statuses}
-    return "bad", ", ".join(f"{n} of {count} expectations {status}" for status, n in counts.items())
+    return "bad", ", ".join(f"{n} of {count} expectations {status}" for status, n in counts.items()) + left
 
 
 def _header(result: RunData) -> Markup:
@@ -97,7 +100,7 @@ def _expectations(result: RunData) -> list[list[object]]:
             "" if o.margin is None else with_unit(o.margin, o.unit),
             f"{o.signal}, {o.samples} samples",
         ]
-        for o in result.outcomes
+        for o in (*result.outcomes, *result.not_evaluated)
     ]
 
 

@@ -85,11 +85,12 @@ class Result(RunData):
         ended = "failed at" if self.failure else "interrupted at" if self.interrupted else "ran"
         met = sum(outcome.passed for outcome in self.outcomes)
         claims = f", {met} of {len(self.outcomes)} expectations met" if self.outcomes else ""
+        claims += f", {left} not evaluated" if (left := len(self.not_evaluated)) else ""
         return f"{self.scenario.name}: {ended} {self.reached:.10g} s, {len(self)} signals, {len(self.time)} samples{claims}"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the run in a line, and its expectations."""
-        cells = [(o.status, o.name, o.text, o.expected) for o in self.outcomes]
+        cells = [(o.status, o.name, o.text, o.expected) for o in (*self.outcomes, *self.not_evaluated)]
         head = Markup("<tr><th>outcome</th><th>expectation</th><th>found</th><th>expected</th></tr>")
         table = Markup("<table>{}{}</table>").format(head, rows(cells)) if cells else ""
         failure = Markup("<pre>{}</pre>").format(self.failure) if self.failure else ""

@@ -132,6 +132,7 @@ def open_scenario(scenario: Scenario) -> Opened:
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = [*_not_valid(scenario, fmus), *prepared.notes, *timed.notes]
+    ready.not_evaluated = prepared.not_evaluated
     opened = Opened(fmus, prepared, timed, ready)
     if not any(is_path(e.fmu) or e.interface or e.map for e in scenario.blocks.values()):  # these read more files
         _latest = scenario, opened

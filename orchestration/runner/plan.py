@@ -11,6 +11,7 @@ from ..expectations import checks, holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..fmu.model import Model
+from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
 from ..system import agreement, order, panels, signals, starts, wiring
 from ..system.clock import Clock, check_size, clock
@@ -36,6 +37,8 @@ class Plan:
     notes: list[str]
     """Warnings and remarks, for the user to see."""
     faults: Faults = field(default_factory=Faults)
+    not_evaluated: list[tuple[Expectation, str]] = field(default_factory=list)
+    """Expectations that a swap took out of the scenario, each with the reason."""
 
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:

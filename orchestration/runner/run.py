@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..expectations import holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
-from ..expectations.judge import Judge, highlights
+from ..expectations.judge import Judge, highlights, not_evaluated
 from ..fmu.model import Floats, Model
 from ..instances.block import Block
 from ..master.master import Master
@@ -121,6 +121,7 @@ def run_blocks(
         samples=recording.values,
         columns=recording.columns,
         outcomes=[judge.outcome(not complete) for judge in judges],
+        not_evaluated=[not_evaluated(*entry) for entry in ready.not_evaluated],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
         highlights=highlights(judges),
         warnings=list(ready.notes),

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..fmu.model import Element, Model
 from ..instances.block import Block
+from ..scenario.expectations import Expectation
 from ..scenario.references import Connection
 from ..scenario.scenario import Scenario
 from ..system.order import Hook
@@ -27,6 +28,8 @@ class Prepared:
     """What the master sees of each block."""
     fits: dict[str, Fit] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    not_evaluated: list[tuple[Expectation, str]] = field(default_factory=list)
+    """Expectations taken out of the scenario, each with the reason."""
     connections: list[tuple[Connection, str]] = field(default_factory=list)
     """What the mappings connect to inputs that only theirs have, and where that stands."""
     feedthrough: Hook | None = None

@@ -66,6 +66,8 @@ def _left_out(prepared: Prepared, errors: list[str]) -> dict[Key, None]:
                     "under ignore there, and this is left out"
                 )
                 errors.append(scenario.error(key, text))
+        if whole[0] == "expect" and whole not in gone:
+            prepared.not_evaluated.append((scenario.expect[int(whole[1])], f"{signal.whole} is not there"))
         gone[whole] = lost[signal.whole] = None
     _empty(scenario, gone)
     if gone and not errors:

@@ -120,7 +120,7 @@ def test_what_theirs_lacks_is_listed_and_not_judged(tmp_path, monkeypatch):
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 0, result.output
     assert "samples  theirs lacks it" in result.stdout
-    assert "1 of 1 expectations met, 1 left out" in result.stdout
+    assert "1 of 1 expectations met, 1 not evaluated" in result.stdout
 
 
 def test_a_block_of_another_step_is_compared_where_it_is_stepped(tmp_path, monkeypatch):

@@ -107,8 +107,30 @@ def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tm
     result = orchestrate(*arguments)
     assert result.exit_code == 1, "the third expectation is still judged"
     assert "left out, since regulator.samples is not there: the expectation 'sampled'" in result.stderr
-    assert "failed       slow" in result.stdout
+    assert "failed         slow" in result.stdout
+    assert "not evaluated  sampled" in result.stdout
+    assert "expectations: 1 met, 1 not met, 1 not evaluated" in result.stdout
     assert "recorded under their own names: first, second" in result.stderr
+
+
+def test_expectations_that_are_not_evaluated_are_counted_apart_from_those_that_are_met(tmp_path, monkeypatch):
+    extra = "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: [0 V, 1 V]}}\n"
+    renamed = (('name="samples[1]"', 'name="first"'), ('name="samples[2]"', 'name="second"'))
+    path = swapped(tmp_path, monkeypatch, *renamed, scenario=SCENARIO + extra)
+    (tmp_path / "mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
+    options = ("--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")
+    result = orchestrate(path.name, *options)
+    assert result.exit_code == 0, result.stderr
+    assert "expectations: 1 met, 1 not evaluated" in result.stdout
+    told = json.loads(Path("out/expectations.json").read_text())
+    assert [(e["name"], e["status"], e["passed"]) for e in told["expectations"][1:]] == [
+        ("sampled", "not evaluated", None)
+    ]
+    assert told["expectations"][1]["expected"] == "always within [0 V, 1 V]"
+    page = Path("out/report.html").read_text("utf-8")
+    assert "1 expectation met, 1 not evaluated" in page
+    assert "the expectation is met" not in page
+    assert "regulator.samples is not there" in page
 
 
 @pytest.mark.parametrize(
