@@ -297,7 +297,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
         "plant_sensors": [{"sample_period": 5e-7}],
         "plant_judge": [
             {"R_d0": np.diag([1.0, 1.0, -1.0])},
-            {"R_NB": np.zeros((3, 3))},
+            {"R_NB": np.full((3, 3), 1e-12)},
             {"R_NB": np.diag([1.0, 1.0, 1.001])},
             {"R_d": np.diag([1.0, 1.0, -1.0]), "Omega_d": [0.0, 0.0, 0.0]},
             {"v_N": [1.0, 0.0, 0.0]},

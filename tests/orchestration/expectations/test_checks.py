@@ -87,6 +87,8 @@ def test_what_is_looked_at_are_the_signals_elements_and_the_condition():
         ({"name": "  "}, "expect[1].name: must not be blank"),
         ({"when": "a.n"}, "expect[1].when: expected one boolean, but a.n is a real"),
         ({"when": "a.flags"}, "expect[1].when: expected one boolean, but a.flags is a boolean [2]"),
+        ({"when": "a.off"}, "expect[1].when: a has no variable 'off'; there are x"),
+        ({"before": -0.5, "after": None}, "expect[1].before: expected zero or more, found -0.5 s"),
         ({"after": 101}, "expect[1].after: 101 s lies after the end of the run, 100 s"),
         ({"after": -1}, "expect[1].after: expected zero or more, found -1 s"),
         ({"before": -2}, "expect[1].before: expected zero or more, found -2 s"),
@@ -120,6 +122,11 @@ def test_what_does_not_fit_is_refused_with_its_place(entry, message):
     with pytest.raises(InputError) as error:
         checks({k: v for k, v in entry.items() if v is not None})
     assert message in str(error.value)
+
+
+def test_changes_of_sign_keep_the_signals_unit():
+    assert str(one(zeros=1).unit) == "rad"
+    assert str(one("a.n", zeros=1).unit) == "1"
 
 
 def test_the_ends_of_the_run_and_an_instant_are_spans():

@@ -139,9 +139,10 @@ def test_one_of_r_d_and_omega_d_without_the_other_is_refused(errors, present, mi
         errors({}, 0, **{present: value})
 
 
-def test_an_attitude_of_zeros_is_refused_and_not_called_an_angle(errors):
+def test_an_attitude_of_almost_zeros_is_refused_and_not_called_an_angle(errors):
+    # Exact zeros mean that there is none yet: tests/fmus/test_no_attitude.py.
     with pytest.raises((ValueError, Refused), match="R_NB: expected a rotation matrix, .*found 1"):
-        errors({}, 0, R_NB=np.zeros((3, 3)))
+        errors({}, 0, R_NB=np.full((3, 3), 1e-12))
 
 
 def test_a_single_precision_attitude_is_judged_to_its_own_precision(errors):
