@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import logging
 import os
 import tempfile
 import zipfile
@@ -25,6 +26,7 @@ __all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "d
 ROOT = places.PACKAGES
 
 _HERE = Path(__file__).parent
+_LOG = logging.getLogger("attitude_cosim.build")  # the same name in an installed wheel, where this module has another
 
 
 def blocks_of(flavour: str) -> list[str]:
@@ -48,6 +50,7 @@ def build(
     for block in chosen:
         path = _path(block.name, flavour, out)
         stamp = _fingerprint(block, flavour).encode()
+        _LOG.info("building %s (%s) ...", path.name, flavour)
         try:
             data = package(block.interface, block.folder, places.shared("LICENSE"))
         except Exception as error:

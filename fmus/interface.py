@@ -3,6 +3,8 @@
 modelDescription.xml, the FMU wrappers, the interface pages and the swap check are derived from
 what `load` returns.
 
+Longer than 250 lines: the format of the file is described here beside the code that reads it.
+
 The TOML file
 -------------
 `[block]` has `name` and `description`, and `flavours` where there is one only: `["native"]`; `[experiment]` has `stop`

@@ -1,4 +1,7 @@
-"""Parameters of the plant and what follows from them alone."""
+"""Parameters of the plant and what follows from them alone.
+
+Longer than 250 lines: each of the plant's parameters is a field here, and its check stands beside it.
+"""
 
 from __future__ import annotations
 

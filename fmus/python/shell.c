@@ -2,7 +2,10 @@
  *
  * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/calls.py keeps it alive),
  * and drops every message, errors too, when the host has logging off. Here fmi2Fatal becomes fmi2Error, and
- * messages of warnings and errors always reach the host. All else is handed through. */
+ * messages of warnings and errors always reach the host. All else is handed through.
+ *
+ * Longer than 250 lines: the system's calls stand here twice, for Windows (without a C library) and for POSIX, since one
+ * source is compiled for each platform. */
 #if !defined(_WIN32)
 #define _GNU_SOURCE
 #include <dlfcn.h>

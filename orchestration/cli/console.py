@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from time import perf_counter
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
@@ -80,11 +81,34 @@ def notes(warnings: Iterable[str]) -> None:
         say(f"note: {warning}", error=True, fg="yellow")
 
 
+class _Builds(logging.Handler):
+    """Prints which FMU is being built, but for a command with --quiet."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        context = click.get_current_context(silent=True)
+        if context is None or not context.params.get("quiet"):
+            say(record.getMessage(), error=True)
+
+
+def tell_builds(context: click.Context) -> None:
+    """Prints on a terminal, until the command ends, which FMU is being built, since that takes seconds."""
+    if not is_terminal(sys.stderr):
+        return
+    log, handler = logging.getLogger("attitude_cosim.build"), _Builds()
+    log.setLevel(logging.INFO)
+    log.addHandler(handler)
+    context.call_on_close(lambda: log.removeHandler(handler))
+
+
+def is_terminal(stream: TextIO | None) -> bool:
+    return stream is not None and stream.isatty()
+
+
 class Progress:
     """A bar with the simulated time, for runs that last long enough."""
 
     def __init__(self, duration: float, wanted: bool) -> None:
-        self.duration, self.wanted = duration, wanted and sys.stdout is not None and sys.stdout.isatty()
+        self.duration, self.wanted = duration, wanted and is_terminal(sys.stdout)
         self._begun = perf_counter()
         self._bar: Any = None
         self._task: Any = None

@@ -12,6 +12,7 @@ from typing import cast
 
 import click
 
+from .console import tell_builds
 from .status import Commands
 
 COMMANDS = {
@@ -45,12 +46,14 @@ class _Lazy(Commands):
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["--help"], "max_content_width": 100})
 @click.version_option(package_name="attitude-cosim")
-def main() -> None:
+@click.pass_context
+def main(ctx: click.Context) -> None:
     """Runs FMI 2.0 co-simulation FMUs from a scenario file: orchestrate SCENARIO.yaml
 
     Exit status: 0 success, 1 an expectation failed, 2 wrong input, nothing was run, 3 an FMU failed,
     4 results not written, 128 + n ended by signal n.
     """
+    tell_builds(ctx)
 
 
 if __name__ == "__main__":

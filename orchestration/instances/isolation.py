@@ -2,6 +2,8 @@
 
 Its crash, hang, endless memory and prints stay its own, and so do the names of its modules: two FMUs
 made by PythonFMU that hold modules of one name run the first one's code where they share a process.
+
+Longer than 250 lines: each call of an FMU has here what becomes of it when the process ends, hangs or answers wrongly.
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ is looked at, and what is not finite ends the run.
 
 A block with `every: N` is stepped when N base steps have passed, over all of them, with the inputs of
 that moment.
+
+Longer than 250 lines: initialization, both exchanges and the end of a run share the master's state.
 """
 
 from __future__ import annotations
