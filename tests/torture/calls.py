@@ -47,7 +47,7 @@ def trial(block: str, program: Path, count: int, seed: int) -> int:
                 continue
             end = f"status {run.returncode}: {(run.stdout + run.stderr)[-1500:]}"
         bad += 1
-        print(f"{block}: fuzz {' '.join(arguments)}: {end}")
+        print(f"{block}: fuzz {' '.join(arguments)}: {end}", flush=True)
     print(
         f"{block}: {count} calls with seed {seed}: {refusals} refusals, {steps} steps; "
         f"crashes, hangs and errors: {bad}",
