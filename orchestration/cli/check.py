@@ -26,7 +26,7 @@ from .status import DOES_NOT_FIT
     "--scenario",
     type=PATH,
     metavar="FILE",
-    help="Also name the expectations of this scenario that would rest on what the FMU says of itself.",
+    help="Also name the expectations of this scenario that read an output of this FMU itself.",
 )
 @click.option("--vector", type=PATH, metavar="DIR", help="Also run it on a test vector of the kit.")
 @click.option(

@@ -7,11 +7,14 @@ Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, nothing 
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
+from pathlib import Path
 from typing import cast
 
 import click
 
+from ..errors import InputError, nearest, suggestion
 from .console import tell_builds
 from .status import Commands
 
@@ -39,9 +42,22 @@ class _Lazy(Commands):
         return cast(click.Command, import_module(COMMANDS[name]).command) if name in COMMANDS else None
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if args and args[0] not in COMMANDS and args[0] not in ("--help", "--version"):
+        if args and args[0] not in (*COMMANDS, "--help", "--version") and _may_be_scenario(args[0]):
             args = ["run", *args]
         return super().parse_args(ctx, args)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in COMMANDS:
+            match = suggestion(nearest(args[0], COMMANDS))
+            raise InputError(f"{args[0]}: there is no such command or scenario{match}")
+        return super().resolve_command(ctx, args)
+
+
+def _may_be_scenario(text: str) -> bool:
+    """Whether it is an option of `run`, or a path: with a suffix or a folder in it, or of a file that is there."""
+    return text[:1] in ("-", "") or Path(text).suffix != "" or Path(text).name != text or os.path.exists(text)
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["--help"], "max_content_width": 100})

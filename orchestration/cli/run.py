@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError, nearest, suggestion
 from ..results import formats
 from ..results.figures import require
 from ..results.place import reserved
@@ -40,7 +39,7 @@ from .summary import summary
     "maps",
     multiple=True,
     metavar="[BLOCK=]FILE",
-    help="How the ports of the swapped FMU stand to ours; with several swaps BLOCK=FILE.",
+    help="Mapping of the swapped FMU's ports to ours; with several swaps BLOCK=FILE.",
 )
 @click.option(
     "--out",
@@ -82,10 +81,6 @@ def command(
 ) -> None:
     """Run a scenario (the default command)."""
     formats.check(format_)
-    group = ctx.parent and ctx.parent.command
-    commands = group.list_commands(ctx) if isinstance(group, click.Group) else []
-    if not scenario.suffix and not scenario.exists() and (match := nearest(str(scenario), commands)):
-        raise InputError(f"{scenario}: there is no such file or command{suggestion(match)}")
     source = read(scenario)
     if swaps or maps:
         source = swapped(source, swaps, maps)

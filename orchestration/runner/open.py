@@ -184,7 +184,7 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         raise InputError(f"this project has no block {fmu!r}{hint(fmu, BLOCKS)}; the path of an FMU ends in .fmu")
     if flavour in FLAVOURS and flavour not in (has := load_interface(fmu).flavours):
         there = " or ".join(f"'flavour: {one}'" for one in has)
-        raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} beside it")
+        raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} for this block")
     try:
         return ensure(fmu, flavour)
     except BuildError as error:
@@ -198,9 +198,8 @@ def _remedy(message: str, scenario: Scenario, name: str) -> str:
     """What helps where a description is not valid, or where a file of this project's own has been spoilt."""
     entry = scenario.blocks[name]
     if "modelDescription.xml is not valid" in message:
-        return (
-            "\n  remedy: correct it in the exporting tool, or 'validation: lenient' beside it, to run it all the same"
-        )
+        there = f"'validation: lenient' in the entry of {name} under blocks in the scenario"
+        return f"\n  remedy: correct it in the exporting tool, or write {there}, to run it all the same"
     if "damaged" not in message or is_path(entry.fmu):
         return ""
     option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..errors import InputError
 from ..scenario import extends
 from ..scenario import load as loading
 from ..scenario.scenario import Scenario
@@ -15,6 +16,9 @@ from ..ssp import reader as ssp
 
 def read(path: Path) -> Source:
     """The data of a scenario file with their lines. Raises InputError."""
+    if path.suffix == ".fmu" and path.exists():
+        remedy = f"remedy: orchestrate check {path} --as BLOCK, or orchestrate SCENARIO --swap BLOCK={path}"
+        raise InputError(f"{path}: this is an FMU, expected a scenario; {remedy}")
     return ssp.read(path) if path.suffix == ".ssp" and path.exists() else extends.read(path)
 
 

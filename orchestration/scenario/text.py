@@ -24,7 +24,8 @@ def read(path: Path) -> Source:
     try:
         text = path.read_text("utf-8")
     except FileNotFoundError:
-        near = hint(path.name, (p.name for p in path.parent.glob("*.y*ml"))) if path.parent.is_dir() else ""
+        names = path.parent.glob("*.ssp" if path.suffix == ".ssp" else "*.y*ml") if path.parent.is_dir() else ()
+        near = hint(path.name, sorted(p.name for p in names if not p.name.startswith(".")))
         raise InputError(f"{path}: there is no such file{near}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: expected text in UTF-8") from None
@@ -108,7 +109,7 @@ class _Reader:
                 raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
             if name in data:
                 first = self.source.lines[(*key, name)]
-                raise InputError(f"{place}: {name!r} stands here a second time; first in line {first}")
+                raise InputError(f"{place}: {name!r} is given twice; first in line {first}")
             self.source.lines[(*key, name)] = line
             data[name] = self._value(value_node, (*key, name))
         return data

@@ -34,7 +34,7 @@ def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
         text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
         fitted.say("note", "optional", text, f"none needed, or {key}")
     elif ours.causality == "input":
-        fitted.say("error", "missing", text, f"{key}; or list it under ignore, if theirs does without")
+        fitted.say("error", "missing", text, f"{key}; or list it under ignore, if their FMU does not need it")
     if ours.causality == "input":
         return
     fitted.missing[ours.name] = ours
@@ -75,7 +75,9 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         if len(left) < variable.size and variable.name not in fitted.ignored:
             label = named(fitted.theirs, left)
             if variable.causality == "input":
-                text = f"input{_s(left)} {label} {'are' if len(left) > 1 else 'is'} of theirs only, and nothing feeds "
+                text = (
+                    f"input{_s(left)} {label} {'are' if len(left) > 1 else 'is'} only in their FMU, and nothing feeds "
+                )
                 text += "them" if len(left) > 1 else "it"
                 remedy = f"give a value under start in the mapping, such as '{label.split()[0]}: 0', or map the whole"
                 fitted.say("error", "elements", text, remedy)
@@ -89,25 +91,25 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
             continue
         fitted.extra.append(variable)
         if variable.name in fed:
-            text = f"input {variable.name}, {variable.kind}, is of theirs only; {fed[variable.name].whole} feeds it, as the mapping says"
+            text = f"input {variable.name}, {variable.kind}, is only in their FMU; {fed[variable.name].whole} feeds it, as the mapping says"
             fitted.say("ok", "extra", text)
         elif variable.optional:
-            text = f"input {variable.name}, {variable.kind}, is of theirs only, and optional"
+            text = f"input {variable.name}, {variable.kind}, is only in their FMU, and optional"
             fitted.say("note", "extra", text, "none needed, or connect it in the scenario")
         elif variable.causality == "input":
-            text = f"input {variable.name}, {variable.kind}, is of theirs only, and nothing feeds it"
+            text = f"input {variable.name}, {variable.kind}, is only in their FMU, and nothing feeds it"
             remedy = f"give it a value under start in the mapping, or connect it: 'inputs: {{{variable.name}: {_signal(fitted, variable)}}}' there"
             fitted.say("error", "extra", text, remedy)
     outputs = [f"{v.name}, {v.kind}" for v in fitted.extra if v.causality == "output"]
     if outputs:
-        text = f"output{_s(outputs)} of theirs only: {'; '.join(outputs)}"
+        text = f"output{_s(outputs)} only in their FMU: {'; '.join(outputs)}"
         fitted.say("note", "extra", text, "none needed; they are recorded under these names")
     if "output" in partial:
         text = f"elements of outputs that stand for nothing of ours: {', '.join(partial['output'])}"
         fitted.say("note", "extra", text, "none needed; they are not recorded")
     parameters = [v.name for v in fitted.extra if v.causality == "parameter"] + partial.get("parameter", [])
     if parameters:
-        text = f"parameter{_s(parameters)} of theirs only, at the values of their FMU: {', '.join(parameters)}"
+        text = f"parameter{_s(parameters)} only in their FMU, at its own values: {', '.join(parameters)}"
         fitted.say("note", "extra", text, "other values, if they are wanted, under start in the mapping")
 
 

@@ -20,7 +20,7 @@ def own_claims(scenario: Scenario, block: str, outputs: Iterable[str]) -> list[F
         Finding(
             "warning",
             "claims",
-            f"expectation '{claim.name}' reads {signal}, an output of the block that is swapped: it judges itself",
+            f"expectation '{claim.name}' reads {signal}, an output of the swapped block itself, which proves nothing",
             "read the plant's truth, for example by plant_judge",
             ("expect", number),
         )

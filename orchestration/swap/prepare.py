@@ -48,7 +48,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
         asked = interface_of(scenario, name, fmus[name].model.name)
         if asked is None:
             if entry.map is not None:
-                message = "a mapping needs to know whose ports stand on its left; say 'interface: ...' beside it"
+                message = "a mapping needs to know whose ports stand on its left; remedy: 'interface: ...' in the entry of this block"
                 errors.append(scenario.error(("blocks", name, "map"), message))
             continue
         try:

@@ -21,9 +21,9 @@ def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element,
         raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
     if variable.causality not in ("parameter", "input"):
         match = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
+        kind = f"{'an' if variable.causality[0] in 'aeiou' else 'a'} {variable.causality}"
         raise QuantityError(
-            f"{block}.{variable.name} is of causality {variable.causality}; parameters and inputs have starts"
-            f"{suggestion(match)}"
+            f"{block}.{variable.name} is {kind}; only parameters and inputs take start values{suggestion(match)}"
         )
     shape = variable.shape if len(positions) == variable.size else ()
     scalars = leaves(value, shape, variable)

@@ -112,7 +112,7 @@ CASES = [
         options=("results",),
         spoil=lambda f: (f / "results").mkdir(),
     ),
-    Case("a misspelt command", "bild: there is no such file or command; did you mean 'build'?", options=("bild",)),
+    Case("a misspelt command", "bild: there is no such command or scenario; did you mean 'build'?", options=("bild",)),
     Case("an empty file", "loop.yaml: is empty", new="# nothing\n"),
     Case("a file that is no text", "loop.yaml: expected text in UTF-8", spoil=_file("loop.yaml", b"\xff\xfe\x00name")),
     Case(
@@ -122,9 +122,7 @@ CASES = [
         "enabled: true",
     ),
     Case("a tab for indentation", "loop.yaml:6: no valid YAML:", "    fmu: motor.fmu", "\tfmu: motor.fmu"),
-    Case(
-        "a key twice", "loop.yaml:3: 'step' stands here a second time; first in line 2", "duration: 2 s", "step: 0.2 s"
-    ),
+    Case("a key twice", "loop.yaml:3: 'step' is given twice; first in line 2", "duration: 2 s", "step: 0.2 s"),
     Case(
         "a list instead of keys",
         "loop.yaml:1: expected keys such as 'name' and 'blocks', found a list",
@@ -258,7 +256,7 @@ CASES = [
     ),
     Case(
         "a start value for an output",
-        f"loop.yaml:9: {MOTOR}.start.speed: motor.speed is of causality output; parameters and inputs have starts; did you mean 'speed0'?",
+        f"loop.yaml:9: {MOTOR}.start.speed: motor.speed is an output; only parameters and inputs take start values; did you mean 'speed0'?",
         "inertia: 0.5",
         "speed: 0.5",
     ),

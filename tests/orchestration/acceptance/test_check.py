@@ -281,7 +281,9 @@ def test_an_extra_input_does_not_fit_unless_the_mapping_feeds_it(here):
         ('index="8" dependencies=""/><Unknown index="8"', 'index="8" dependencies=""/><Unknown index="9"'),
         own_names=False,
     )
-    assert "input brake, a real scalar, is of theirs only, and nothing feeds it" in texts(findings(path, level="error"))
+    assert "input brake, a real scalar, is only in their FMU, and nothing feeds it" in texts(
+        findings(path, level="error")
+    )
     (here / "mapping.yaml").write_text("start: {brake: 0.5}")
     assert "input brake of theirs is 0.5, as the mapping says" in texts(
         findings(path, here / "mapping.yaml", topic="extra")

@@ -42,6 +42,28 @@ def test_a_failed_expectation_gives_status_1(loop):
     assert json.loads(Path("results/loop/expectations.json").read_text())["passed"] is False
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("chek", "motor.fmu"), "chek: there is no such command or scenario; did you mean 'check'?"),
+        (("zzz",), "zzz: there is no such command or scenario"),
+        (("loop.ymal",), "loop.ymal: there is no such file; did you mean 'loop.yaml'?"),
+        (("lop.ssp",), "lop.ssp: there is no such file; did you mean 'loop.ssp'?"),
+        (("lint.yaml",), "lint.yaml: there is no such file; did you mean 'loop.yaml'?"),
+        (
+            ("motor.fmu",),
+            "motor.fmu: this is an FMU, expected a scenario; remedy: orchestrate check motor.fmu --as BLOCK, "
+            "or orchestrate SCENARIO --swap BLOCK=motor.fmu",
+        ),
+    ],
+)
+def test_what_is_no_scenario_is_told_from_what_it_may_be(loop, arguments, message):
+    Path(".lint.yaml").write_text("{}")
+    Path("loop.ssp").write_bytes(b"")
+    result = orchestrate(*arguments)
+    assert (result.exit_code, result.stdout, result.stderr) == (2, "", message + "\n")
+
+
 def test_quiet_says_nothing_when_all_is_well(loop):
     result = orchestrate(loop.name, "--quiet")
     assert (result.exit_code, result.output) == (0, "")

@@ -20,7 +20,7 @@ def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
     ports = {"u": ["gyro[1]", "gyro[3]"]}
     found = fitted(ours, theirs, ports=ports)
     (error,) = found.errors
-    assert "inputs gyro[2] gyro[4] are of theirs only, and nothing feeds them; remedy: " in str(error)
+    assert "inputs gyro[2] gyro[4] are only in their FMU, and nothing feeds them; remedy: " in str(error)
     assert not unfed(error), "no scenario can feed them"
     assert found.findings[0].text == "input u = gyro[1] gyro[3], a real [2]"
     found = fitted(ours, theirs, ports=ports, start={"gyro[2]": 0.1, "gyro[4]": 0.2})
@@ -37,7 +37,7 @@ def test_what_is_left_of_outputs_and_parameters_is_told():
     theirs = mocks.model("theirs", real("v", "output", shape=(2,)), real("q", "parameter", shape=(2,)))
     told = [f.text for f in fitted(ours, theirs, ports={"y": "v[2]", "p": "q[1]"}).findings]
     assert "elements of outputs that stand for nothing of ours: v[1]" in told
-    assert "parameter of theirs only, at the values of their FMU: q[2]" in told
+    assert "parameter only in their FMU, at its own values: q[2]" in told
 
 
 def test_single_elements_are_set_and_the_others_keep_what_they_had():

@@ -58,7 +58,7 @@ def test_a_controller_that_does_nothing_and_reports_no_error_fails_the_claims_of
     outcomes = json.loads((tmp_path / "out" / "expectations.json").read_text("utf-8"))["expectations"]
     failed = [outcome["name"] for outcome in outcomes if not outcome["passed"]]
     assert failed[:2] == SETTLED
-    assert "judges itself" not in result.stderr
+    assert "proves nothing" not in result.stderr
 
 
 def test_it_would_meet_the_claim_that_reads_its_own_output_and_a_warning_says_so(
@@ -69,15 +69,15 @@ def test_it_would_meet_the_claim_that_reads_its_own_output_and_a_warning_says_so
     passed = {outcome["name"]: outcome["passed"] for outcome in outcomes}
     assert [passed[name] for name in SETTLED] == [True, False]
     assert (
-        f"expectation '{SETTLED[0]}' reads controller.attitude_error, an output of the block that is swapped: "
-        "it judges itself; remedy: read the plant's truth, for example by plant_judge"
+        f"expectation '{SETTLED[0]}' reads controller.attitude_error, an output of the swapped block itself, "
+        "which proves nothing; remedy: read the plant's truth, for example by plant_judge"
     ) in result.stderr
 
 
 def test_compare_and_check_warn_of_a_claim_that_reads_the_swapped_blocks_own_output(
     doing_nothing, judging_itself, tmp_path
 ):
-    text = f"expectation '{SETTLED[0]}' reads controller.attitude_error, an output of the block that is swapped"
+    text = f"expectation '{SETTLED[0]}' reads controller.attitude_error, an output of the swapped block itself"
     swap = ("--swap", f"controller={doing_nothing}", "--duration", "5 s", "--out", tmp_path / "out")
     compared = orchestrate("compare", judging_itself, *swap)
     assert text in compared.stderr
@@ -88,7 +88,7 @@ def test_compare_and_check_warn_of_a_claim_that_reads_the_swapped_blocks_own_out
     assert [(f["level"], text in f["text"]) for f in claims] == [("warning", True)]
     assert claims[0]["remedy"] == "read the plant's truth, for example by plant_judge"
     assert checked.exit_code == 0, "a warning"
-    assert "judges itself" not in orchestrate(*check, PAPER).stdout
+    assert "proves nothing" not in orchestrate(*check, PAPER).stdout
 
 
 def test_check_refuses_a_scenario_without_the_block(doing_nothing):

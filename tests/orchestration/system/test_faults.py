@@ -250,7 +250,7 @@ def test_a_refused_setting_names_its_time():
             {"at": 1, "set": "block.fixed = 1"},
             "block.fixed is fixed: FMI lets only tunable parameters and inputs be set during a run; tunable are gain, text",
         ),
-        ({"at": 1, "set": "block.y = 1"}, "block.y is of causality output"),
+        ({"at": 1, "set": "block.y = 1"}, "block.y is an output"),
         ({"at": 0.5, "until": 1, "set": "block.text = a"}, "block.text is text, which can be set but not be restored"),
         ({"at": 1, "freeze": "block"}, "faults[1].freeze: expected block.variable, found 'block'"),
         ({"at": 1, "freeze": "block.y"}, "block.y feeds no input, so nothing would change"),

@@ -238,7 +238,7 @@ def test_an_optional_input_of_theirs_that_nothing_feeds_is_no_fault(here):
     findings = json.loads(orchestrate("check", "bounded.fmu", "--as", "allocator", "--json").stdout)
     assert findings["fits"]
     extra = [f["text"] for f in findings["findings"] if f["topic"] == "extra"]
-    assert "input dipole_ff, a real [3], is of theirs only, and optional" in extra
+    assert "input dipole_ff, a real [3], is only in their FMU, and optional" in extra
     plain = PLAIN.replace("allocator_bounded", "allocator")
     (here / "plain.yaml").write_text(plain)
     assert orchestrate("plain.yaml", "--swap", "allocator=bounded.fmu").exit_code == 0
@@ -413,7 +413,7 @@ def test_a_flavour_that_a_block_has_not_is_refused_at_its_line(here, monkeypatch
     result = orchestrate("delayed.yaml", "--flavour", "python")
     assert result.exit_code == 2
     assert (
-        "delayed.yaml:8: blocks.allocator.fmu: the block 'allocator_bounded' has no flavour 'python'; remedy: 'flavour: native' beside it"
+        "delayed.yaml:8: blocks.allocator.fmu: the block 'allocator_bounded' has no flavour 'python'; remedy: 'flavour: native' for this block"
         in result.stderr
     )
     result = orchestrate("build", "allocator_bounded", "--flavour", "python", "--out", "fmus")
