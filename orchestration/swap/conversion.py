@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 
@@ -15,6 +16,8 @@ _UNIT_TOLERANCE = 1e-4
 """Of the factor that an FMU declares for a unit of a usual name: rounded, but not another."""
 _CONDITION_MAX = 1e12
 """Of a matrix whose inverse keeps some of the sixteen digits."""
+_IN_A_FRAME = re.compile(r"_[A-Z]+\d*$")
+"""What the name of a vector ends in that has its components in a frame: `omega_B`, `r_N`."""
 
 
 def quaternion(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: PortMap) -> Link:
@@ -47,6 +50,13 @@ def affine(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: Po
             factors[i], offsets[i] = _conversion(fitted, own, theirs.at([element.position]), entry, label)
         offsets = offsets + _offset(fitted, elements, entry)
     invertible = m == n and np.linalg.cond(A) <= _CONDITION_MAX
+    if entry.matrix is not None and m == n and ours.shape == (3,) and _IN_A_FRAME.search(ours.name):
+        if not invertible:
+            text = "the matrix is singular, so a component of the vector is lost"
+            raise Misfit("mapping", text, "give the matrix of a rotation, or of full rank")
+        if np.linalg.det(A) < 0.0:
+            text = f"{label}: the matrix is left-handed: its determinant is {np.linalg.det(A):.3g}"
+            once(fitted, "warning", "mapping", text, "correct the sign of a row, unless their axes are left-handed")
     A = factors[:, None] * A
     B: Floats | None = None
     if invertible:
@@ -80,7 +90,7 @@ def _conversion(fitted: Fit, ours: Variable, theirs: Variable, entry: PortMap, l
     if scale is None:
         if not own.fits(unit):
             remedy = "give a 'scale' with a unit in the mapping, or change the FMU"
-            if is_rate(own, unit):
+            if ours.causality != "parameter" and is_rate(own, unit):
                 remedy = f"none in a mapping: {NO_MEMORY}; change the FMU"
             if own.exponents[:-1] == unit.exponents[:-1]:
                 remedy = f"they differ by the radian only: state what it is, such as 'unit: {own}', in the mapping"
@@ -109,7 +119,7 @@ NO_MEMORY = "one is the rate of change of the other, and a mapping has no memory
 
 def is_rate(one: Unit, other: Unit) -> bool:
     """Whether one is the rate of change of the other, but for a mass or an inertia: a torque beside a speed or a momentum."""
-    if one.exponents is None or other.exponents is None:
+    if one.exponents is None or other.exponents is None or ONE.exponents in (one.exponents, other.exponents):
         return False
     kg, m, s, *more = (a - b for a, b in zip(one.exponents[:-1], other.exponents[:-1], strict=True))
     return not any(more) and (abs(s), (kg, m)) in {(1, (n, power * n)) for n in (-1, 0, 1) for power in (0, 2)}

@@ -75,6 +75,8 @@ class Fit:
     """Optional inputs of ours that theirs lacks: nothing can be connected to them."""
     missing: dict[str, Variable] = field(default_factory=dict)
     """Outputs and parameters of ours that theirs lacks and that the mapping does not ignore."""
+    candidates: set[str] = field(default_factory=set)
+    """Inputs of theirs that an error names for one of ours that is missing."""
     findings: list[Finding] = field(default_factory=list)
 
     @property

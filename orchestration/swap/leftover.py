@@ -22,18 +22,20 @@ def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
     meant = [match] if match else []
     alike = [v.name for v in free if v.type == ours.type and v.size == ours.size and _unit_fits(ours, v)]
     meant += [name for name in alike if name not in meant]
-    key = f"'{ours.name}: {meant[0] if meant else 'THEIRS'}' under ports in the mapping"
+    key = f"'{ours.name}: {match or 'THEIRS'}' under ports in the mapping"
     kind = f"{ours.kind}" + (f" in {ours.unit}" if str(ours.unit or ONE) != "1" else "")
     text = f"{ours.causality} {ours.name}, {kind}, is missing"
+    signals = free if ours.causality != "parameter" else []
     if meant:
         text += f"; by name or unit it may be {' or '.join(meant[:3])}"
-    elif rates := [v for v in free if v.size == ours.size and is_rate(ours.unit or ONE, v.unit or ONE)]:
+    elif rates := [v for v in signals if v.size == ours.size and is_rate(ours.unit or ONE, v.unit or ONE)]:
         text += f"; {rates[0].name}, in {rates[0].unit}, cannot stand for it: {NO_MEMORY}"
     if ours.optional:
         fitted.without[ours.name] = ours
         text = f"{text}, which is optional: theirs runs without it, and a scenario's connection to it is dropped"
         fitted.say("note", "optional", text, f"none needed, or {key}")
     elif ours.causality == "input":
+        fitted.candidates.update(meant)
         fitted.say("error", "missing", text, f"{key}; or list it under ignore, if their FMU does not need it")
     if ours.causality == "input":
         return
@@ -96,9 +98,9 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
         elif variable.optional:
             text = f"input {variable.name}, {variable.kind}, is only in their FMU, and optional"
             fitted.say("note", "extra", text, "none needed, or connect it in the scenario")
-        elif variable.causality == "input":
+        elif variable.causality == "input" and variable.name not in fitted.candidates:
             text = f"input {variable.name}, {variable.kind}, is only in their FMU, and nothing feeds it"
-            remedy = f"give it a value under start in the mapping, or connect it: 'inputs: {{{variable.name}: {_signal(fitted, variable)}}}' there"
+            remedy = f"give it a value under start in the mapping, or connect it: {_connection(fitted, variable)}"
             fitted.say("error", "extra", text, remedy)
     outputs = [f"{v.name}, {v.kind}" for v in fitted.extra if v.causality == "output"]
     if outputs:
@@ -133,11 +135,18 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
     return fitted.say("ok", "extra", f"{variable.causality} {name} of theirs is {value}, as the mapping says")
 
 
-def _signal(fitted: Fit, variable: Variable) -> str:
-    """An output of the project's other blocks that has the unit and shape of an input."""
+def _connection(fitted: Fit, variable: Variable) -> str:
+    """How a mapping connects an input: to the output of a similar name, or else with those named that have its unit and shape."""
     outputs = ((block, v) for block, kind in fitted.reference.others.items() for v in kind.of("output"))
-    alike = (f"{block}.{v.name}" for block, v in outputs if v.shape == variable.shape and _unit_fits(v, variable))
-    return next(alike, "BLOCK.OUTPUT")
+    alike = {
+        v.name: f"{block}.{v.name}" for block, v in outputs if v.shape == variable.shape and _unit_fits(v, variable)
+    }
+    match = nearest(variable.name, alike)
+    text = f"'inputs: {{{variable.name}: {alike[match] if match else 'BLOCK.OUTPUT'}}}' there"
+    if match or not alike:
+        return text
+    names = list(alike.values())[:3]
+    return f"{text}; {', '.join(names)} {'have' if len(names) > 1 else 'has'} its unit and shape"
 
 
 def _s(items: Sequence[Any]) -> str:

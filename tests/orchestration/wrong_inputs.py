@@ -714,7 +714,7 @@ CASES = [
     ),
     Case(
         "a swap that does not fit",
-        "input speed, a real scalar in rad/s, is missing; by name or unit it may be rate; remedy: 'speed: rate'",
+        "input speed, a real scalar in rad/s, is missing; by name or unit it may be rate; remedy: 'speed: THEIRS'",
         options=("loop.yaml", "--swap", "regulator=vendor.fmu"),
         spoil=vendor.write,
     ),

@@ -135,7 +135,7 @@ def test_a_check_sees_the_loop_that_the_connection_closes_and_names_the_connecti
     feedthrough.look(found, findings)
     assert any(f.level == "error" and "an algebraic loop through " in f.text for f in findings)
     (missing,) = fit(interface, theirs).errors
-    assert "'inputs: {mag: plant.b_B}'" in missing.remedy
+    assert "'inputs: {mag: BLOCK.OUTPUT}' there; plant.b_B has its unit and shape" in missing.remedy
 
 
 def test_a_test_vector_is_not_run_where_the_mapping_needs_signals_that_it_does_not_hold(tmp_path, monkeypatch):
@@ -146,7 +146,53 @@ def test_a_test_vector_is_not_run_where_the_mapping_needs_signals_that_it_does_n
     assert (finding.level, "the mapping needs motor.speed for rate" in finding.text) == ("error", True)
 
 
+# ---------------------------------------------------------------- hints
+
+
+def test_a_hint_to_be_pasted_rests_on_a_similar_name_and_an_input_is_told_once():
+    ours = reference("allocator", Path.cwd())
+    theirs = dict(ours.model.variables)
+    del theirs["tau_cmd_B"], theirs["wheel_torque_cmd"]
+    newton_metre = unit("N.m")
+    theirs["torque_request"] = real("torque_request", "input", shape=(3,), unit=newton_metre)
+    theirs["lyapunov"] = real("lyapunov", "output", unit=unit("J"))
+    theirs["tau_drag"] = real("tau_drag", "input", shape=(3,), unit=newton_metre)
+    found = [str(f) for f in fit(ours, mocks.model("theirs", *theirs.values())).errors]
+    assert len(found) == 2
+    assert "torque_request" in found[0]
+    assert "'tau_cmd_B: THEIRS'" in found[0]
+    assert "by name or unit it may be lyapunov" in found[1]
+    assert "'wheel_torque_cmd: THEIRS'" in found[1]
+    theirs["tau_cmd_B"] = ours.model.variables["tau_cmd_B"]
+    told = "\n".join(str(f) for f in fit(ours, mocks.model("theirs", *theirs.values())).errors)
+    assert "'inputs: {torque_request: BLOCK.OUTPUT}' there; plant.tau_gg_B, " in told
+    assert "'inputs: {tau_drag: plant.tau_drag_B}' there" in told
+
+
+@pytest.mark.parametrize("matrix", [[[1, 0, 0], [0, 1, 0], [1, 1, 0]], [[1, 0, 0], [0, 1, 0], [0, 0, -1]]])
+def test_a_matrix_of_a_vector_in_a_frame_is_regular_and_a_left_handed_one_is_told(matrix):
+    ours = reference("allocator", Path.cwd())
+    ports = {"ports": {"tau_cmd_B": {"theirs": "tau_cmd_B", "matrix": matrix}}}
+    found = fit(ours, ours.model, Mapping.model_validate(ports)).findings
+    told = [(f.level, f.text) for f in found if f.level in ("error", "warning")]
+    expected = (
+        ("warning", "input tau_cmd_B: the matrix is left-handed: its determinant is -1")
+        if matrix[2][2]
+        else ("error", "input tau_cmd_B: the matrix is singular, so a component of the vector is lost")
+    )
+    assert told == [expected]
+
+
 # ---------------------------------------------------------------- what no mapping can give
+
+
+@pytest.mark.parametrize(
+    ("causality", "here", "there"), [("parameter", "kg.m2", "N.m.s"), ("parameter", "1", "s"), ("input", "1", "s")]
+)
+def test_no_rate_of_change_is_told_of_parameters_or_of_what_has_no_unit(causality, here, there):
+    one, other = (mocks.model("x", real(n, causality, unit=unit(u))) for n, u in (("aa", here), ("zz", there)))
+    told = [f.text for f in fit(Interface("ours", one, {}), other).findings]
+    assert not any("rate of change" in text for text in told), told
 
 
 def test_a_speed_in_the_place_of_a_torque_is_told_to_be_beyond_a_mapping():
