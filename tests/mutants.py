@@ -31,7 +31,9 @@ TESTS: dict[str, tuple[str, ...]] = {
     "orchestration/expectations/checks.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/judge.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/holds.py": ("tests/orchestration/expectations",),
-    "orchestration/swap/conversion.py": ("tests/orchestration/swap/test_conversion.py",),
+    "orchestration/swap/conversion.py": tuple(
+        f"tests/orchestration/swap/test_{name}.py" for name in ("conversion", "rotation", "mapping", "fit")
+    ),
     "orchestration/quantities.py": ("tests/orchestration/test_quantities.py",),
     "fmus/units.py": ("tests/fmus/test_units.py", "tests/orchestration/test_quantities.py"),
 }
