@@ -1,0 +1,216 @@
+"""What runs say of a probability: shares and quantiles with their bounds, and when a requirement is decided.
+
+A requirement asks that a run meets a bound with probability P, shown at confidence C. It is met when the lower bound of
+the probability at confidence C is at least P, not met when the upper bound is below P, and undecided between.
+Whichever is true, the wrong one of these two words is said with probability 1 - C at most.
+
+Two kinds of bounds serve. Exact ones (Clopper and Pearson, Biometrika 26, 1934) hold for a number of runs that was fixed
+before. Those of a sequence hold after every run at once, so a campaign may look as often as it likes, stop when it is
+decided, and go on later where it was not; they ask for about one and a half times as many runs. They come of the mean
+likelihood ratio against P over all probabilities on the other side of P, q uniform in (P, 1) for `met`:
+
+    E_n = mean over q of (q/P)^S ((1-q)/(1-P))^(n-S),   S of n runs have met the bound,
+
+a martingale with mean 1 if the probability is P, a supermartingale if it is below, which by Ville's inequality exceeds
+1/(1-C) at any n with probability 1-C at most (Darling and Robbins, PNAS 58, 1967; Robbins, Ann. Math. Stat. 41, 1970;
+one-sided: Howard et al., Ann. Stat. 49, 2021). The runs must be independent draws, in the order of their index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import betainc, betaincc, betaln
+from scipy.stats import binomtest, quantile_test
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """A lower and an upper bound."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A run meets this requirement with a probability of at least `probability`, to be shown at `confidence`."""
+
+    name: str
+    probability: float
+    confidence: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What runs say of a claim."""
+
+    name: str
+    status: Literal["met", "not met", "undecided"]
+    share: float | None
+    """Share of the runs that meet the requirement; None without runs."""
+    low: float
+    high: float
+    """Bounds of the probability, each for itself at the confidence."""
+    flown: int
+    met: int
+    probability: float
+    confidence: float
+    text: str
+    """The verdict as a sentence."""
+
+
+def share(successes: int, runs: int, confidence: float = 0.95, method: Literal["exact", "wilson"] = "exact") -> Bounds:
+    """The two-sided confidence interval of a probability, of which `successes` of `runs` independent runs are known.
+
+    "exact" is Clopper and Pearson's, which never covers less than its confidence; "wilson" (JASA 22, 1927) is narrower
+    and covers its confidence in the mean. Without runs it is all of [0, 1].
+    """
+    if runs == 0:
+        return Bounds(0.0, 1.0)
+    found = binomtest(successes, runs).proportion_ci(confidence, method)
+    return Bounds(float(found.low), float(found.high))
+
+
+def fixed(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
+    """A lower and an upper bound of a probability, each for itself at the confidence, for runs fixed in number before."""
+    if runs == 0:
+        return Bounds(0.0, 1.0)
+    low = binomtest(successes, runs, alternative="greater").proportion_ci(confidence).low
+    high = binomtest(successes, runs, alternative="less").proportion_ci(confidence).high
+    return Bounds(float(low), float(high))
+
+
+def sequence(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
+    """A lower and an upper bound of a probability, each for itself at the confidence after all numbers of runs at once."""
+    if runs == 0:
+        return Bounds(0.0, 1.0)
+    wanted = -np.log1p(-confidence)
+    least, most = np.finfo(float).tiny, float(np.nextafter(1.0, 0.0))
+    mean = min(max(successes / runs, least), most)
+
+    def of(side: int) -> Callable[[float], float]:
+        return lambda p: evidence(successes, runs, p)[side] - wanted
+
+    low = brentq(of(0), least, mean, xtol=1e-15) if successes and of(0)(least) > 0.0 else 0.0
+    high = brentq(of(1), mean, most, xtol=1e-15) if successes < runs and of(1)(most) > 0.0 else 1.0
+    return Bounds(low, high)
+
+
+def evidence(successes: int, runs: int, probability: float) -> tuple[float, float]:
+    """The logarithms of E_n (see above) for a probability above this one, and for one below it."""
+    hits, misses = successes, runs - successes
+    ratio = betaln(hits + 1, misses + 1) - hits * np.log(probability) - misses * np.log1p(-probability)
+    with np.errstate(divide="ignore"):  # no weight at all on a side: no evidence
+        above = np.log(betaincc(hits + 1, misses + 1, probability)) - np.log1p(-probability)
+        below = np.log(betainc(hits + 1, misses + 1, probability)) - np.log(probability)
+    return float(ratio + above), float(ratio + below)
+
+
+def looks(runs: int) -> list[int]:
+    """Counts of runs, ascending, after which early stopping looks; the last is `runs`. Each is a seventh above the last."""
+    counts, count = [], 30.0
+    while count < runs:
+        counts.append(round(count))
+        count *= 8.0 / 7.0
+    return [*counts, runs]
+
+
+def verdicts(
+    claims: Iterable[Claim], met: Mapping[str, int], flown: int, runs: int, early: bool = False
+) -> list[Verdict]:
+    """What the first `flown` of `runs` runs say of the claims; met[name] of them meet a claim's requirement.
+
+    `early` where it is looked at more than once; else the number of runs was fixed before.
+    """
+    return [_verdict(claim, met[claim.name], flown, runs, early) for claim in claims]
+
+
+def _verdict(claim: Claim, met: int, flown: int, runs: int, early: bool) -> Verdict:
+    bounds = (sequence if early else fixed)(met, flown, claim.confidence)
+    status: Literal["met", "not met", "undecided"] = "undecided"
+    if bounds.low >= claim.probability:
+        status = "met"
+    elif bounds.high < claim.probability:
+        status = "not met"
+    at = f"at {percent(claim.confidence)} confidence"
+    text = f"{met} of {flown} runs meet it; probability "
+    if status == "met":
+        text += f"at least {probability(bounds.low)} {at}, required {claim.probability:g}"
+    elif status == "not met":
+        text += f"at most {probability(bounds.high, up=True)} {at}, required {claim.probability:g}"
+    else:
+        text += f"from {probability(bounds.low)} to {probability(bounds.high, up=True)} {at}, required {claim.probability:g}"
+        least = runs_needed(claim.probability, claim.confidence, early)
+        text += f"; {least} runs are needed at least" if flown < least else ""
+    mean = met / flown if flown else None
+    return Verdict(
+        claim.name, status, mean, bounds.low, bounds.high, flown, met, claim.probability, claim.confidence, text
+    )
+
+
+def hints(claims: Iterable[Claim], runs: int, early: bool = False) -> list[str]:
+    """Claims that so many runs cannot show, even if each of them meets the requirement, as sentences."""
+    needed = {claim: runs_needed(claim.probability, claim.confidence, early) for claim in claims}
+    return [
+        f"{claim.name}: {runs} runs cannot show a probability of {claim.probability:g} at {percent(claim.confidence)} "
+        f"confidence; {least} are needed at least" + (", if it may stop early" if early else "")
+        for claim, least in needed.items()
+        if least > runs
+    ]
+
+
+def percent(value: float) -> str:
+    """A share as a percentage: 95%, 99.73%."""
+    return f"{100.0 * value:.10g}%"
+
+
+def probability(value: float, up: bool = False) -> str:
+    """A bound of a probability, rounded outwards to three figures of its distance from 0 or 1, whichever is nearer."""
+    distance = min(value, 1.0 - value)
+    if distance <= 0.0:
+        return f"{value:g}"
+    places = 2 - int(np.floor(np.log10(distance)))
+    scaled = value * 10.0**places
+    return f"{(np.ceil(scaled - 1e-6) if up else np.floor(scaled + 1e-6)) / 10.0**places:.{places}f}"
+
+
+def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
+    """The least number of runs that shows a requirement as met, when every one of them meets the bound."""
+    least = int(np.ceil(np.log1p(-confidence) / np.log(probability) - 1e-9))
+    if not repeated:
+        return least
+    wanted = -np.log1p(-confidence)
+
+    def short(runs: int) -> bool:
+        return evidence(runs, runs, probability)[0] < wanted
+
+    low, high = least, 2 * least
+    while short(high):
+        low, high = high, 2 * high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if short(middle) else (low, middle)
+    return high
+
+
+def quantile(values: Floats, share: float, confidence: float = 0.95) -> tuple[float, Bounds]:
+    """A quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
+
+    The bounds are order statistics and hold for whatever distribution (Conover, Practical Nonparametric Statistics,
+    3.2); one is infinite where there are too few values for it. Values may be infinite, but not nan. Without values
+    all is nan.
+    """
+    if not len(values):
+        return float("nan"), Bounds(float("nan"), float("nan"))
+    at = float(np.quantile(values, share, method="inverted_cdf"))
+    low = quantile_test(values, p=share, alternative="greater").confidence_interval(confidence).low
+    high = quantile_test(values, p=share, alternative="less").confidence_interval(confidence).high
+    return at, Bounds(-np.inf if np.isnan(low) else float(low), np.inf if np.isnan(high) else float(high))
