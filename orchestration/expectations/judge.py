@@ -1,7 +1,4 @@
-"""A run held against an expectation.
-
-Looked at is every base step, recorded or not, in the window `after` to `before` at which `when` is true.
-"""
+"""A run held against an expectation."""
 
 from __future__ import annotations
 
@@ -16,6 +13,7 @@ from ..quantities import with_unit
 from ..scenario.expectations import Expectation
 from ..system.wiring import Node
 from .checks import Check, changes_of_sign
+from .span import slack
 
 
 @dataclass(frozen=True)
@@ -115,28 +113,18 @@ class Judge:
         if not len(time):
             return
         self._now = float(time[-1])
-        check, expectation = self.check, self.check.expectation
-        values = np.column_stack([columns[node] for node in check.nodes])
-        if expectation.measure == "norm":
-            values = np.sqrt((values * values).sum(axis=1, keepdims=True))
-        if (check.factor, check.offset) != (1.0, 0.0):
-            values = values * check.factor + check.offset
+        check = self.check
+        values = check.sight.values(columns, check.limits.factor, check.limits.offset)
         self._highlight(time, values)
-        chosen = np.ones(len(time), bool)
-        if expectation.after is not None:
-            chosen &= time >= expectation.after - _slack(expectation.after)
-        if expectation.before is not None:
-            chosen &= time <= expectation.before + _slack(expectation.before)
-        self._inside |= bool(chosen.any())
-        if check.when is not None:
-            chosen &= columns[check.when] != 0.0
+        inside, chosen = check.sight.chosen(time, columns)
+        self._inside |= inside
         if chosen.any():
             self._samples += int(chosen.sum())
-            (self._bound if expectation.zeros is None else self._count)(time[chosen], values[chosen])
+            (self._bound if check.expectation.zeros is None else self._count)(time[chosen], values[chosen])
 
     def _bound(self, time: Floats, values: Floats) -> None:
         check, always = self.check, self.check.expectation.always is not None
-        margins = np.minimum(values - check.low, check.high - values)
+        margins = check.limits.margins(values)
         worst = margins.argmin(axis=1)
         of_sample = margins[np.arange(len(time)), worst]  # a sample is as good as its worst element
         sample = int(of_sample.argmin() if always else of_sample.argmax())
@@ -168,7 +156,7 @@ class Judge:
         """
         outcome = self._outcome()
         before = self.check.expectation.before
-        if not early or (before is not None and self._now >= before - _slack(before)):
+        if not early or (before is not None and self._now >= before - slack(before)):
             return outcome
         if self.check.expectation.zeros is not None:
             decided = self._changes > self.check.expectation.zeros
@@ -189,20 +177,17 @@ class Judge:
             return _outcome(check, passed, float(self._changes), None, self._changed, samples)
         assert self._worst is not None
         margin, value, time = self._worst
-        passed = margin > 0.0 if check.strict else margin >= 0.0
-        return _outcome(check, passed, value, margin if check.low != check.high else None, time, samples)
+        limits = check.limits
+        passed = margin > 0.0 if limits.strict else margin >= 0.0
+        return _outcome(check, passed, value, margin if limits.low != limits.high else None, time, samples)
 
     @property
     def highlight(self) -> Highlight | None:
         """The signal's final and peak values; None for what is no number."""
-        if self._peak is None or not self.check.number:
+        if self._peak is None or not self.check.limits.number:
             return None
-        unit = "" if str(self.check.unit) == "1" else str(self.check.unit)
+        unit = "" if str(self.check.limits.unit) == "1" else str(self.check.limits.unit)
         return Highlight(_signal(self.check.expectation), unit, self._final, *self._peak)
-
-
-def _slack(time: float) -> float:
-    return 1e-9 * max(1.0, abs(time))
 
 
 def _outcome(
@@ -215,7 +200,7 @@ def _outcome(
     note: str = "",
 ) -> Outcome:
     expectation = check.expectation
-    unit = "" if expectation.zeros is not None or str(check.unit) == "1" else str(check.unit)
+    unit = "" if expectation.zeros is not None or str(check.limits.unit) == "1" else str(check.limits.unit)
     return Outcome(
         expectation.name, _signal(expectation), check.expected, passed, value, unit, margin, time, samples, note
     )

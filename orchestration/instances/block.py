@@ -58,3 +58,10 @@ class Block(Protocol):
 
     def close(self) -> None:
         """Ends the instance and frees what it holds; never raises."""
+
+
+class Instance(Block, Protocol):
+    """A block that is an FMU's instance, and that can serve several runs."""
+
+    def reset(self) -> None:
+        """Back to where it stood after it was instantiated; what `wire` fixed stays so. Raises BlockError where it cannot."""

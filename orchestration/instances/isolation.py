@@ -94,6 +94,11 @@ class IsolatedBlock:
     def leave(self) -> None:
         self._ask("leave")
 
+    def reset(self) -> None:
+        """As that of an FMU in this process, see `Slave.reset`."""
+        self._listener.lines.clear()
+        self._ask("reset")
+
     def _ask(self, method: str, *arguments: Any) -> Any:
         if self._watchdog.ended.is_set():
             raise BlockError(self.name, method, "its process has ended", log=self.log)

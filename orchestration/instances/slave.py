@@ -137,6 +137,12 @@ class Slave:
         if status > WARNING:
             raise self.failed(call, status)
 
+    def reset(self) -> None:
+        """Back to where it stood after it was instantiated, by fmi2Reset; what is wired stays so. Raises BlockError where it cannot."""
+        self._log.lines.clear()
+        self._initialized = False
+        self._plain("fmi2Reset")
+
     # ------------------------------------------------------------ steps
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:

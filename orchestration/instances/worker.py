@@ -119,6 +119,9 @@ class Worker:
     def _do_leave(self) -> None:
         self._fmu.leave()
 
+    def _do_reset(self) -> None:
+        self._fmu.reset()
+
     def _do_get_all(self) -> None:
         self._fmu.get_all()
 

@@ -54,6 +54,8 @@ class Master:
     faults: Faults = field(default_factory=Faults)
     watch: Watch | None = None
     """What looks at some of the columns after every base step; None for nothing."""
+    bus: Bus | None = None
+    """Laid out by the first run; further ones of the same blocks, once they are reset, use it again."""
 
     def run(self, starts: Mapping[str, Sequence[Start]], progress: Progress | None = None) -> Recording:
         """Initializes and runs. A failing block or Ctrl-C ends the run, and the recording says so."""
@@ -61,7 +63,13 @@ class Master:
         rows = 0
         try:
             self._initialize(starts)
-            bus = lay_out(self.blocks, self.wiring, self.order, self.columns, self.watch.columns if self.watch else ())
+            if self.bus is None:
+                self.bus = lay_out(
+                    self.blocks, self.wiring, self.order, self.columns, self.watch.columns if self.watch else ()
+                )
+            else:
+                self.bus.values.fill(0.0)
+            bus = self.bus
             self._leave(bus)
             bus.values.take(bus.columns, 0, recording.values[0], "clip")
             if self.watch:

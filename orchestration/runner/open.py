@@ -17,7 +17,7 @@ from fmus.interface import load as load_interface
 from ..errors import BlockError, InputError, hint
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import is_path
-from ..instances.block import Block
+from ..instances.block import Block, Instance
 from ..instances.isolation import IsolatedBlock
 from ..instances.slave import Slave
 from ..interrupt import held
@@ -44,7 +44,7 @@ class Opened:
         substeps = self.rates.substeps.get(block.name)
         return self.prepared.adapted(substeps.before(block) if substeps else block)
 
-    def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Block]:
+    def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Instance]:
         """An instance of each FMU; closed, and its files removed, when the stack ends. Raises InputError.
 
         `adapted` puts before an instance what it needs.
@@ -55,7 +55,7 @@ class Opened:
         work = Path()
         if len(shared) < len(self.fmus):
             work = stack.enter_context(_temporary())
-        blocks: dict[str, Block] = {}
+        blocks: dict[str, Instance] = {}
         name = ""
         try:
             for name, fmu in self.fmus.items():

@@ -45,13 +45,16 @@ class Bound(Model):
         return next(name for name in type(self).model_fields if getattr(self, name) is not None)
 
 
-class Expectation(Model):
-    """What the run is expected to show. Exactly one of `always`, `ever` and `zeros`."""
-
+class _Signal(Model):
     name: str = Field(strict=True, min_length=1)
     """A sentence that reads well in the table at the end."""
     signal: Reference
     """The signal that is looked at, recorded or not: `plant.omega_B` or one element, `plant.omega_B[2]`."""
+
+
+class Span(Model):
+    """Which samples of a signal are looked at, and of a vector what."""
+
     measure: Literal["element", "norm"] = "element"
     """Each element for itself, or the Euclidean norm of the vector."""
     after: Time | None = None
@@ -60,6 +63,11 @@ class Expectation(Model):
     """Only samples up to this time."""
     when: Reference | None = None
     """Only samples at which this boolean signal is true; there must be one."""
+
+
+class Expectation(Span, _Signal):
+    """What the run is expected to show. Exactly one of `always`, `ever` and `zeros`."""
+
     always: Bound | None = None
     """Every sample meets the bound."""
     ever: Bound | None = None

@@ -22,9 +22,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from ..errors import InputError, as_written
-from ..quantities import QuantityError, parse, parse_unit, real
+from ..quantities import QuantityError, parse, real
 from . import complaints, source, text
 from .references import Name, Reference
+from .types import UnitName
 
 
 class _Model(BaseModel):
@@ -56,15 +57,6 @@ def _offset(value: Any) -> Any:
     return value
 
 
-def _unit_name(value: Any) -> Any:
-    if isinstance(value, str):
-        try:
-            parse_unit(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
-    return value
-
-
 def _matrix(value: Any) -> Any:
     """Rows of numbers, all of one length."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
@@ -87,7 +79,6 @@ _Names = Annotated[list[Name], BeforeValidator(_names, json_schema_input_type=st
 _Number = Annotated[Any, BeforeValidator(_quantity, json_schema_input_type=float | str)]
 _Rows = Annotated[list[list[float]], BeforeValidator(_matrix)]
 _Offset = Annotated[Any, BeforeValidator(_offset, json_schema_input_type=float | str | list[float | str])]
-_UnitName = Annotated[str, BeforeValidator(_unit_name), Field(strict=True)]
 
 
 class PortMap(_Model):
@@ -95,7 +86,7 @@ class PortMap(_Model):
 
     theirs: _Names
     """Their name; of a vector of ours also the names of their scalars, in the order of our elements."""
-    unit: _UnitName | None = None
+    unit: UnitName | None = None
     """Unit of theirs, where their FMU declares none or a wrong one."""
     scale: _Number | None = None
     """Factor from ours to theirs, with a unit where the quantities differ: `68027 rad/kg/m2`."""

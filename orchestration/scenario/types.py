@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
 
 from ..errors import as_written
-from ..quantities import ONE, SECOND, QuantityError, parse, value_in
+from ..quantities import ONE, SECOND, QuantityError, parse, parse_unit, value_in
 from . import forms
 
 
@@ -57,10 +57,20 @@ def quantity(value: Any) -> Any:
     return value
 
 
+def unit_name(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            parse_unit(value)
+        except QuantityError as error:
+            raise ValueError(str(error)) from None
+    return value
+
+
 NUMBER_OR_TEXT: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
 Time = Annotated[float, BeforeValidator(_seconds), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
 Period = Annotated[Time, AfterValidator(_positive)]
 Quantity = Annotated[Any, BeforeValidator(quantity), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
+UnitName = Annotated[str, BeforeValidator(unit_name), Field(strict=True)]
 _VALUE = {"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}, *forms.SCHEMA]}
 Value = Annotated[Any, WithJsonSchema(_VALUE)]
 

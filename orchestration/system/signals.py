@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
+from typing import Protocol
 
 from ..errors import InputError, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
@@ -15,19 +16,24 @@ from ..scenario.source import Key
 from .wiring import Node
 
 
-def find(
-    scenario: Scenario, key: Key, reference: Reference, models: Mapping[str, Model]
-) -> tuple[Variable, list[Node]]:
-    """The elements that one reference means. Raises InputError at the given place of the scenario."""
+class Places(Protocol):
+    """What knows where each part of a file stands: a scenario, or the source of another file."""
+
+    def error(self, key: Key, message: str) -> str:
+        """The message with the place that it is about."""
+
+
+def find(places: Places, key: Key, reference: Reference, models: Mapping[str, Model]) -> tuple[Variable, list[Node]]:
+    """The elements that one reference means. Raises InputError at the given place."""
     block = reference.block
     if block not in models:
-        raise InputError(scenario.error(key, f"there is no block {block!r}{hint(block, models)}"))
+        raise InputError(places.error(key, f"there is no block {block!r}{hint(block, models)}"))
     try:
         variable, positions = models[block].find(block, reference.variable, reference.indices)
     except NameUnknown as error:
-        raise InputError(scenario.error(key, str(error))) from None
+        raise InputError(places.error(key, str(error))) from None
     if variable.type not in TYPES:
-        raise InputError(scenario.error(key, f"{reference} is text, which cannot be recorded"))
+        raise InputError(places.error(key, f"{reference} is text, which cannot be recorded"))
     return variable.at(positions), [Node(block, Element(variable.name, position)) for position in positions]
 
 

@@ -57,8 +57,8 @@ def one(signal="a.x", **entry):
 )
 def test_the_bound_is_in_its_own_unit(entry, low, high, strict, expected):
     check = one(**entry)
-    assert (check.low, check.high) == pytest.approx((low, high), rel=1e-14)
-    assert (check.strict, check.expected) == (strict, expected)
+    assert (check.limits.low, check.limits.high) == pytest.approx((low, high), rel=1e-14)
+    assert (check.limits.strict, check.expected) == (strict, expected)
 
 
 @pytest.mark.parametrize(
@@ -67,18 +67,18 @@ def test_the_bound_is_in_its_own_unit(entry, low, high, strict, expected):
 )
 def test_the_signal_is_converted_to_the_bounds_unit(signal, bound, value, same):
     check = one(signal, always={"below": bound})
-    assert check.factor * value + check.offset == pytest.approx(same, abs=1e-12)
-    assert str(check.unit) == bound.split()[1]
+    assert check.limits.factor * value + check.limits.offset == pytest.approx(same, abs=1e-12)
+    assert str(check.limits.unit) == bound.split()[1]
 
 
 def test_what_is_looked_at_are_the_signals_elements_and_the_condition():
     check = one("a.w", always={"below": 1}, when="a.on")
-    assert [str(node) for node in check.needed] == [*map(str, check.nodes), str(check.when)]
-    assert len(check.nodes) == 2
-    assert one("a.w", always={"below": 1}).needed == check.nodes
-    assert one("a.w", always={"below": 1}).number
-    assert not one("a.on", always={"equals": True}).number
-    assert not one("a.mode", always={"equals": "coast"}).number
+    assert [str(node) for node in check.needed] == [*map(str, check.sight.nodes), str(check.sight.when)]
+    assert len(check.sight.nodes) == 2
+    assert one("a.w", always={"below": 1}).needed == check.sight.nodes
+    assert one("a.w", always={"below": 1}).limits.number
+    assert not one("a.on", always={"equals": True}).limits.number
+    assert not one("a.mode", always={"equals": "coast"}).limits.number
 
 
 @pytest.mark.parametrize(
@@ -125,8 +125,8 @@ def test_what_does_not_fit_is_refused_with_its_place(entry, message):
 
 
 def test_changes_of_sign_keep_the_signals_unit():
-    assert str(one(zeros=1).unit) == "rad"
-    assert str(one("a.n", zeros=1).unit) == "1"
+    assert str(one(zeros=1).limits.unit) == "rad"
+    assert str(one("a.n", zeros=1).limits.unit) == "1"
 
 
 def test_the_ends_of_the_run_and_an_instant_are_spans():

@@ -28,7 +28,7 @@ def outcome(values, bound, time=None, **more):
     scenario = load({"name": "s", "step": 1, "duration": 100, "blocks": {"a": {"fmu": "a"}}, "expect": [expectation]})
     ((check,), _) = prepare(scenario, models)
     time = np.arange(float(len(values))) if time is None else np.asarray(time, float)
-    columns = {node: values[:, i] for i, node in enumerate(n for n in check.nodes if n.element.variable == "x")}
+    columns = {node: values[:, i] for i, node in enumerate(n for n in check.sight.nodes if n.element.variable == "x")}
     on = np.asarray(more.get("on", np.ones(len(values))), float)
     columns.update((node, on) for node in check.needed if node.element.variable == "on")
     found = []
@@ -138,9 +138,9 @@ def judges(*expectations, unit=None):
 def show(judge, values, piece=100, on=None):
     """Samples at 0 s, 1 s ...; `values` has a row for each."""
     values = np.atleast_2d(np.asarray(values, float).T).T
-    columns = {node: values[:, i] for i, node in enumerate(judge.check.nodes)}
-    if judge.check.when is not None:
-        columns[judge.check.when] = np.asarray(on, float)
+    columns = {node: values[:, i] for i, node in enumerate(judge.check.sight.nodes)}
+    if judge.check.sight.when is not None:
+        columns[judge.check.sight.when] = np.asarray(on, float)
     time = np.arange(float(len(values)))
     for i in range(0, len(time), piece):
         judge.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})

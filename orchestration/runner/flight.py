@@ -1,0 +1,147 @@
+"""A scenario flown again and again with other start values: opened once, its FMUs loaded once and reset from run to run.
+
+What a run gives depends on its start values alone. An FMU that cannot reset itself, or that has failed, is instantiated anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+from ..errors import BlockError, InputError
+from ..expectations.judge import Judge, Outcome
+from ..fmu.model import Floats
+from ..instances.block import Instance
+from ..interrupt import Stopped
+from ..master.master import Master
+from ..master.recording import Watch
+from ..scenario.references import Name
+from ..scenario.scenario import Scenario
+from ..system.starts import resolve
+from ..system.wiring import Node
+from .open import Opened
+from .refusal import refusal
+
+
+class Seer(Protocol):
+    """What is shown some signals of a run after every base step."""
+
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before: times (n,) s, and values (n,) by node."""
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What came of a run."""
+
+    reason: str | None
+    """Why it failed; None where it came to its end."""
+    outcomes: list[Outcome]
+    wall: float
+    """Seconds that the step loop took."""
+
+
+class Flight:
+    """The opened scenario with its instances."""
+
+    def __init__(self, opened: Opened, nodes: Sequence[Node] = (), anew: bool = False) -> None:
+        """`nodes` are shown to the seers besides what the expectations need. `anew`: FMUs are instantiated for each run."""
+        self._opened, self._anew = opened, anew
+        plan = opened.plan
+        self._nodes = list(dict.fromkeys([*(n for check in plan.checks for n in check.needed), *nodes]))
+        self._clock = replace(plan.clock, interval=plan.clock.steps)  # only the ends are recorded
+        self._stack = ExitStack()
+        self._instances: dict[str, Instance] = {}
+        self._master: Master | None = None
+
+    def fly(self, values: Mapping[str, Any], seers: Sequence[Seer] = ()) -> Flown:
+        """Runs with these start values, by name as `--set` takes them. A value that is refused makes the run a failed one."""
+        plan = self._opened.plan
+        judges = [Judge(check) for check in plan.checks]
+
+        def see(time: Floats, rows: Floats) -> None:
+            columns = {node: rows[:, i] for i, node in enumerate(self._nodes)}
+            for one in (*judges, *seers):
+                one.see(time, columns)
+
+        try:
+            scenario = with_values(plan.scenario, values)
+            starts = resolve(scenario, plan.models)
+            master = self._ready(Watch(self._nodes, self._clock, see))
+        except InputError as error:
+            return Flown("\n".join(error.messages), [], 0.0)
+        recording = master.run(starts)
+        if recording.interrupted:
+            self.close()
+            raise Stopped(recording.interrupted)
+        if recording.failure is not None:
+            reason = refusal(scenario, plan.models, recording.failure) or str(recording.failure)
+            self.close()  # FMI allows little after a failure
+            return Flown(reason, [judge.outcome(True) for judge in judges], recording.wall)
+        return Flown(None, [judge.outcome() for judge in judges], recording.wall)
+
+    def _ready(self, watch: Watch) -> Master:
+        """The master of instances in their first state. Raises InputError."""
+        if self._instances and not self._reset():
+            self.close()
+        opened, plan = self._opened, self._opened.plan
+        if not self._instances:
+            self._instances = opened.instantiate(self._stack)
+        if self._master is None:
+            blocks = {name: opened.adapted(block) for name, block in self._instances.items()}
+            every = {name: entry.every for name, entry in plan.scenario.blocks.items()}
+            parallel = plan.scenario.exchange == "parallel"
+            columns = self._nodes[:1]
+            master = Master(blocks, plan.wiring, plan.order, self._clock, columns, every, parallel, True, plan.faults)
+            # What stands before an instance, and a fault in its exchange, has a state of its own.
+            if not plan.faults and all(blocks[name] is block for name, block in self._instances.items()):
+                self._master = master
+        else:
+            master = self._master
+        master.watch = watch
+        return master
+
+    def _reset(self) -> bool:
+        """Whether all instances stand where they stood at first."""
+        if self._anew:
+            return False
+        try:
+            for block in self._instances.values():
+                block.reset()
+        except BlockError:
+            self._anew = True
+            return False
+        return True
+
+    def close(self) -> None:
+        """Ends the instances; the next run makes others."""
+        self._instances, self._master = {}, None
+        self._stack.close()
+        self._stack = ExitStack()
+
+
+def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+    """The scenario with other start values, by name as `--set` takes them. Raises InputError.
+
+    As `load` with overrides, but the rest of it, which is known to be sound, is not looked at again.
+    """
+    shared, blocks, options = dict(scenario.shared), dict(scenario.blocks), dict(scenario.source.options)
+    for text, value in values.items():
+        holder, _, variable = text.partition(".") if "." in text else ("shared", "", text)
+        name = Name(variable)
+        if holder == "shared":
+            starts = shared
+            options["shared", variable] = f"{text}={value}"
+        else:
+            if holder not in blocks:
+                raise InputError(f"{text}={value}: there is no block {holder!r}")
+            starts = dict(blocks[holder].start)
+            blocks[holder] = blocks[holder].model_copy(update={"start": starts})
+            options["blocks", holder, "start", variable] = f"{text}={value}"
+        starts.pop(name, None)  # the last one counts, also over elements
+        starts[name] = value
+    copy = scenario.model_copy(update={"shared": shared, "blocks": blocks})
+    copy._source = replace(scenario.source, options=options)
+    return copy
