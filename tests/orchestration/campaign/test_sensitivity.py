@@ -57,7 +57,7 @@ def test_morris_keeps_clear_of_tails_without_end():
 
 @pytest.mark.parametrize("method", ["sobol", "morris"])
 def test_base_points_with_a_failed_run_are_left_out(method):
-    runs = Analytic(lambda u: u[:, 0] + u[:, 1], separate(3), fails=lambda u: (u > 0.9).all(axis=1))
+    runs = Analytic(lambda u: u[:, 0] + u[:, 1], separate(3), fails=lambda u: np.all(u > 0.9, axis=1))
     found = run(Sensitivity(method=method, points=256), runs, 1)
     indices = found["metrics"]["y"]
     lost = 256 - indices["used"]
