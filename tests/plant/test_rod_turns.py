@@ -10,9 +10,10 @@ import pytest
 
 import plant
 from plant.geomagnetic import FieldAlongOrbit
+from tests.native.driver import Instance
 from tests.plant import manoeuvre
 from tests.plant.motion import FULL_INERTIA, checked, command, fly, measured_order
-from tests.plant.rk4 import environment, pack, truth
+from tests.plant.rk4 import angle_between, environment, pack, truth
 
 FIELD_N = np.array([1.3e-5, -2.1e-5, 3.4e-5])
 HEAVY = {"J_B": 1e12 * np.eye(3), "gravity_gradient": False, "omega_B0": [0.0, 0.0, 0.0], "dipole_max": 500.0}
@@ -129,7 +130,7 @@ def true_end(p) -> np.ndarray:
             break
         dipole, torque = manoeuvre.COMMANDS[int(t0 / manoeuvre.PERIOD + 1e-9)]
         on = (0.5 * (t0 + min(t1, end)) / p.rod_period) % 1.0 < p.rod_duty
-        moment = environment(p, p.rods_to_body @ np.array(dipole) * on)
+        moment = environment(p, p.rods_to_body @ np.array(dipole) * on + p.residual_dipole_B)
         y = truth(y, t0, min(t1, end), p.J_B, moment, lambda l_w, torque=torque: torque)
     return y
 
@@ -144,6 +145,23 @@ def test_the_integrators_order_holds_across_the_switching_instants(order):
         errors[step] = manoeuvre.error(manoeuvre.flown(p), p, y)
     assert min(errors.values()) < {2: 2e-4, 4: 5e-8, 6: 3e-10}[order]
     assert measured_order(errors) == pytest.approx(order, abs=0.2)
+
+
+@pytest.mark.parametrize("turns", [TURNS, {"rod_period": 1.0, "rod_duty": 0.0}], ids=["in turns", "always off"])
+def test_the_satellites_own_dipole_turns_it_while_the_rods_are_off_too(turns):
+    """Both flavours against DOP853; without the dipole's torque in the time that the rods are off the end is elsewhere."""
+    p = manoeuvre.parameters(6, 0.25, **turns, residual_dipole_B=[120.0, -160.0, 200.0])
+    y = true_end(p)
+    assert manoeuvre.error(manoeuvre.flown(p), p, y) < 1e-9
+    with Instance("plant") as it:
+        it.set_all(p)
+        it.initialize()
+        for i, (dipole, torque) in enumerate(manoeuvre.COMMANDS):
+            it.set("dipole_cmd", dipole)
+            it.set("wheel_torque_cmd", torque)
+            it.step(i * manoeuvre.PERIOD, manoeuvre.PERIOD)
+        assert angle_between(it.get("R_NB"), y[:9].reshape(3, 3)) < 1e-9
+        assert it.get("omega_B") == pytest.approx(y[9:12], abs=1e-9)
 
 
 def test_steps_that_fit_the_turns_are_not_cut_by_rounding():

@@ -64,7 +64,7 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
         x->phase = PHASE_ACQUISITION;
     } else if (x->phase == PHASE_HOLD && s->angle > LOST_ANGLE) {
         x->phase = PHASE_ACQUISITION;
-    } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME) {
+    } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME - early) {
         x->phase = PHASE_HOLD;
     }
     return due;

@@ -3,6 +3,7 @@
 import contextlib
 import math
 from ctypes import byref, c_void_p
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -446,6 +447,21 @@ def test_the_feed_forward_is_the_plan_and_the_plan_moves_as_the_controller_belie
         Pi = J @ Omega + y["h_w_ref"] * E1
         torque = torque + np.cross(Pi, Omega) + 3.0 * core.MU / np.linalg.norm(r) ** 3 * np.cross(rho, J @ rho)
         assert y["dOmega_d"] == pytest.approx(np.linalg.solve(J, torque), rel=1e-4, abs=1e-9)
+
+
+@pytest.mark.parametrize("period", [0.3, 0.35, 0.5])
+def test_the_controls_of_a_sample_are_the_plans_in_the_middle_of_the_time_for_which_they_act(period):
+    """Stages of 10 s are no multiple of 0.3 s nor of 0.35 s, so a sample has two: read at its start it would take the first
+    for too long by 0.3 s, at its end the second too early by 0.35 s."""
+    plan = []
+    with started(control_period=period, plan_period=1000.0) as it:
+        for i in range(round(45.0 / period)):
+            plan.append(it.get("dipole_ff"))
+            feed(it, near_target((i + 1) * period))
+            it.step(i * period, period)
+            assert it.get("phase") == 2
+    changes = [i for i, (a, b) in enumerate(pairwise(plan), 1) if not np.array_equal(a, b)]
+    assert changes == [math.ceil(round(end / period - 0.5, 9)) for end in (10.0, 20.0, 30.0, 40.0)]
 
 
 def test_while_steering_the_torque_is_that_of_the_feed_forward():
