@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -98,13 +98,18 @@ def _outputs(it: Host, names: list[str]) -> np.ndarray:
     return np.concatenate([np.ravel(it.get(name)).astype(float) for name in names])
 
 
-def real_pairs(path: Path, block: str, points: int, seed: int = 1) -> set[tuple[str, str]]:
-    """(output element, input element) wherever an output was seen to follow an input after a step, with Get after Set."""
+def real_pairs(
+    path: Path, block: str, points: int, seed: int = 1, parameters: Iterable[dict[str, Any]] = ()
+) -> set[tuple[str, str]]:
+    """(output element, input element) wherever an output was seen to follow an input after a step, with Get after Set.
+
+    At so many points, under these parameters in turn, by default those of `settings`.
+    """
     with Host(path) as host:
-        return _real_pairs(host, block, points, seed)
+        return _real_pairs(host, block, points, seed, list(parameters) or list(settings(block)))
 
 
-def _real_pairs(it: Host, block: str, points: int, seed: int) -> set[tuple[str, str]]:
+def _real_pairs(it: Host, block: str, points: int, seed: int, parameters: list[dict[str, Any]]) -> set[tuple[str, str]]:
     interface = load(block)
     names = [v.name for v in interface.of("output")]
     elements = [e.name for v in interface.of("output") for e in v.elements]
@@ -112,7 +117,7 @@ def _real_pairs(it: Host, block: str, points: int, seed: int) -> set[tuple[str, 
     optional = sum(v.optional for v in interface.of("input"))
     rng = np.random.default_rng(seed)
     seen: set[tuple[str, str]] = set()
-    for number, setting in zip(range(points), itertools.cycle(settings(block)), strict=False):
+    for number, setting in zip(range(points), itertools.cycle(parameters), strict=False):
         given = inputs(interface, rng, number % (1 << optional))
         it.fmu.reset()
         it.started(**{name: _as_set(interface, name, value) for name, value in (setting | given).items()})

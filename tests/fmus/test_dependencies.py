@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from fmus.build import ensure
 from fmus.interface import BLOCKS, InterfaceError, element_name, load, parse
 
-from .feedthrough import declared_pairs, real_pairs
+from .feedthrough import declared_pairs, real_pairs, settings
 
 Q0 = Rotation.from_rotvec([0.9, -0.7, 0.5]).as_matrix()
 EXCITED: dict[str, dict[str, float | bool | int | str]] = {
@@ -169,6 +169,23 @@ def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(block
 
 
 POINTS = {"controller_planned": 48, "allocator": 80}
+
+
+@pytest.mark.parametrize(
+    ("block", "parameters", "at_one_state", "at_many"),
+    [
+        ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 22, 40),
+        ("controller_planned", next(settings("controller_planned")), 136, 188),
+    ],
+)
+def test_at_one_state_fewer_pairs_are_seen_than_there_are(block, parameters, at_one_state, at_many):
+    """An attitude without error is passed on element by element, one with an error is a product of matrices; and steering,
+    plan, either reference and optional inputs that are not connected have pairs of their own."""
+    seen = real_pairs(ensure(block, "native"), block, 1, parameters=[parameters])
+    assert len(seen) == at_one_state
+    assert seen < declared_pairs(block)
+    unseen = {pair for pair in declared_pairs(block) if pair[0] == "no_attitude"}
+    assert len(declared_pairs(block) - unseen) == at_many
 
 
 @pytest.mark.parametrize(

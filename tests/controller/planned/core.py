@@ -273,6 +273,14 @@ def plan(m: Satellite, a: Ahead, x: Motion, iterations: int, rate: float = 0.0, 
     return Plan(h()[:n], u()[:n], cost.value, [Motion.of(path[i]) for i in range(n + 1)])
 
 
+def feedback(m: Satellite, a: Ahead, x: Motion) -> tuple[Array, Array, list[Motion]]:
+    """h (n,) s, the feedback gains (n, 4, 7) about the motion without controls, and that motion."""
+    (hs, h), (gains, K) = _room(STAGES), _room(STAGES, 4, 7)
+    path = (_Motion * (STAGES + 1))()
+    n = library().probe_gains(m.c(), a.c(), x.c(), hs, gains, path)
+    return h()[:n], K()[:n], [Motion.of(path[i]) for i in range(n + 1)]
+
+
 def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> float:
     """Of controls u (n, 4) on the stages that a plan without controls has."""
     return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), _doubles(u)))

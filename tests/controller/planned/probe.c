@@ -47,6 +47,7 @@ PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const dou
 PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations,
                      double *h, double *u, double *cost, FlatMotion *path);
 PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u);
+PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path);
 PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
                           const double *u, double t_next, double *h_next, double *u_next);
 PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
@@ -248,6 +249,18 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
     flatten(&now, &path[plan->stages]);
     *cost = plan->cost;
     return plan->stages;
+}
+
+/* The feedback gains of the first iteration on the plan without controls, by stages; returns the number of stages. */
+int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path)
+{
+    double u[STAGES][CONTROLS], cost;
+    const int n = probe_plan(m, a, x, a->t, 0.0, 0, h, u[0], &cost, path);
+    const Model model = model_of(m);
+    const Motion now = motion_of(x);
+    controller_planned_improve(&model, &now, 1, &plans[0], &workspace);
+    memcpy(K, workspace.K, (size_t)n * sizeof workspace.K[0]);
+    return n;
 }
 
 /* The cost of given controls on the stages of a plan with none. */

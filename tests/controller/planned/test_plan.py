@@ -126,14 +126,14 @@ def test_the_wheel_stops_at_its_limit():
     assert core.advanced(SATELLITE, around(), beyond, [0, 0, 0, 1.0], 10.0).h_w == pytest.approx(0.03)
 
 
-def differences(x, a, u, h):
+def differences(x, a, u, h, satellite=SATELLITE):
     """A (7, 7) and G (7, 4) of a stage by differences of its motion."""
 
     def shifted(d):
         return core.Motion(x.R @ Rotation.from_rotvec(d[:3]).as_matrix(), x.Omega + d[3:6], x.h_w + d[6])
 
     def motion_of(d, v):
-        return core.advanced(SATELLITE, a, shifted(d), v, h)
+        return core.advanced(satellite, a, shifted(d), v, h)
 
     size, none = 1e-5, np.zeros(7)
     A = [errors(motion_of(-size * e, u), motion_of(size * e, u)) for e in np.eye(7)]
