@@ -29,6 +29,7 @@ TESTS: dict[str, tuple[str, ...]] = {
     "controller/morse.py": ("tests/controller/test_law.py", "tests/controller/test_block.py"),
     "controller/so3.py": ("tests/controller/test_so3.py",),
     "orchestration/expectations/checks.py": ("tests/orchestration/expectations",),
+    "orchestration/expectations/span.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/judge.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/holds.py": ("tests/orchestration/expectations",),
     "orchestration/swap/conversion.py": tuple(

@@ -43,6 +43,9 @@ BASE_UNITS = {
     "kg m^2": ({"kg": 1, "m": 2}, 1.0),
     "kg*m2": ({"kg": 1, "m": 2}, 1.0),
     "kgm2": ({"kg": 1, "m": 2}, 1.0),
+    "m^(-2)": ({"m": -2}, 1.0),
+    "lbf.ft": ({"kg": 1, "m": 2, "s": -2}, 4.4482216152605 * 0.3048),
+    "N.": ({"kg": 1, "m": 1, "s": -2}, 1.0),
     "s\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}": ({"s": -1}, 1.0),
     "G": ({"kg": 1, "s": -2, "A": -1}, 1e-4),
     "mG": ({"kg": 1, "s": -2, "A": -1}, 1e-7),
@@ -61,6 +64,38 @@ def test_a_unit_has_the_base_units_of_the_si_brochure(name: str) -> None:
     unit = parse_unit(name)
     assert {base: power for base, power in zip(BASES, unit.exponents, strict=True) if power} == exponents
     assert unit.factor == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("value", "name", "to", "expected"),
+    [
+        (20.0, "degC", "K", 293.15),
+        (293.15, "K", "degC", 20.0),
+        (212.0, "degF", "degC", 100.0),
+        (2.5, "km", "m", 2500.0),
+        (18.0, "km/h", "m/s", 5.0),
+        (1.0, "rpm", "deg/s", 6.0),
+    ],
+)
+def test_a_value_is_converted_by_factor_and_offset(name: str, to: str, value: float, expected: float) -> None:
+    factor, offset = parse_unit(name).conversion(parse_unit(to))
+    assert factor * value + offset == pytest.approx(expected, rel=1e-12)
+
+
+def test_between_equal_units_nothing_is_converted_and_between_units_of_equal_factor_the_offset_is() -> None:
+    assert parse_unit("N.m").conversion(parse_unit("J")) == (1.0, 0.0)
+    assert parse_unit("K").conversion(parse_unit("degC")) == (1.0, -273.15)
+
+
+@pytest.mark.parametrize("name", sorted(UNITS))
+def test_a_unit_is_read_back_from_its_attributes_in_xml(name: str) -> None:
+    unit = parse_unit(name)
+    assert Unit.from_base_unit(name, unit.base_unit) == unit
+
+
+def test_a_unit_without_a_name_is_written_1_and_one_from_pint_keeps_its_name() -> None:
+    assert str(Unit("")) == "1"
+    assert str(parse_unit("ft")) == "ft"
 
 
 def test_a_display_unit_is_reached_by_multiplying_with_its_factor() -> None:
@@ -114,6 +149,9 @@ def test_common_units_do_not_import_pint(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_unit_that_an_fmu_does_not_define_fits_its_namesake_only() -> None:
     bogus = Unit("clicks", None)
     assert bogus.fits(Unit("clicks", None))
+    assert Unit("rad", None).fits(parse_unit("rad"))
+    assert parse_unit("rad").fits(Unit("rad", None))
+    assert not Unit("rad", None).fits(parse_unit("deg"))
     assert not bogus.fits(parse_unit("rad"))
 
 
@@ -127,10 +165,33 @@ def test_a_logarithmic_unit_is_refused_since_its_values_do_not_scale(name: str) 
         parse_unit(name)
 
 
-@pytest.mark.parametrize("name", ["m0", "(N.m", "N.m)", "gm", "Pas"])
+@pytest.mark.parametrize("name", ["m0", "(N.m", "N.m)", "N.m)/s", "gm", "Pas", "^2"])
 def test_what_is_no_unit_in_the_usual_way_of_writing_is_not_read_as_one(name: str) -> None:
     with pytest.raises(QuantityError):
         parse_unit(name)
+
+
+@pytest.mark.parametrize("name", ["m^2^3", "m**2 **3", "9**9**9**9"])
+def test_a_power_of_a_power_is_not_computed(name: str) -> None:
+    with pytest.raises(QuantityError, match="expected names such as N.m/s2, digits only as exponents"):
+        parse_unit(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("KM", "unknown unit 'KM'; did you mean 'km'?"),
+        ("NT", "unknown unit 'NT'; did you mean 'N.T' or 'nT'?"),
+        ("gm", "unknown unit 'gm'; did you mean 'g.m' or 'Gm'?"),
+        ("Pas", "the unit 'Pas' would be read as 'pascal'; did you mean 'Pa.s'?"),
+        ("Newton", "unknown unit 'Newton'"),
+        ("bit/s", "the unit 'bit/s' is not made of FMI's base units kg, m, s, A, K, mol, cd, rad"),
+    ],
+)
+def test_what_is_no_unit_is_answered_with_the_units_that_may_be_meant(name: str, told: str) -> None:
+    with pytest.raises(QuantityError) as error:
+        parse_unit(name)
+    assert str(error.value) == told
 
 
 def test_a_cache_of_pint_that_another_process_is_writing_is_done_without(tmp_path, monkeypatch) -> None:

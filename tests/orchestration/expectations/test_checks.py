@@ -8,7 +8,9 @@ import pytest
 
 from orchestration import InputError, load
 from orchestration.expectations.checks import prepare
+from orchestration.expectations.span import numeric
 from orchestration.quantities import parse_unit
+from orchestration.scenario.expectations import Bound
 
 from ..mocks import model, real
 
@@ -146,3 +148,25 @@ def test_what_begins_after_a_run_that_an_option_shortens_is_left_out_with_a_rema
     (check,), notes = checks({"zeros": 1, "after": 60, "name": "late"}, {"zeros": 1, "after": 50}, duration=50)
     assert check.expectation.name == "it 2"
     assert notes == ["not looked at, since the run ends before 60 s: late"]
+
+
+def test_two_names_that_differ_in_their_spaces_only_are_one():
+    with pytest.raises(InputError, match=r"expect\[2\].name: is that of expect\[1\], too"):
+        checks({"zeros": 1, "name": "all  is well"}, {"zeros": 2, "name": "all is well"})
+
+
+@pytest.mark.parametrize(
+    ("own", "bound", "unit", "low", "high", "at_300"),
+    [
+        ("K", {"below": "20 degC"}, "degC", -math.inf, 20.0, 26.85),
+        ("K", {"within": ["10 degC", "350 K"]}, "degC", 10.0, 76.85, 26.85),
+        ("K", {"within": [280, 350]}, "K", 280.0, 350.0, 300.0),
+        ("km", {"above": "500 m"}, "m", 500.0, math.inf, 3e5),
+        ("km", {"within": [-1, "500 m"]}, "m", -1000.0, 500.0, 3e5),
+    ],
+)
+def test_a_bound_has_one_unit_and_the_signal_is_taken_into_it(own, bound, unit, low, high, at_300):
+    """Offsets and factors by hand; of a signal whose value is 300 in its own unit."""
+    held = numeric("x", parse_unit(own), Bound.model_validate(bound))
+    assert (str(held.unit), held.low, held.high) == (unit, pytest.approx(low), pytest.approx(high))
+    assert held.factor * 300.0 + held.offset == pytest.approx(at_300)

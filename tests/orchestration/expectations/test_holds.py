@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from orchestration import load
 from orchestration.errors import InputError
-from orchestration.expectations.holds import AT_ZERO, LATCHED, NEVER, RELEASED, Judge
+from orchestration.expectations.holds import AT_ZERO, LATCHED, NEVER, RELEASED, Judge, prepare, see
 from tests.orchestration import mocks
 from tests.orchestration.mocks import law
 
@@ -103,3 +104,38 @@ def test_what_a_hold_names_wrongly_is_refused_with_its_place(entry, message):
     with pytest.raises(InputError) as error:
         mocks.run([block], scenario)
     assert message in str(error.value)
+
+
+def test_every_hold_that_names_something_wrongly_is_refused_at_once():
+    block = law("law")
+    block.model.variables["hold"] = mocks.Variable("hold", "output", "boolean")
+    wrong = [{"name": n, "signal": f"law.{n}", "keeps": ["law.y"]} for n in ("one", "two")]
+    with pytest.raises(InputError) as error:
+        mocks.run([block], {"step": 0.1, "duration": 1.0, "holds": wrong})
+    told = [message for message in error.value.messages if message.startswith("holds")]
+    assert [message.partition(":")[0] for message in told] == ["holds[1].signal", "holds[2].signal"]
+
+
+def test_several_releases_before_the_last_hold_are_counted():
+    assert "after 2 releases" in outcome([1, 0, 1, 0, 1, 1, 1, 1]).text
+
+
+def test_the_signals_that_a_hold_names_are_those_it_is_judged_by():
+    """A flag counts as true where it is not zero, whatever number a block gives for it."""
+    block = law("law")
+    for name in ("hold", "limit"):
+        block.model.variables[name] = mocks.Variable(name, "output", "boolean")
+    entry = {"name": "h", "signal": "law.hold", "keeps": ["law.y"], "limits": {"the limit": "law.limit"}}
+    scenario = load({"name": "s", "step": 0.5, "duration": 4, "blocks": {"law": {"fmu": "law"}}, "holds": [entry]})
+    (look,) = prepare(scenario, {"law": block.model})
+    assert [node.element.variable for node in look.needed] == ["hold", "y", "limit"]
+    judge = Judge(look.entry.name, str(look.entry.signal))
+    flag, kept, limit = look.needed
+    columns = {
+        flag: np.array([0.0, 0, 0, 0, 2, 1, 1, 1]),
+        kept: np.full(8, 3.0),
+        limit: np.array([0.0, 0, 0, 0, 0, 3, 1, 1]),
+    }
+    see(look, judge, TIME, columns)
+    assert judge.hold.spans == [(2.0, None)]
+    assert judge.hold.limits == {"the limit": 2.5}

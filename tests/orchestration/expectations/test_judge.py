@@ -7,8 +7,9 @@ import pytest
 
 from orchestration import load
 from orchestration.expectations.checks import prepare
-from orchestration.expectations.judge import Judge, highlights
+from orchestration.expectations.judge import Judge, highlights, not_evaluated
 from orchestration.quantities import parse_unit
+from orchestration.scenario.expectations import Expectation
 
 from ..mocks import model, real
 
@@ -214,3 +215,23 @@ def test_without_a_sample_nothing_is_reached():
     assert judge.highlight is None
     (zero,) = judges({"zeros": 0})
     assert (show(zero, [0, 0]).outcome().samples, zero.outcome().status) == (2, "failed")
+
+
+@pytest.mark.parametrize(
+    ("bound", "expected"),
+    [
+        ({"always": {"below": "2 deg"}}, "always below 2 deg"),
+        ({"ever": {"above": 3}}, "ever above 3"),
+        ({"always": {"within": ["-1 N.m", "2 N.m"]}}, "always within [-1 N.m, 2 N.m]"),
+        ({"always": {"equals": False}}, "always equals false"),
+        ({"ever": {"equals": "Slew"}}, "ever equals Slew"),
+        ({"zeros": 0}, "no change of sign"),
+        ({"zeros": 2}, "2 changes of sign"),
+    ],
+)
+def test_an_expectation_that_cannot_be_evaluated_says_what_it_expected_and_why_it_is_not(bound, expected):
+    entry = Expectation.model_validate({"name": "it", "signal": "a.x", "measure": "norm", **bound})
+    result = not_evaluated(entry, "a.x is not there")
+    assert (result.name, result.signal, result.expected) == ("it", "|a.x|", expected)
+    assert (result.status, result.passed, result.text) == ("not evaluated", False, "a.x is not there")
+    assert (result.found, result.margin, result.time, result.samples, result.unit) == (None, None, None, 0, "")
