@@ -9,6 +9,7 @@ The build backend is hatchling; what compiles the FMUs is asked for when a wheel
 from __future__ import annotations
 
 import ast
+import os
 import re
 import shutil
 import sys
@@ -34,6 +35,9 @@ ROOT = Path(__file__).parent
 NAME = "attitude_cosim"
 INSIDE = ("allocator", "controller", "fmus", "plant")
 """The packages that stand inside it in a wheel."""
+BUILT = "ATTITUDE_COSIM_FMUS"
+"""This variable of the environment names a folder of FMUs, by flavour. One that is made of these very sources is not built
+again: `python -m build` makes the wheel in a folder of its own, where nothing has been built before."""
 _BUILDING = {"numpy", "ppigrf", "pygeomag", "pythonfmu", "ziglang"}
 _BY_NAME = {"import_module", "__import__", "find_spec", "files", "run_module"}
 """Functions that take a module by its name."""
@@ -102,11 +106,17 @@ def _is_inside(module: str | None) -> bool:
 def _ready_made(folder: Path) -> None:
     """FMUs of both flavours, the step loop's libraries, scenarios and licence."""
     sys.path.insert(0, str(ROOT))  # the build backend runs outside the repository's packages
-    from fmus.build import FLAVOURS, build  # here, since it needs the path above  # noqa: PLC0415
+    from fmus.build import FLAVOURS, blocks_of, build, is_current  # here, since it needs the path above  # noqa: PLC0415
     from fmus.native import toolchain  # here, since it needs the path above  # noqa: PLC0415
 
     for flavour in FLAVOURS:
-        build(flavour=flavour, out=folder / flavour)
+        (folder / flavour).mkdir(parents=True)
+        for block in blocks_of(flavour):
+            built = Path(os.environ.get(BUILT, ROOT / "out" / "fmus"), flavour, f"{block}.fmu")
+            if is_current(built, block, flavour):
+                shutil.copy(built, folder / flavour)
+            else:
+                build([block], flavour, folder / flavour)
     headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "master" / "loop.c"]
     (folder / "loop").mkdir()
     for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():

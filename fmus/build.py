@@ -21,7 +21,18 @@ from . import places
 from .block import Block, BuildError, files_of
 from .interface import BLOCKS, FLAVOURS, Interface, load
 
-__all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "data_packages", "ensure", "fmu_path"]
+__all__ = [
+    "BLOCKS",
+    "FLAVOURS",
+    "Block",
+    "BuildError",
+    "blocks_of",
+    "build",
+    "data_packages",
+    "ensure",
+    "fmu_path",
+    "is_current",
+]
 
 ROOT = places.PACKAGES
 
@@ -76,15 +87,20 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
     if isinstance(block, str) and out is None and (made := places.ready(f"{flavour}/{block}.fmu")):
         return made
     path = _path(chosen.name, flavour, out)
-    stamp = _fingerprint(chosen, flavour).encode()
-    if _stamp(path) != stamp:
+    if not is_current(path, chosen, flavour):
         from filelock import FileLock  # here, since it takes 30 ms and only a build needs it  # noqa: PLC0415
 
         path.parent.mkdir(parents=True, exist_ok=True)
         with FileLock(path.with_name(f".{path.name}.lock")):
-            if _stamp(path) != stamp:  # else another process has built it in the meantime
+            if not is_current(path, chosen, flavour):  # else another process has built it in the meantime
                 build([chosen], flavour, out)
     return path
+
+
+def is_current(path: Path, block: str | Block, flavour: str) -> bool:
+    """Whether a file is the FMU of a block's sources as they are now. Without a file it is not."""
+    chosen = Block.named(block) if isinstance(block, str) else block
+    return _stamp(path) == _fingerprint(chosen, flavour).encode()
 
 
 def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from fmus.build import blocks_of, ensure
+
+# Each of the hundreds of processes that the tests start would otherwise compile all that it imports.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 HERE = Path(__file__).parent
 MARKERS = {
@@ -55,10 +62,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             f"tests/conftest.py: MARKERS: there is no tests/{missing[0]}; expected a folder or file"
         )
     for item in items:
-        place = item.path.relative_to(HERE)
-        for marker, places in MARKERS.items():
-            if any(place.is_relative_to(p) for p in places):
-                item.add_marker(marker)
+        for marker in markers_of(item.path):
+            item.add_marker(marker)
+
+
+@cache
+def markers_of(path: Path) -> list[str]:
+    """The markers of the tests in a file."""
+    place = path.relative_to(HERE)
+    return [marker for marker, places in MARKERS.items() if any(place.is_relative_to(p) for p in places)]
 
 
 @pytest.fixture(scope="session")

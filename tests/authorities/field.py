@@ -141,7 +141,13 @@ def sidereal(date: datetime) -> float:
 @cache
 def field_at_the_satellite() -> float:
     epoch = datetime(2012, 6, 20, 7, 30)
-    p = checked(field_model="wmm2010", field_degree=12, epoch="2012-06-20T07:30:00Z", omega_B0=[0.01, -0.02, 0.015])
+    p = checked(
+        field_model="wmm2010",
+        field_degree=12,
+        epoch="2012-06-20T07:30:00Z",
+        omega_B0=[0.01, -0.02, 0.015],
+        step_max=2.0,
+    )
     reference = pygeomag.GeoMag(coefficients_file="wmm/WMM_2010.COF")
     x, worst = plant.start(p, command()), 0.0
     for i in range(12):

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import controller
 from tests.blocks import parameters
+from tests.controller.planned.motion import cross
 
 MU = 1000.0
 J = np.array([[2.9, 0.21, -0.34], [0.21, 3.6, 0.17], [-0.34, 0.17, 4.1]])
@@ -47,9 +48,9 @@ def desired(p, t, r, v):
     if p.reference == "rate":
         R_d = R_D0 * Rotation.from_rotvec(t * RATE_D0)
         return R_d, R_d.apply(RATE_D0)
-    w = np.cross(r, v) / (r @ r)
-    x, z = np.cross(w, r), -r
-    columns = [x / np.linalg.norm(x), np.cross(z, x) / np.linalg.norm(np.cross(z, x)), z / np.linalg.norm(z)]
+    w = cross(r, v) / (r @ r)
+    x, z = cross(w, r), -r
+    columns = [x / np.linalg.norm(x), cross(z, x) / np.linalg.norm(cross(z, x)), z / np.linalg.norm(z)]
     return Rotation.from_matrix(np.column_stack(columns)), w
 
 
@@ -70,13 +71,13 @@ def acceleration(p, t, y):
     R, Omega, r = Rotation.from_quat(y[:4]), y[4:7], y[7:10]
     rho = np.linalg.norm(r)
     J_N = R.as_matrix() @ J @ R.as_matrix().T
-    M_g = R.inv().apply(3 * MU / rho**5 * np.cross(r, J_N @ r)) if p.compensate_gravity else np.zeros(3)
-    return np.linalg.solve(J, M_g + torque(p, t, y) - np.cross(Omega, J @ Omega))
+    M_g = R.inv().apply(3 * MU / rho**5 * cross(r, J_N @ r)) if p.compensate_gravity else np.zeros(3)
+    return np.linalg.solve(J, M_g + torque(p, t, y) - cross(Omega, J @ Omega))
 
 
 def derivative(p, t, y):
     q, Omega, r, v = y[:4], y[4:7], y[7:10], y[10:13]
-    dq = 0.5 * np.array([*(q[3] * Omega + np.cross(q[:3], Omega)), -q[:3] @ Omega])
+    dq = 0.5 * np.array([*(q[3] * Omega + cross(q[:3], Omega)), -q[:3] @ Omega])
     return np.array([*dq, *acceleration(p, t, y), *v, *(-MU / np.linalg.norm(r) ** 3 * r)])
 
 

@@ -26,9 +26,10 @@ def _compiler(kind: str) -> list[str]:
 @pytest.mark.parametrize("kind", ["zig", "system"])
 def test_random_calls_under_sanitizers(block: str, kind: str) -> None:
     program = fuzzer(block, _compiler(kind))
-    seeds = 2 if block == "controller_planned" else 5  # a plan takes a thousand times as long as a law
+    # A plan takes a thousand times as long as a law; `make torture` makes a million calls of each.
+    seeds, calls = (2, 5000) if block == "controller_planned" else (5, 20000)
     for seed in range(1, 1 + seeds):
-        run = subprocess.run([program, str(seed), "20000"], capture_output=True, text=True, check=False)
+        run = subprocess.run([program, str(seed), str(calls)], capture_output=True, text=True, check=False)
         assert run.returncode == 0, f"seed {seed}: {run.stdout}{run.stderr}"
         refusals, steps = (int(word) for word in run.stdout.split() if word.isdigit())
         assert refusals > 1000

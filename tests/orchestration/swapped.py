@@ -22,11 +22,14 @@ def orchestrate(*arguments):
     return result
 
 
-def swapped(folder: Path, monkeypatch, *changes, scenario: str = SCENARIO, **options) -> Path:
-    """A folder with loop.yaml, its two FMUs, and vendor.fmu with mapping.yaml for the regulator."""
+def swapped(folder: Path, monkeypatch, *changes, scenario: str = SCENARIO, isolated: bool = False, **options) -> Path:
+    """A folder with loop.yaml, its two FMUs, and vendor.fmu with mapping.yaml for the regulator.
+
+    They run in this process unless `isolated`, since starting one for each takes longer than all else.
+    """
     fmus.write_pair(folder)
     vendor.write(folder, *changes, runnable=True, **options)
     path = folder / "loop.yaml"
-    path.write_text(scenario, "utf-8")
+    path.write_text(scenario + ("" if isolated else "isolation: none\n"), "utf-8")
     monkeypatch.chdir(folder)
     return path

@@ -1,8 +1,6 @@
-"""The gravity-gradient moment: the potential's form, Newton's law on point masses, librations."""
+"""The gravity-gradient moment: the potential's form, Newton's law on point masses. Librations: tests/authorities/libration.py."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
@@ -95,22 +93,6 @@ def test_a_body_of_equal_moments_feels_none():
     assert np.abs(gravity_gradient.moment(np.array([0.6, 0.0, 0.8]), 3.0 * np.eye(3), 1.2e-6)).max() < 1e-21
 
 
-def test_pitch_librates_at_its_closed_form():
-    assert libration.pitch_frequency() == pytest.approx(
-        math.sqrt(libration.pitch_closed_form(libration.STABLE)), abs=1e-6
-    )
-
-
-def test_roll_and_yaw_librate_together_at_their_closed_forms():
-    slow, fast = libration.roll_yaw_closed_form(libration.STABLE)
-    assert libration.slow_roll_yaw_frequency() == pytest.approx(slow, abs=1e-5)
-    assert libration.fast_roll_yaw_frequency() == pytest.approx(fast, abs=1e-6)
-
-
-def test_the_papers_inertia_is_unstable_in_pitch_and_grows_at_the_closed_form():
+def test_the_papers_inertia_is_unstable_in_pitch():
+    """The authority measures the growth at the closed form."""
     assert libration.pitch_closed_form(libration.PAPER) == pytest.approx(-0.947, abs=5e-4)
-    assert libration.paper_growth() == pytest.approx(0.947, abs=5e-4)
-
-
-def test_a_principal_body_at_rest_in_lvlh_stays():
-    assert libration.relative_equilibrium() < 3e-11

@@ -1,4 +1,4 @@
-"""What the variational integrator keeps: inertial momentum, the conserved energy, the rotation group."""
+"""What the variational integrator keeps. Long runs of it are authorities: tests/authorities/structure.py."""
 
 from __future__ import annotations
 
@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 
 import plant
-from tests.authorities import structure
 from tests.plant.motion import FULL_INERTIA, bare, checked, command, fly
-
-
-def test_a_free_tumble_conserves_inertial_momentum_while_the_wheel_spins_up():
-    assert structure.momentum_over_20000_steps() < 3e-14
 
 
 def test_the_body_slows_about_the_wheel_axis_by_what_the_wheel_takes():
@@ -68,11 +63,6 @@ def test_the_energy_of_a_free_gyrostat_stays_within_a_bound_that_does_not_grow(o
     assert error[1000:].max() < 1.001 * error[:1000].max()
 
 
-@pytest.mark.parametrize(("order", "bound"), [(2, 1e-3), (4, 3e-7)])
-def test_the_energy_output_is_conserved_on_a_circular_orbit_under_gravity_gradient(order, bound):
-    assert structure.energy_over_an_orbit(order) < bound
-
-
 def test_the_energy_output_is_the_sum_that_its_description_names():
     p = checked(J_B=FULL_INERTIA, omega_B0=[0.002, -0.003, 0.001], h_w0=0.01)
     y = plant.outputs(plant.start(p, command()), command(), p)
@@ -88,10 +78,6 @@ def test_the_energy_output_is_the_sum_that_its_description_names():
     assert pytest.approx(y.R_NB @ Pi, rel=1e-13) == y.H_N
     free = checked(J_B=FULL_INERTIA, omega_B0=[0.002, -0.003, 0.001], h_w0=0.01, gravity_gradient=False)
     assert plant.outputs(plant.start(free, command()), command(), free).energy == pytest.approx(T, rel=1e-13)
-
-
-def test_the_attitude_stays_a_rotation_over_ten_tumbling_orbits_without_reprojection():
-    assert structure.orthogonality_over_ten_orbits() < 1e-12
 
 
 def test_the_momentum_output_obeys_the_moments_that_the_outputs_show():

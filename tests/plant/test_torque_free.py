@@ -7,18 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
-from tests.authorities import torque_free
 from tests.authorities.free_body import FreeBody
 from tests.plant.motion import FULL_INERTIA, bare, measured_order, no_moment
 from tests.plant.rk4 import angle_between, pack, truth
-
-
-def test_torque_free_rates_follow_jacobis_elliptic_functions_in_all_orderings():
-    assert torque_free.torque_free_rates() < 1e-10
-
-
-def test_torque_free_attitude_follows_the_closed_form_in_all_orderings():
-    assert torque_free.torque_free_attitude() < 1e-9
 
 
 @pytest.mark.parametrize("Omega", [[0.09, -0.02, 0.01], [-0.02, 0.03, 0.1], [0.01, 0.06, -0.09]])

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from cyclonedx.schema import SchemaVersion
-from cyclonedx.validation.json import JsonStrictValidator
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -77,6 +76,8 @@ def test_another_version_of_what_has_a_say_in_the_bytes_is_refused(
 
 
 def test_the_bill_of_an_fmu_has_the_hash_of_each_library_and_the_compiler(fmu: bytes) -> None:
+    from cyclonedx.validation.json import JsonStrictValidator  # takes seconds, in each process that collects the tests
+
     text = sbom.of_fmu("native/allocator.fmu", fmu, VERSION)
     assert JsonStrictValidator(SchemaVersion.V1_6).validate_str(text) is None
     bill = json.loads(text)

@@ -25,6 +25,7 @@ def least_time(
     """lambda (3,) and T, s, for D_N (3,) N m s, field(t) (3,) T and rho A m2. Raises ValueError beyond `longest`, s."""
     times = np.arange(0.0, longest + step, step)
     B = np.array([field(t) for t in times])
+    squares = (B * B).sum(axis=1)
 
     def weights(T: float) -> Array:
         w = np.clip((T - times) / step + 0.5, 0.0, 1.0) * step  # each node stands for half an interval on either side
@@ -37,10 +38,12 @@ def least_time(
 
         def cost(p: Array) -> tuple[float, Array]:
             size = np.linalg.norm(p)
-            across = np.cross(B, p)
-            lengths = np.linalg.norm(across, axis=1) + 1e-300
+            along = B @ p
+            across = B @ np.array(((0.0, -p[2], p[1]), (p[2], 0.0, -p[0]), (-p[1], p[0], 0.0)))  # B x p
+            lengths = np.sqrt((across * across).sum(axis=1)) + 1e-300
             value = p @ D_N - rho * (w @ lengths)
-            slope = D_N - rho * (w / lengths) @ np.cross(across, B)
+            share = w / lengths
+            slope = D_N - rho * ((share @ squares) * p - (share * along) @ B)  # (B x p) x B = p |B|^2 - B (B.p)
             value, slope = value / size, slope / size - value * p / size**3
             return -value / np.linalg.norm(D_N), -slope / np.linalg.norm(D_N)
 

@@ -39,7 +39,7 @@ def outputs():
 
 
 def test_a_block_that_gives_the_same_is_equivalent(tmp_path, monkeypatch):
-    swapped(tmp_path, monkeypatch, scenario=SCENARIO + FIGURE)
+    swapped(tmp_path, monkeypatch, scenario=SCENARIO + FIGURE, isolated=True)
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 0, result.output
     assert "equivalent: 2 of 2 outputs within tolerance; 1 of 1 expectations met" in result.stdout

@@ -69,8 +69,16 @@ def test_quiet_says_nothing_when_all_is_well(loop):
     assert (result.exit_code, result.output) == (0, "")
 
 
+@pytest.fixture
+def quick_build(monkeypatch):
+    """What is built is empty: nothing is compiled."""
+    monkeypatch.setattr("fmus.native.package", lambda interface, folder, licence: b"")
+
+
 @pytest.mark.parametrize(("options", "told"), [((), "building allocator.fmu (native) ...\n"), (("--quiet",), "")])
-def test_on_a_terminal_a_run_says_which_fmu_it_builds_unless_quiet(loop, monkeypatch, tmp_path, options, told):
+def test_on_a_terminal_a_run_says_which_fmu_it_builds_unless_quiet(
+    loop, quick_build, monkeypatch, tmp_path, options, told
+):
     def built(block, flavour):
         build(["allocator"], flavour, tmp_path)
         return loop.parent / "motor.fmu"
@@ -81,7 +89,7 @@ def test_on_a_terminal_a_run_says_which_fmu_it_builds_unless_quiet(loop, monkeyp
     assert orchestrate(loop.name, *options).stderr == told
 
 
-def test_where_there_is_no_terminal_builds_are_silent(tmp_path):
+def test_where_there_is_no_terminal_builds_are_silent(quick_build, tmp_path):
     result = orchestrate("build", "allocator", "--out", tmp_path)
     assert (result.exit_code, result.stderr) == (0, "")
 
