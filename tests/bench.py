@@ -1,11 +1,13 @@
 """`make bench`: how fast the loop is on this machine. Prints figures; asserts nothing.
 
+The first rows time work that never changes, so that figures of other days and machines can be compared by ratio.
 One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import platform
 import statistics
 import subprocess
@@ -15,6 +17,8 @@ import time
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import orchestration
 from orchestration.runner.open import locate
@@ -39,6 +43,21 @@ def row(what: str, time: str, rate: str) -> None:
     print(f"  {what:<44}{time:>12}{rate:>20}", flush=True)
 
 
+def machine(runs: int) -> None:
+    """What this machine takes at the moment for fixed work of two kinds."""
+    angles = np.linspace(0.0, 1e3, 10**6)
+    for name, work in (
+        ("a million sums in Python", lambda: sum(i * i for i in range(10**6))),
+        ("a million sines in C", lambda: np.sin(angles)),
+    ):
+        walls = []
+        for _ in range(runs + 5):
+            begun = time.perf_counter()
+            work()
+            walls.append(time.perf_counter() - begun)
+        row(f"calibration: {name}", f"{1e3 * min(walls):.1f} ms", "least")
+
+
 def loops(runs: int) -> None:
     """Wall time and steps a second of the orbit, for each flavour and each loop."""
     for flavour, order, compiled, repeats in (
@@ -54,6 +73,17 @@ def loops(runs: int) -> None:
         wall = statistics.median(result.wall for result in results)
         name = f"{flavour} FMUs, order {order}, {'compiled' if compiled else 'Python'} loop"
         row(name, f"{wall:.3f} s", f"{results[0].steps / wall:,.0f} steps/s")
+
+
+def again(runs: int) -> None:
+    """What a run of V.B in a process that has run it before takes beside its loop."""
+    walls = []
+    for _ in range(2 * runs + 1):
+        begun = time.perf_counter()
+        result = orchestration.run(SCENARIO)
+        walls.append(time.perf_counter() - begun - result.wall)
+    row("run() of V.B, the first, beside its loop", f"{1e3 * walls[0]:.1f} ms", "")
+    row("run() of V.B, later ones, beside their loop", f"{1e3 * statistics.median(walls[1:]):.1f} ms", "")
 
 
 def calls(flavour: str, count: int) -> None:
@@ -85,16 +115,20 @@ def calls(flavour: str, count: int) -> None:
 
 
 def process(runs: int) -> None:
-    """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed."""
+    """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed.
+
+    Python keeps its compiled modules, as it does unless it is told not to; the first run, which compiles them, is not counted.
+    """
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     with tempfile.TemporaryDirectory() as out:
         command = [sys.executable, "-m", "orchestration.cli.main", str(SCENARIO), "--out", out]
         for name, arguments in (("whole process, V.B", []), ("whole process, one step", ["--duration", "0.1"])):
             walls = []
-            for _ in range(runs):
+            for _ in range(runs + 1):
                 begun = time.perf_counter()
-                subprocess.run([*command, *arguments], cwd=ROOT, check=False, capture_output=True)
+                subprocess.run([*command, *arguments], cwd=ROOT, env=environment, check=False, capture_output=True)
                 walls.append(time.perf_counter() - begun)
-            row(f"orchestrate as a {name}", f"{statistics.median(walls):.3f} s", "")
+            row(f"orchestrate as a {name}", f"{statistics.median(walls[1:]):.3f} s", f"{min(walls[1:]):.3f} s least")
 
 
 def isolation() -> None:
@@ -137,7 +171,9 @@ def main() -> None:
     for flavour in ("native", "python"):
         for block in ("plant", "controller", "allocator"):
             locate(block, ROOT, flavour)
+    machine(runs)
     loops(runs)
+    again(runs)
     calls("native", 20000)
     calls("python", 2000)
     process(runs)
