@@ -10,8 +10,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 from fmpy import platform
-from ruamel.yaml import YAML
 
 from fmus.build import blocks_of, ensure
 
@@ -32,7 +32,7 @@ def test_actionlint_has_no_finding_in_the_workflows() -> None:
 
 
 def test_each_local_hook_calls_a_tool_of_the_environment_that_is_there() -> None:
-    hooks = YAML(typ="safe").load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))
     entries = [hook["entry"] for repo in hooks["repos"] if repo["repo"] == "local" for hook in repo["hooks"]]
     assert entries
     for entry in entries:
