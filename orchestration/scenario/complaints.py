@@ -7,6 +7,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from ..errors import InputError, as_written, nearest, suggestion
+from .descriptions import descriptions
 from .source import Key, Source
 
 T = TypeVar("T", bound=BaseModel)
@@ -59,7 +60,7 @@ def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
         ending = suggestion(_match(model, detail)) or f"; expected one of {known}"
         return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{ending}")
     if kind == "missing":
-        about = _model_at(model, key[:-1]).model_fields[str(key[-1])].description or ""
+        about = descriptions(_model_at(model, key[:-1])).get(str(key[-1]), "")
         return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
     if kind == "value_error":
         text = str(context["error"])

@@ -76,7 +76,7 @@ Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 
 class Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 Flavour = Literal["native", "python"]
