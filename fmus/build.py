@@ -11,9 +11,11 @@ import ast
 import hashlib
 import logging
 import os
+import re
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -147,15 +149,17 @@ def _fingerprint(block: Block, flavour: str) -> str:
 
     Within a process the files are read anew only where one of their names, sizes or times has changed.
     """
-    seen = hash(
-        (block.interface.source, *_seen(_HERE), *_seen(block.folder), places.shared("LICENSE").stat().st_mtime_ns)
-    )
+    shared = hash((*_seen(_HERE), places.shared("LICENSE").stat().st_mtime_ns))
+    if _makers.get(flavour, (None,))[0] != shared:
+        _makers[flavour] = shared, _of_makers(flavour)
+    seen = hash((shared, block.interface.source, *_seen(block.folder)))
     key = block.name, block.folder, flavour
     if key not in _known or _known[key][0] != seen:
-        _known[key] = seen, _of_content(block, flavour)
+        _known[key] = seen, _of_content(block, flavour, _makers[flavour][1].copy())
     return _known[key][1]
 
 
+_makers: dict[str, tuple[int, hashlib._Hash]] = {}
 _known: dict[tuple[str, Path, str], tuple[int, str]] = {}
 
 
@@ -171,36 +175,47 @@ def _seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:
                 yield entry.path, status.st_size, status.st_mtime_ns
 
 
-def _of_content(block: Block, flavour: str) -> str:
-    digest = hashlib.sha256(block.interface.source.encode())
+def _of_makers(flavour: str) -> hashlib._Hash:
+    """Of what makes FMUs of blocks."""
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
     makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
-    paths = [places.shared("LICENSE"), *makers, *files_of(block.folder)]
+    digest = hashlib.sha256()
+    _add(digest, [places.shared("LICENSE"), *makers])
+    return digest
+
+
+def _of_content(block: Block, flavour: str, digest: hashlib._Hash) -> str:
+    digest.update(block.interface.source.encode())
+    _add(digest, files_of(block.folder))
     if flavour == "native":
-        paths += _files(block.folder / "native")
-    for path in paths:
-        digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
+        _add(digest, _files(block.folder / "native"))
     for name in ("pythonfmu", "ziglang", *data_packages(block.folder)):
         digest.update(f"\n{name} {_version(name)}".encode())
     return digest.hexdigest()
+
+
+def _add(digest: hashlib._Hash, paths: Iterable[Path]) -> None:
+    for path in paths:
+        digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
 
 
 def _files(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
 
 
+_PACKAGES = re.compile(r"^PACKAGES = (\([^()]*\)|\[[^][]*\])", re.MULTILINE)
+
+
 def data_packages(folder: Path) -> list[str]:
     """The literals `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
     found: list[str] = []
     for path in (folder / "tables" / "__init__.py", folder / "native" / "tables.py"):
-        for node in ast.parse(path.read_text("utf-8")).body if path.exists() else ():
-            if isinstance(node, ast.Assign) and any(
-                isinstance(t, ast.Name) and t.id == "PACKAGES" for t in node.targets
-            ):
-                found += ast.literal_eval(node.value)
+        for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
+            found += ast.literal_eval(literal)
     return found
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return version(name)

@@ -55,9 +55,9 @@ class Fmu:
     def library(self) -> str:
         return expected_library(self.description.coSimulation.modelIdentifier)
 
-    def extract(self, folder: Path) -> None:
-        """Unpacks it into an empty folder. Raises InputError."""
-        zipped.unpack(self.path, folder, "FMU")
+    def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
+        """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
+        zipped.unpack(self.path, folder, "FMU", names)
 
 
 @dataclass(frozen=True)
@@ -158,10 +158,15 @@ def read_head(path: Path) -> Head:
         raise InputError(
             f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
         )
-    tool = f"Annotations/Tool[@name='{ANNOTATION}']"
-    marked = frozenset(v.get("name", "") for v in variables if v.find(f"{tool}/Optional") is not None)
-    stated = {v.get("name", ""): entry.get("name", "") for v in variables for entry in v.findall(f"{tool}/Quantity")}
-    return Head(root.get("fmiVersion"), len(variables), marked, stated)
+    marked: set[str] = set()
+    stated: dict[str, str] = {}
+    for entry in root.iterfind(f"ModelVariables/*/Annotations/Tool[@name='{ANNOTATION}']/*"):
+        name = entry.getparent().getparent().getparent().get("name", "")
+        if entry.tag == "Optional":
+            marked.add(name)
+        elif entry.tag == "Quantity":
+            stated[name] = entry.get("name", "")
+    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated)
 
 
 def _doctype(path: Path) -> InputError:

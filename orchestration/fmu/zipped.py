@@ -12,7 +12,7 @@ import struct
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -60,11 +60,11 @@ def names(path: Path, what: str) -> set[str]:
         return set(archive.namelist())
 
 
-def unpack(path: Path, folder: Path, what: str) -> None:
-    """Unpacks it into an empty folder. Raises InputError."""
+def unpack(path: Path, folder: Path, what: str, names: Iterable[str] | None = None) -> None:
+    """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
     with reading(path, what) as archive:
         try:
-            archive.extractall(folder)
+            archive.extractall(folder, names)
         except OSError as error:  # also what bz2 raises for damaged data, which has no strerror
             raise InputError(f"{shown(path)} cannot be unpacked: {error.strerror or error}") from None
 

@@ -88,14 +88,14 @@ def _is_own_native(scenario: Scenario, name: str) -> bool:
 def _unpacked(fmu: Fmu) -> Path:
     """Where one of the project's own native FMUs is unpacked, once for all runs of this process.
 
-    It has no state but that of its instances and writes no file, which is not known of any other FMU.
+    It has no state but that of its instances, needs no file but its library and writes none, which is not known of any other FMU.
     """
     known = os.getpid(), fmu.sha256
     if known not in _folders or not (_folders[known] / fmu.library).exists():
         with held():
             folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
             atexit.register(_remove, folder, os.getpid())
-        fmu.extract(folder)
+        fmu.extract(folder, [fmu.library])
         _folders[known] = folder
     return _folders[known]
 
