@@ -24,6 +24,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 COMMANDS = {
     "build": "orchestration.cli.build",
+    "campaign": "orchestration.cli.campaign",
     "check": "orchestration.cli.check",
     "compare": "orchestration.cli.compare",
     "export": "orchestration.cli.export",

@@ -1,17 +1,19 @@
-"""`orchestrate schema`: what a scenario file may hold, as a JSON Schema."""
+"""`orchestrate schema`: what a scenario file, or a campaign file, may hold, as a JSON Schema."""
 
 from __future__ import annotations
 
 import click
 
+from ..campaign.file import schema as campaign_text
 from ..scenario.schema import text
 from .console import lost, say
 from .status import UNWRITTEN
 
 
 @click.command("schema")
+@click.option("--campaign", is_flag=True, help="That of campaign files.")
 @click.pass_context
-def command(ctx: click.Context) -> None:
+def command(ctx: click.Context, campaign: bool) -> None:
     """Print the JSON Schema of scenario files."""
-    say(text().removesuffix("\n"))
+    say((campaign_text() if campaign else text()).removesuffix("\n"))
     ctx.exit(UNWRITTEN if lost() else 0)

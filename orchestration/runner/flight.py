@@ -5,12 +5,13 @@ What a run gives depends on its start values alone. An FMU that cannot reset its
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from ..errors import BlockError, InputError
+from ..errors import BlockError, InputError, hint
 from ..expectations.judge import Judge, Outcome
 from ..fmu.model import Floats
 from ..instances.block import Instance
@@ -23,6 +24,9 @@ from ..system.starts import resolve
 from ..system.wiring import Node
 from .open import Opened
 from .refusal import refusal
+
+_loading = threading.Lock()
+"""Held while FMUs are loaded, since that changes the folder in which this process stands."""
 
 
 class Seer(Protocol):
@@ -88,7 +92,8 @@ class Flight:
             self.close()
         opened, plan = self._opened, self._opened.plan
         if not self._instances:
-            self._instances = opened.instantiate(self._stack)
+            with _loading:
+                self._instances = opened.instantiate(self._stack)
         if self._master is None:
             blocks = {name: opened.adapted(block) for name, block in self._instances.items()}
             every = {name: entry.every for name, entry in plan.scenario.blocks.items()}
@@ -122,24 +127,26 @@ class Flight:
         self._stack = ExitStack()
 
 
-def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+def with_values(scenario: Scenario, values: Mapping[str, Any], places: Mapping[str, str] | None = None) -> Scenario:
     """The scenario with other start values, by name as `--set` takes them. Raises InputError.
 
-    As `load` with overrides, but the rest of it, which is known to be sound, is not looked at again.
+    As `load` with overrides, but the rest of it, which is known to be sound, is not looked at again. `places` say where each stands,
+    for messages.
     """
     shared, blocks, options = dict(scenario.shared), dict(scenario.blocks), dict(scenario.source.options)
     for text, value in values.items():
         holder, _, variable = text.partition(".") if "." in text else ("shared", "", text)
         name = Name(variable)
+        place = (places or {}).get(text) or f"{text}={value}"
         if holder == "shared":
             starts = shared
-            options["shared", variable] = f"{text}={value}"
+            options["shared", variable] = place
         else:
             if holder not in blocks:
-                raise InputError(f"{text}={value}: there is no block {holder!r}")
+                raise InputError(f"{place}: there is no block {holder!r}{hint(holder, blocks)}")
             starts = dict(blocks[holder].start)
             blocks[holder] = blocks[holder].model_copy(update={"start": starts})
-            options["blocks", holder, "start", variable] = f"{text}={value}"
+            options["blocks", holder, "start", variable] = place
         starts.pop(name, None)  # the last one counts, also over elements
         starts[name] = value
     copy = scenario.model_copy(update={"shared": shared, "blocks": blocks})

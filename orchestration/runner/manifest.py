@@ -71,7 +71,7 @@ def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
     for key in ("shared", "extends"):  # each value stands where it is taken
         data.pop(key)
     for block, values in plan.starts.items():
-        data["blocks"][block]["start"] = _starts(plan.models[block], values)
+        data["blocks"][block]["start"] = start_values(plan.models[block], values)
     return data
 
 
@@ -85,14 +85,15 @@ def _parameters(fmu: Fmu, plan: Plan, block: str, handed_on: Mapping[str, Mappin
     values = {**declared, **given}
     places = list(model.variables)
     order = sorted(values, key=lambda element: (places.index(element.variable), element.position))
-    return _starts(model, [Start(element, values[element]) for element in order])
+    return start_values(model, [Start(element, values[element]) for element in order])
 
 
 def _is_parameter(model: Model, element: Element) -> bool:
     return model.variables[element.variable].causality == "parameter"
 
 
-def _starts(model: Model, values: Sequence[Start]) -> dict[str, Any]:
+def start_values(model: Model, values: Sequence[Start]) -> dict[str, Any]:
+    """Start values as a scenario gives them: lists of their shapes, items of enumerations by name, in the units of the ports."""
     given: dict[str, dict[int, Any]] = {}
     for start in values:
         given.setdefault(start.element.variable, {})[start.element.position] = start.value

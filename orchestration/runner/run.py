@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,14 @@ from ..results.place import reserved
 from ..results.result import Result, target
 from ..scenario.scenario import Scenario
 from ..system.wiring import Node
+from .flight import Seer
 from .manifest import manifest
 from .open import open_scenario
 from .plan import Plan
 from .read import load
 from .refusal import refusal
+
+Seers = tuple[Sequence[Node], Sequence[Seer]]
 
 
 def run(
@@ -65,10 +68,11 @@ def execute(
     verbose: bool = False,
     compiled: bool = True,
     check: Callable[[Iterable[Node], Mapping[str, Model]], None] | None = None,
+    seers: Seers = ((), ()),
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
 
-    `check` is shown what will be recorded before the run, and may refuse it by an InputError.
+    `check` is shown what will be recorded before the run, and may refuse it by an InputError. `seers` are shown signals of the run: which, and who.
     """
     opened = open_scenario(scenario)
     ready, prepared = opened.plan, opened.prepared
@@ -77,7 +81,7 @@ def execute(
     with ExitStack() as stack:
         instances = opened.instantiate(stack, verbose)
         blocks = {name: opened.adapted(block) for name, block in instances.items()}
-        result = run_blocks(ready, blocks, progress, compiled)
+        result = run_blocks(ready, blocks, progress, compiled, seers)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
     result.manifest = manifest(ready, opened.fmus, result, prepared.handed_on(ready.starts))
@@ -85,7 +89,11 @@ def execute(
 
 
 def run_blocks(
-    ready: Plan, blocks: Mapping[str, Block], progress: Progress | None = None, compiled: bool = False
+    ready: Plan,
+    blocks: Mapping[str, Block],
+    progress: Progress | None = None,
+    compiled: bool = False,
+    seers: Seers = ((), ()),
 ) -> Result:
     """Runs a plan on any blocks, and holds what they give against its expectations."""
     scenario = ready.scenario
@@ -94,16 +102,17 @@ def run_blocks(
     judges = [Judge(check) for check in ready.checks]
     watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
     looks: list[Check | Look] = [*ready.checks, *ready.holds]
-    watched = list(dict.fromkeys(node for look in looks for node in look.needed))
+    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *seers[0]]))
 
     def see(time: Floats, values: Floats) -> None:
         columns = {node: values[:, i] for i, node in enumerate(watched)}
-        for judge in judges:
+        for judge in (*judges, *seers[1]):
             judge.see(time, columns)
         for look, watcher in watchers:
             holds.see(look, watcher, time, columns)
 
-    between = bool(watched) and ready.clock.interval > 1  # else all of it is recorded
+    # Where every base step is recorded, all of it is there in the end, but for what only others are shown.
+    between = bool(watched) and (ready.clock.interval > 1 or not set(watched) <= set(ready.columns))
     watch = Watch(watched, ready.clock, see) if between else None
     master = Master(
         blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults, watch

@@ -13,13 +13,16 @@ from .source import Key, Source
 T = TypeVar("T", bound=BaseModel)
 
 
-def checked(model: type[T], source: Source) -> T:
-    """What the source holds, as this model. Raises InputError with a message for each thing that is wrong."""
+def checked(model: type[T], source: Source, context: Any = None) -> T:
+    """What the source holds, as this model. Raises InputError with a message for each thing that is wrong.
+
+    `context` is the data of the scenario in whose cycles times are counted, by default those of the source.
+    """
     if not isinstance(source.data, dict):
         keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
         raise InputError(source.error((), f"expected keys such as {keys}, found {as_written(source.data)}"))
     try:
-        return model.model_validate(source.data, context=source.data)
+        return model.model_validate(source.data, context=source.data if context is None else context)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
         meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
@@ -28,7 +31,7 @@ def checked(model: type[T], source: Source) -> T:
         raise InputError(*dict.fromkeys(messages)) from None
 
 
-_FIRST = {"Mapping": ("ports", "ignore")}
+_FIRST = {"Mapping": ("ports", "ignore"), "Campaign": ("scenario", "metrics")}
 
 _EXPECTED = {
     "string_type": "text",

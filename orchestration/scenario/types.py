@@ -40,6 +40,17 @@ def _cycles(value: Any, scenario: Any) -> float | None:
         return None
 
 
+def _in_seconds(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, list):
+        return [_in_seconds(item, info) for item in value]
+    cycles = _cycles(value, info.context)
+    return value if cycles is None else f"{cycles!r} s"
+
+
+Counted = BeforeValidator(_in_seconds)
+"""Before a quantity: makes seconds of what is counted in the scenario's `cycle`, `0.2 orbits`."""
+
+
 def _positive(value: float) -> float:
     if value <= 0.0:
         raise ValueError(f"expected a time above zero, found {value:g} s")

@@ -1,0 +1,192 @@
+"""A campaign from its first run to its verdicts: what is left is flown, rows are written as they come, requirements are decided."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..interrupt import held
+from ..results.place import reserved
+from . import statistics
+from .crew import Batches, Crew, crew
+from .load import Case
+from .record import MANIFEST, manifest, write
+from .statistics import Claim, Verdict
+
+try:
+    from .dataset import Dataset
+except ImportError:  # in a place without PyArrow, of which `_need_parquet` tells
+    Dataset = None  # type: ignore[assignment, misc]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a campaign stands."""
+
+    flown: int
+    """Runs that are there, those of an earlier start included."""
+    wanted: int
+    failed: int
+    fresh: int
+    """Runs of this start."""
+    seconds: float
+    """Since its first batch was sent."""
+
+
+Tell = Callable[[Progress], None]
+
+
+@dataclass
+class Finished:
+    """What came of a campaign, or of the part that was flown."""
+
+    state: str
+    """`completed`, `stopped early` or `interrupted`."""
+    flown: int
+    failed: int
+    verdicts: list[Verdict]
+    reason: str | None
+    """Why the first run failed that did."""
+    wall: float
+    """Seconds of this start."""
+    interrupted: int = 0
+    """The number of the signal that ended it; 0 for none."""
+
+
+def fly(
+    case: Case,
+    folder: Path,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    dashboard: bool = False,
+    tell: Tell | None = None,
+    remark: Callable[[str], None] = lambda text: None,
+) -> Finished:
+    """Flies what is left of a campaign, and writes its folder: `campaign.json` and the dataset `runs/`.
+
+    `workers` 0 flies in this process; `scheduler` is the address of a Dask cluster. Ctrl-C ends it, and what is written is valid.
+    Raises InputError where the folder holds another campaign, ResultsError where it cannot be written.
+    """
+    if Dataset is None:
+        raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
+    begun = perf_counter()
+    with reserved(folder):
+        earlier = _earlier(case, folder)
+        data = Dataset(folder, case.job, case.runs)
+        state, interrupted, verdicts = "running", 0, list[Verdict]()
+
+        def note() -> None:
+            record = manifest(case, state, data, verdicts, perf_counter() - begun, earlier)
+            write(folder / MANIFEST, record)
+
+        note()
+        try:
+            state, verdicts = _flown(case, data, (workers, scheduler, dashboard), tell, remark)
+        except KeyboardInterrupt as signal:
+            state, interrupted = "interrupted", getattr(signal, "number", 2)
+        finally:
+            with held():
+                if state != "completed":
+                    state = "stopped early" if state == "stopped early" else "interrupted"
+                data.flush()
+                if state == "interrupted":
+                    verdicts = decided(case, data, case.runs)
+                note()
+    return Finished(
+        state, int(data.done.sum()), int(data.failed.sum()), verdicts, data.reason, perf_counter() - begun, interrupted
+    )
+
+
+def _flown(
+    case: Case, data: Any, how: tuple[int | None, str | None, bool], tell: Tell | None, remark: Callable[[str], None]
+) -> tuple[str, list[Verdict]]:
+    """Flies up to the end, or until all is decided."""
+    early = case.campaign.stop == "decided"
+    looks = statistics.looks(case.runs) if early else [case.runs]
+    if not data.done.all() and not (early and _decided_before(case, data, looks)):
+        with crew(case.job, *how) as (flying, remarks):
+            for text in remarks:
+                remark(text)
+            begun = perf_counter()
+            there = int(data.done.sum())
+            for look in looks:
+                _up_to(case, data, flying, look, begun, there, tell)
+                if early and (verdicts := _all_decided(case, data, look)):
+                    return "stopped early" if look < case.runs else "completed", verdicts
+    if early:
+        for look in looks:
+            if data.done[:look].all() and (verdicts := _all_decided(case, data, look)):
+                return "stopped early" if look < case.runs else "completed", verdicts
+    return "completed", decided(case, data, case.runs)
+
+
+def _decided_before(case: Case, data: Any, looks: Sequence[int]) -> bool:
+    """Whether an earlier start came to a look at which all was decided."""
+    return any(data.done[:look].all() and _all_decided(case, data, look) for look in looks)
+
+
+def _up_to(case: Case, data: Any, flying: Crew, look: int, begun: float, there: int, tell: Tell | None) -> None:
+    """Flies those of the first `look` runs that are not there yet."""
+    left = np.flatnonzero(~data.done[:look])
+    if not len(left):
+        return
+    points = case.job.design.points if case.job.design.early else None
+    batches = Batches(left, points, flying.slots)
+    flown, failed = int(data.done.sum()), int(data.failed.sum())
+    for rows in flying.fly(batches):
+        data.add(rows)
+        flown += len(rows)
+        failed += sum(row[1] != "ok" for row in rows)
+        if tell is not None:
+            tell(Progress(flown, case.runs, failed, flown - there, perf_counter() - begun))
+    data.flush()
+
+
+def claims(case: Case) -> list[Claim]:
+    """The requirements as statistics take them."""
+    return [Claim(claim.name, claim.probability, claim.confidence) for claim in case.job.claims]
+
+
+def _all_decided(case: Case, data: Any, look: int) -> list[Verdict]:
+    """The verdicts of the first `look` runs where none is undecided; else none."""
+    met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
+    verdicts = statistics.verdicts(claims(case), met, look, case.runs, early=True)
+    last = look == case.runs
+    return verdicts if last or all(verdict.status != "undecided" for verdict in verdicts) else []
+
+
+def decided(case: Case, data: Any, runs: int) -> list[Verdict]:
+    """The verdicts of all runs that are there."""
+    flown = int(data.done.sum())
+    early = case.campaign.stop == "decided"
+    return statistics.verdicts(claims(case), data.counts(), flown, runs, early=early)
+
+
+def _earlier(case: Case, folder: Path) -> dict[str, Any]:
+    """The manifest that an earlier start of this campaign left. Raises InputError where it is another campaign's."""
+    path = folder / MANIFEST
+    if not path.exists():
+        if (folder / "runs").exists():
+            raise InputError(f"{folder / 'runs'} stands without {MANIFEST}; remedy: another folder (--out)")
+        return {}
+    found: dict[str, Any] = {}
+    with suppress(OSError, ValueError):
+        found = json.loads(path.read_text("utf-8"))
+    parts = found.get("parts") if isinstance(found, dict) else None
+    if not isinstance(parts, dict):
+        raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
+    if found.get("fingerprint") != case.fingerprint:
+        differ = [name for name, value in case.parts.items() if parts.get(name) != value]
+        raise InputError(
+            f"{folder} holds the campaign {str(found.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
+            "remedy: another folder (--out), or remove it"
+        )
+    return found

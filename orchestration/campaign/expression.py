@@ -1,0 +1,132 @@
+"""Expressions of a campaign: arithmetic on the values that it draws, and nothing else that Python could do."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Container, Mapping
+from typing import Any
+
+import numpy as np
+
+from .. import rotation
+from ..errors import hint
+from ..quantities import QuantityError
+
+_LENGTH_MAX, _DEPTH_MAX = 1000, 50
+
+
+def _rotation(axis: Any, angle: Any) -> Any:
+    return np.array(rotation.about([float(x) for x in axis], float(angle))).reshape(3, 3)
+
+
+def _euler(a: Any, b: Any, c: Any) -> Any:
+    return np.array(rotation.euler([float(a), float(b), float(c)], "ZYX")).reshape(3, 3)
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "abs": np.abs,
+    "cos": np.cos,
+    "cross": np.cross,
+    "diag": np.diag,
+    "dot": np.dot,
+    "euler": _euler,
+    "exp": np.exp,
+    "log": np.log,
+    "max": lambda *values: np.max(np.array(values)),
+    "min": lambda *values: np.min(np.array(values)),
+    "norm": np.linalg.norm,
+    "rotation": _rotation,
+    "sin": np.sin,
+    "sqrt": np.sqrt,
+    "tan": np.tan,
+    "transpose": np.transpose,
+}
+"""`rotation(axis, angle)` and `euler(yaw, pitch, roll)` give matrices that turn vectors; angles in rad."""
+_CONSTANTS = {"pi": np.pi}
+_BINARY: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: lambda a, b: a + b,
+    ast.Sub: lambda a, b: a - b,
+    ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b,
+    ast.Pow: lambda a, b: np.power(np.asarray(a, float), np.asarray(b, float)),
+    ast.MatMult: lambda a, b: a @ b,
+}
+
+
+class Expression:
+    """An expression whose names are known. `value` computes it."""
+
+    def __init__(self, text: str, known: Container[str], names: list[str]) -> None:
+        """`known` are the values that may stand in it; `names` is the same, for hints. Raises QuantityError."""
+        self.text = text
+        try:
+            if len(text) > _LENGTH_MAX:
+                raise QuantityError(f"expected at most {_LENGTH_MAX} characters")
+            self._body = ast.parse(text.strip(), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+            raise QuantityError(f"no arithmetic: {getattr(error, 'msg', error)} in {text!r}") from None
+        self.uses: set[str] = set()
+        self._check(self._body, known, names, 0)
+
+    def _check(self, node: ast.expr, known: Container[str], names: list[str], depth: int) -> None:
+        if depth > _DEPTH_MAX:
+            raise QuantityError(f"nested too deeply: {self.text!r}")
+        parts: list[ast.expr]
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+            parts = []
+        elif isinstance(node, ast.Name):
+            if node.id not in known and node.id not in _CONSTANTS:
+                raise QuantityError(f"there is no value {node.id!r} under 'draw' above it{hint(node.id, names)}")
+            self.uses.add(node.id)
+            parts = []
+        elif isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
+            parts = [node.left, node.right]
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+            parts = [node.operand]
+        elif isinstance(node, ast.List | ast.Tuple):
+            parts = list(node.elts)
+        elif isinstance(node, ast.Subscript):
+            parts = [node.value]
+            places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+            if not all(isinstance(p, ast.Constant) and type(p.value) is int and p.value >= 1 for p in places):
+                raise QuantityError(f"an element is written by whole numbers from 1 on, found {ast.unparse(node)!r}")
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+            if node.func.id not in FUNCTIONS:
+                raise QuantityError(f"there is no function {node.func.id!r}{hint(node.func.id, FUNCTIONS)}")
+            parts = list(node.args)
+        else:
+            raise QuantityError(f"expected arithmetic such as 'diag(J + error)', found {ast.unparse(node)!r}")
+        for part in parts:
+            self._check(part, known, names, depth + 1)
+
+    def value(self, values: Mapping[str, Any]) -> Any:
+        """A float, or nested lists of floats. Raises QuantityError."""
+        try:
+            with np.errstate(all="ignore"):
+                result = np.asarray(self._compute(self._body, values), float)
+        except (ValueError, TypeError, IndexError, ArithmeticError, MemoryError) as error:
+            raise QuantityError(f"{self.text!r} cannot be computed: {error}") from None
+        if not np.isfinite(result).all():
+            raise QuantityError(f"{self.text!r} is not finite")
+        return result.tolist()
+
+    def _compute(self, node: ast.expr, values: Mapping[str, Any]) -> Any:
+        if isinstance(node, ast.Constant):
+            return float(node.value)  # type: ignore[arg-type]
+        if isinstance(node, ast.Name):
+            value = values[node.id] if node.id in values else _CONSTANTS[node.id]
+            return np.asarray(value, float) if isinstance(value, list) else value
+        if isinstance(node, ast.BinOp):
+            return _BINARY[type(node.op)](self._compute(node.left, values), self._compute(node.right, values))
+        if isinstance(node, ast.UnaryOp):
+            value = self._compute(node.operand, values)
+            return -value if isinstance(node.op, ast.USub) else value
+        if isinstance(node, ast.List | ast.Tuple):
+            return np.array([self._compute(item, values) for item in node.elts])
+        if isinstance(node, ast.Subscript):
+            places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+            index = tuple(place.value - 1 for place in places)  # type: ignore[attr-defined]
+            return np.asarray(self._compute(node.value, values))[index]
+        assert isinstance(node, ast.Call)
+        assert isinstance(node.func, ast.Name)
+        return FUNCTIONS[node.func.id](*(self._compute(item, values) for item in node.args))

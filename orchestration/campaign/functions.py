@@ -1,0 +1,68 @@
+"""Metrics in Python: the code of a function, found once and sent to the workers. It runs as the user does, without any guard."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ..errors import InputError, hint
+from ..expectations.metrics import Function
+
+
+@dataclass(frozen=True)
+class Code:
+    """A module beside the campaign file, as text; or one that is installed, where `text` is None."""
+
+    module: str
+    file: str
+    text: str | None
+
+    @property
+    def sha256(self) -> str:
+        """Of its text; of an installed module, of the file that was imported."""
+        content = self.text.encode() if self.text is not None else Path(self.file).read_bytes() if self.file else b""
+        return hashlib.sha256(content).hexdigest()
+
+    def load(self) -> ModuleType:
+        """The module, made of the text or imported."""
+        if self.text is None:
+            return import_module(self.module)
+        module = ModuleType(self.module)
+        module.__file__ = self.file
+        exec(compile(self.text, self.file, "exec"), module.__dict__)
+        return module
+
+
+def find(reference: str, folder: Path, place: str) -> Code:
+    """The code of `module:function`: `module.py` beside the campaign file, else an installed module. Raises InputError."""
+    name, _, function = reference.partition(":")
+    path = folder.joinpath(*name.split(".")).with_suffix(".py")
+    try:
+        if path.is_file():
+            code = Code(name, str(path), path.read_text("utf-8"))
+            module: Any = code.load()
+        else:
+            module = import_module(name)
+            code = Code(name, getattr(sys.modules[name], "__file__", None) or "", None)
+    except Exception as error:
+        raise InputError(f"{place}: the module {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
+    if not callable(getattr(module, function, None)):
+        names = [n for n in dir(module) if callable(getattr(module, n)) and not n.startswith("_")]
+        raise InputError(
+            f"{place}: {path.name if code.text else name} has no function {function!r}{hint(function, names)}"
+        )
+    return code
+
+
+def functions(codes: dict[str, Code]) -> dict[str, Function]:
+    """The functions by their references, `module:function`; a module that several name is loaded once."""
+    modules: dict[str, ModuleType] = {}
+    for code in codes.values():
+        if code.module not in modules:
+            modules[code.module] = code.load()
+    return {reference: getattr(modules[code.module], reference.partition(":")[2]) for reference, code in codes.items()}

@@ -1,0 +1,177 @@
+"""What flies the runs of a campaign, in this process or in a worker's: from an index, or a point of the unit cube, to a row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from ..errors import printable
+from ..expectations.metrics import Measure, Meter, MetricError
+from ..expectations.span import Limits
+from ..fmu.model import Floats
+from ..quantities import QuantityError
+from ..runner.flight import Flight
+from ..runner.open import Opened
+from .design import Design
+from .draws import Draws
+from .functions import Code, functions
+
+OK, FAILED = "ok", "failed"
+_REASON_MAX = 2000
+
+
+@dataclass(frozen=True)
+class Claimed:
+    """A requirement that fits the metrics and expectations."""
+
+    name: str
+    metric: int | None
+    """The place of its metric, or None for an expectation."""
+    expectation: str | None
+    limits: Limits | None
+    """Of the metric, in whose unit its bound is."""
+    probability: float
+    confidence: float
+    expected: str
+    """The bound in words."""
+
+    @property
+    def ends(self) -> tuple[float | None, float | None]:
+        """The bound in the metric's unit, low and high; None for none."""
+        if self.limits is None:
+            return None, None
+        low, high = ((end - self.limits.offset) / self.limits.factor for end in (self.limits.low, self.limits.high))
+        return low if math.isfinite(low) else None, high if math.isfinite(high) else None
+
+    def met(self, metrics: Sequence[float | None], expectations: Mapping[str, bool]) -> bool:
+        """Whether a run with these metrics and expectations meets it."""
+        if self.expectation is not None:
+            return expectations.get(self.expectation, False)
+        assert self.metric is not None
+        assert self.limits is not None
+        value = metrics[self.metric]
+        return value is not None and bool(self.limits.met(np.array(value * self.limits.factor + self.limits.offset)))
+
+
+Cell = float | int | str | bool | None
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a worker needs; it can be sent to one. The FMUs themselves go beside it, by the hashes of their contents."""
+
+    opened: Opened
+    draws: Draws
+    design: Design
+    measures: tuple[Measure, ...]
+    claims: tuple[Claimed, ...]
+    codes: Mapping[str, Code]
+
+    @property
+    def expectations(self) -> list[str]:
+        """The names of the scenario's expectations that are evaluated."""
+        return [check.expectation.name for check in self.opened.plan.checks]
+
+    @property
+    def columns(self) -> list[tuple[str, str]]:
+        """Names and types of the dataset's columns: `int64`, `double`, `string`, `bool`."""
+        return [
+            ("index", "int64"),
+            ("status", "string"),
+            ("reason", "string"),
+            ("wall", "double"),
+            *((name, "double" if numbers else "string") for name, numbers in self.draws.columns),
+            *((measure.metric.name, "double") for measure in self.measures),
+            *((f"met: {claim.name}", "bool") for claim in self.claims),
+            *((f"expect: {name}", "bool") for name in self.expectations),
+        ]
+
+    def placed(self, files: Mapping[str, Path]) -> Job:
+        """The same with its FMUs in these files, by their hashes."""
+        fmus = {name: replace(fmu, path=files[fmu.sha256]) for name, fmu in self.opened.fmus.items()}
+        return replace(self, opened=replace(self.opened, fmus=fmus))
+
+
+class Pilot:
+    """Flies the runs of a job, one after the other, on FMUs that stay loaded."""
+
+    def __init__(self, job: Job, anew: bool = False) -> None:
+        """`anew`: the FMUs are instantiated for each run, since a reset does not bring them back to their first state."""
+        self.job = job
+        self._functions = functions(dict(job.codes))
+        nodes = [node for measure in job.measures for node in measure.needed]
+        self._flight = Flight(job.opened, nodes, anew)
+
+    def meters(self) -> list[Meter]:
+        """One for each metric, for one run."""
+        return [measure.meter(self._functions.get(measure.metric.python or "")) for measure in self.job.measures]
+
+    def fly(self, index: int, point: Floats) -> list[Cell]:
+        """A row of the dataset: the run at this point, whose index is as given."""
+        begun = perf_counter()
+        job = self.job
+        try:
+            values = job.draws.at(point.tolist())
+        except QuantityError as error:
+            cells: list[Cell] = [None if not numbers else math.nan for _, numbers in job.draws.columns]
+            return self._failed(index, str(error), cells, begun)
+        cells = job.draws.cells(values)
+        meters = self.meters()
+        flown = self._flight.fly(job.draws.given(values), meters)
+        if flown.reason is not None:
+            return self._failed(index, flown.reason, cells, begun)
+        try:
+            metrics = [None if math.isnan(value := meter.value()) else value for meter in meters]
+        except MetricError as error:
+            return self._failed(index, str(error), cells, begun)
+        expectations = {outcome.name: outcome.passed for outcome in flown.outcomes}
+        met = [claim.met(metrics, expectations) for claim in job.claims]
+        wall = perf_counter() - begun
+        return [index, OK, None, wall, *cells, *metrics, *met, *(expectations[name] for name in job.expectations)]
+
+    def _failed(self, index: int, reason: str, cells: Sequence[Cell], begun: float) -> list[Cell]:
+        return failed(self.job, index, reason, cells, perf_counter() - begun)
+
+    def resets(self) -> bool:
+        """Whether a run on reset FMUs gives what the first one gave: flies run 0 twice."""
+        point = self.job.design.points([0])[0]
+        first, second = self.fly(0, point), self.fly(0, point)
+        return _same(first, second)
+
+    def close(self) -> None:
+        """Ends the FMUs."""
+        with suppress(OSError):
+            self._flight.close()
+
+
+def failed(job: Job, index: int, reason: str, cells: Sequence[Cell], wall: float) -> list[Cell]:
+    """The row of a run that failed."""
+    rest: list[Cell] = [None] * (len(job.measures) + len(job.claims) + len(job.expectations))
+    return [index, FAILED, printable(reason)[:_REASON_MAX], wall, *cells, *rest]
+
+
+def lost(job: Job, index: int, point: Floats, reason: str) -> list[Cell]:
+    """The row of a run that ended its worker."""
+    try:
+        cells: Sequence[Cell] = job.draws.cells(job.draws.at(point.tolist()))
+    except QuantityError:
+        cells = [None for _ in job.draws.columns]
+    return failed(job, index, reason, cells, 0.0)
+
+
+_WALL = 3
+"""The place of the wall time in a row, the one cell in which equal runs differ."""
+
+
+def _same(a: Sequence[Cell], b: Sequence[Cell]) -> bool:
+    return all(x == y or (x != x and y != y) for i, (x, y) in enumerate(zip(a, b, strict=True)) if i != _WALL)
+
+
+Rows = list[list[Cell]]
+Fly = Callable[[Sequence[int], Floats | None], Rows]

@@ -1,0 +1,221 @@
+"""From a campaign file to what can be flown: everything is checked before anything runs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, hint
+from ..expectations import metrics
+from ..expectations.span import numeric
+from ..paths import located
+from ..quantities import QuantityError
+from ..runner.flight import with_values
+from ..runner.open import open_scenario
+from ..runner.read import read
+from ..scenario import complaints, extends
+from ..scenario.load import load
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key, Source
+from ..scenario.text import read as read_text
+from ..swap.option import swapped
+from ..system.starts import resolve
+from . import draws as drawing
+from .design import design, notes
+from .file import Campaign
+from .functions import Code, find
+from .job import Claimed, Job
+
+
+@dataclass
+class Case:
+    """A campaign that has been checked against its scenario and FMUs."""
+
+    campaign: Campaign
+    source: Source
+    scenario: Scenario
+    job: Job
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def runs(self) -> int:
+        """How many runs it has."""
+        return self.job.design.runs
+
+    @property
+    def parts(self) -> dict[str, str]:
+        """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs has no say."""
+        opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
+        scenario = self.job.opened.plan.scenario.model_dump(
+            mode="json", exclude={"name", "description", "figures", "record"}
+        )
+        counted = {} if campaign["sampling"] == "random" else {"runs": self.runs}
+        content: dict[str, Any] = {
+            "scenario": scenario,
+            "what varies": {"draw": campaign["draw"], "vary": campaign["vary"]},
+            "sampling": {"sampling": campaign["sampling"], **counted},
+            "seed": campaign["seed"],
+            "metrics": {
+                "metrics": campaign["metrics"],
+                "code": {name: code.sha256 for name, code in self.job.codes.items()},
+            },
+            "requirements": [
+                {key: value for key, value in entry.items() if key not in ("probability", "confidence")}
+                for entry in campaign["requirements"]
+            ],
+            "FMUs": {name: fmu.sha256 for name, fmu in opened.fmus.items()},
+        }
+        return {name: _hash(part) for name, part in content.items()}
+
+    @property
+    def fingerprint(self) -> str:
+        """The hash of all that decides the rows."""
+        return _hash(self.parts)
+
+
+def _hash(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def read_campaign(
+    path: Path | str, overrides: Mapping[str, Any] | None = None, sets: Mapping[str, Any] | None = None
+) -> Case:
+    """A campaign file, held against its scenario and FMUs. Raises InputError with what is wrong.
+
+    `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by name.
+    """
+    source = read_text(Path(path))
+    if isinstance(source.data, dict):
+        for key, value in (overrides or {}).items():
+            source = source.with_value(key, value, f"--{key}")
+        for name, value in (sets or {}).items():
+            source.data.setdefault("set", {})[name] = value
+            source.options["set", name] = f"--set {name}={value}"
+    flown = _scenario(source)
+    campaign = complaints.checked(
+        Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
+    )
+    assert flown is not None
+    return prepare(campaign, source, load(_changed(campaign, source, flown)))
+
+
+def _scenario(source: Source) -> Source | None:
+    """The scenario's own source; None where the file names none. Raises InputError."""
+    given = source.data.get("scenario") if isinstance(source.data, dict) else None
+    if isinstance(given, str) and given:
+        try:
+            path = located(given, source.folder)
+            here = Path.cwd()
+            return read(path.relative_to(here) if path.is_absolute() and path.is_relative_to(here) else path)
+        except InputError as error:
+            raise InputError(
+                *(m if ":" in m.split(" ")[0][-12:-1] else source.error(("scenario",), m) for m in error.messages)
+            ) from None
+    if not isinstance(given, dict):
+        return None
+    lines = {key[1:]: line for key, line in source.lines.items() if key[:1] == ("scenario",)}
+    return extends.extended(Source(given, source.file, source.folder, lines))
+
+
+def _changed(campaign: Campaign, source: Source, flown: Source) -> Source:
+    """The scenario with the campaign's swaps, start values and flavour."""
+    if unswapped := next((block for block in campaign.map if block not in campaign.swap), None):
+        raise InputError(
+            source.error(("map", unswapped), f"{unswapped} is not swapped{hint(unswapped, campaign.swap)}")
+        )
+    if campaign.swap:
+        fmus = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.swap.items()]
+        maps = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.map.items()]
+        flown = swapped(flown, fmus, maps)
+    for name, value in campaign.set.items():
+        if name in campaign.vary:
+            raise InputError(source.error(("set", name), f"{name} varies; expected it under 'set' or 'vary'"))
+        flown = flown.with_start(name, value)
+        holder, _, variable = name.partition(".") if "." in name else ("shared", "", name)
+        key: Key = ("shared", variable) if holder == "shared" else ("blocks", holder, "start", variable)
+        flown.options[key] = source.where(("set", name))
+    return flown if campaign.flavour is None else flown.with_value("flavour", campaign.flavour, "flavour:")
+
+
+def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
+    """A campaign held against its scenario. Raises InputError."""
+    opened = open_scenario(scenario)
+    plan = opened.plan
+    errors: list[str] = []
+    measures: list[metrics.Measure] = []
+    codes: dict[str, Code] = {}
+    for number, metric in enumerate(campaign.metrics):
+        key: Key = ("metrics", number)
+        try:
+            measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario.duration))
+            if metric.python:
+                codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
+        except InputError as error:
+            errors += error.messages
+    try:
+        draws = drawing.prepare(campaign, source, plan.models)
+        at_centre(campaign, source, plan.scenario, draws, plan.models)
+    except InputError as error:
+        errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    claims = _claims(campaign, source, measures, [check.expectation.name for check in plan.checks])
+    try:
+        made = design(campaign.sampling, campaign.seed, campaign.runs, draws)
+    except InputError as error:
+        raise InputError(*(source.error((), message) for message in error.messages)) from None
+    job = Job(opened, draws, made, tuple(measures), tuple(claims), codes)
+    names = [name for name, _ in job.columns]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise InputError(
+            source.error((), f"two columns of the dataset would be called {twice!r}; remedy: another name for one")
+        )
+    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made)])
+
+
+def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
+    """Sets the values in the middle of the unit cube, so that a wrong name or unit is known before a run. Raises InputError."""
+    places = {name: source.where(("vary", name)) for name in campaign.vary}
+    try:
+        values = draws.given(draws.at([0.5] * draws.dimension))
+    except QuantityError as error:
+        raise InputError(source.error(("vary",), str(error))) from None
+    resolve(with_values(scenario, values, places), models)
+
+
+def _claims(
+    campaign: Campaign, source: Source, measures: list[metrics.Measure], expectations: list[str]
+) -> list[Claimed]:
+    known = [measure.metric.name for measure in measures]
+    claims, errors = [], []
+    for number, entry in enumerate(campaign.requirements):
+        key: Key = ("requirements", number)
+        given = entry.probability, entry.confidence
+        if entry.expectation is not None:
+            if entry.expectation not in expectations:
+                text = f"the scenario has no expectation {entry.expectation!r} that is evaluated{hint(entry.expectation, expectations)}"
+                errors.append(source.error((*key, "expectation"), text))
+                continue
+            claims.append(Claimed(entry.name, None, entry.expectation, None, *given, f"{entry.expectation}: met"))
+            continue
+        if entry.metric not in known:
+            errors.append(
+                source.error((*key, "metric"), f"there is no metric {entry.metric!r}{hint(str(entry.metric), known)}")
+            )
+            continue
+        place = known.index(entry.metric)
+        assert entry.bound is not None
+        try:
+            unit = measures[place].unit
+            limits = numeric(entry.metric, unit if str(unit) != "1" else None, entry.bound)
+        except QuantityError as error:
+            errors.append(source.error((*key, entry.bound.kind), str(error)))
+            continue
+        claims.append(Claimed(entry.name, place, None, limits, *given, f"{entry.metric} {limits.text}"))
+    if errors:
+        raise InputError(*errors)
+    return claims

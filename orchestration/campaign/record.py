@@ -1,0 +1,112 @@
+"""`campaign.json`: what a campaign was made of, and what came of it."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import ResultsError
+from ..results.data import json_text
+from ..results.place import put
+from .load import Case
+from .statistics import Verdict
+
+if TYPE_CHECKING:
+    from .dataset import Dataset
+
+MANIFEST = "campaign.json"
+_PACKAGES = ("attitude-cosim", "fmpy", "numpy", "scipy", "pyarrow", "distributed")
+
+
+def manifest(
+    case: Case, state: str, data: Dataset, verdicts: Sequence[Verdict], wall: float, earlier: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The manifest, ready for JSON. `earlier` is that of an earlier start, whose begin and wall time count, too."""
+    campaign, job = case.campaign, case.job
+    written = campaign.model_dump(mode="json", exclude_none=True, by_alias=True)
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    before = float(earlier.get("wall_time") or 0.0)
+    return {
+        "campaign": campaign.name,
+        "description": campaign.description,
+        "file": case.source.file,
+        "state": state,
+        "fingerprint": case.fingerprint,
+        "parts": case.parts,
+        "seed": campaign.seed,
+        "sampling": campaign.sampling,
+        "early": campaign.stop == "decided",
+        "runs": {"wanted": case.runs, "flown": int(data.done.sum()), "failed": int(data.failed.sum())},
+        "varied": [
+            {
+                "name": draw.name,
+                "drawn": draw.helper,
+                "distribution": written["draw" if draw.helper else "vary"][draw.name],
+                "text": draw.text,
+                "unit": draw.shown,
+                "columns": list(draw.columns),
+                "coordinates": [draw.first, draw.count],
+            }
+            for draw in job.draws.draws
+        ],
+        "metrics": [
+            {
+                "name": measure.metric.name,
+                "column": measure.metric.name,
+                "unit": "" if str(measure.unit) == "1" else str(measure.unit),
+                "text": measure.text,
+                "signal": measure.metric.signal,
+            }
+            for measure in job.measures
+        ],
+        "requirements": [
+            {
+                "name": claim.name,
+                **(
+                    {"expectation": claim.expectation}
+                    if claim.metric is None
+                    else {"metric": job.measures[claim.metric].metric.name}
+                ),
+                "column": f"met: {claim.name}",
+                "expected": claim.expected,
+                "low": claim.ends[0],
+                "high": claim.ends[1],
+                "probability": claim.probability,
+                "confidence": claim.confidence,
+            }
+            for claim in job.claims
+        ],
+        "expectations": [{"name": name, "column": f"expect: {name}"} for name in job.expectations],
+        "verdicts": [asdict(verdict) for verdict in verdicts],
+        "notes": case.notes,
+        "scenario": case.scenario.name,
+        "scenario_file": case.scenario.source.file,
+        "fmus": {name: {"file": str(fmu.path), "sha256": fmu.sha256} for name, fmu in job.opened.fmus.items()},
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
+        "started": earlier.get("started") or now,
+        "finished": None if state == "running" else now,
+        "wall_time": before + (wall if state != "running" else 0.0),
+        "kept": list(earlier.get("kept") or []),
+    }
+
+
+def write(path: Path, record: Mapping[str, Any]) -> None:
+    """Writes the manifest, whole or not at all. Raises ResultsError."""
+    try:
+        put(path, json_text(record) + "\n")
+    except OSError as error:
+        raise ResultsError(f"the campaign's manifest cannot be written: {path}: {error.strerror}") from None
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,94 @@
+"""A single run of a campaign again: as a scenario that `orchestrate` takes, and flown with all its signals."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..fmu.interfaces import is_path
+from ..quantities import QuantityError
+from ..results.place import put
+from ..results.result import Result
+from ..runner.flight import with_values
+from ..runner.manifest import start_values
+from ..runner.read import load
+from ..runner.run import execute
+from ..system.starts import resolve
+from .job import Pilot
+from .load import Case
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A run that was flown again."""
+
+    values: dict[str, Any]
+    """Start values by name, as `--set` takes them."""
+    metrics: dict[str, float | None]
+    met: dict[str, bool]
+    result: Result
+    file: Path
+    """The scenario that was written."""
+
+
+def replay(case: Case, index: int, folder: Path) -> Replayed:
+    """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError.
+
+    Its metrics are those of the campaign's row, bit for bit.
+    """
+    if not 0 <= index < case.runs:
+        raise InputError(f"--replay {index}: the campaign has the runs 0 to {case.runs - 1}")
+    draws = case.job.draws
+    try:
+        values = draws.given(draws.at(case.job.design.points([index])[0].tolist()))
+    except QuantityError as error:
+        raise InputError(f"--replay {index}: {error}") from None
+    file = folder / "scenario.yaml"
+    text = scenario_text(
+        case, values, f"Run {index} of the campaign {case.campaign.name}", f"{case.scenario.name}-{index}"
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    put(file, text)
+    pilot = Pilot(case.job)
+    meters = pilot.meters()
+    result = execute(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
+    metrics: dict[str, float | None] = {meter.measure.metric.name: None for meter in meters}
+    expectations = {outcome.name: outcome.passed for outcome in result.outcomes}
+    if result.failure is None:
+        metrics = {meter.measure.metric.name: None if math.isnan(value := meter.value()) else value for meter in meters}
+    met = {
+        claim.name: result.failure is None and claim.met(list(metrics.values()), expectations)
+        for claim in case.job.claims
+    }
+    return Replayed(values, metrics, met, result, file)
+
+
+def scenario_text(case: Case, values: Mapping[str, Any], title: str, name: str = "") -> str:
+    """The scenario with these start values as YAML, every value in force written out. Raises InputError."""
+    from ruamel.yaml import YAML  # 30 ms, and only to write  # noqa: PLC0415
+
+    plan = case.job.opened.plan
+    starts = resolve(with_values(plan.scenario, values), plan.models)
+    data = json.loads(json.dumps(case.scenario.model_dump(exclude_none=True)))
+    for key in ("shared", "extends"):  # each value stands where it is taken
+        data.pop(key)
+    data["name"] = name or data["name"]
+    folder = case.scenario.source.folder
+    for block, entry in data["blocks"].items():
+        entry["start"] = start_values(plan.models[block], starts[block])
+        for key in ("fmu", "interface"):
+            if key in entry and is_path(entry[key]):
+                entry[key] = str((folder / Path(entry[key]).expanduser()).resolve())
+        if entry.get("map", {}).get("file"):
+            entry["map"] = str((folder / Path(entry["map"]["file"]).expanduser()).resolve())
+    out = io.StringIO()
+    yaml = YAML()
+    yaml.width = 10**6
+    yaml.dump(data, out)
+    return f"# {title}, written by orchestrate campaign.\n{out.getvalue()}"

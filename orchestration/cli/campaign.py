@@ -1,0 +1,205 @@
+"""`orchestrate campaign`: a scenario flown again and again, and a verdict on each requirement."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..campaign import engine
+from ..campaign.cluster_errors import CrewLost
+from ..campaign.kept import keep
+from ..campaign.load import Case, read_campaign
+from ..campaign.replay import Replayed, replay
+from ..errors import InputError
+from ..expectations.metrics import MetricError
+from ..quantities import with_unit
+from ..scenario.text import parse
+from .console import complain, is_terminal, lost, notes, say, table
+from .paths import PATH
+from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
+from .summary import mark, summary
+
+
+@click.command("campaign")
+@click.argument("file", type=PATH)
+@click.option(
+    "--out", type=PATH, metavar="DIR", help="Folder for the results; default: results/NAME, NAME being the campaign's."
+)
+@click.option("--runs", type=int, metavar="N", help="Number of runs instead of the file's.")
+@click.option("--seed", type=int, metavar="N", help="Seed instead of the file's.")
+@click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="BLOCK.PARAMETER=VALUE",
+    help="A start value for all runs; may be repeated.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="Processes that fly; 0: this one. Default: one for each core.",
+)
+@click.option("--scheduler", metavar="tcp://HOST:PORT", help="A Dask cluster that flies.")
+@click.option(
+    "--dashboard", is_flag=True, help="Open Dask's dashboard on a port of this machine, and print its address."
+)
+@click.option("--replay", "index", type=int, metavar="INDEX", help="Only write the scenario of this run, and fly it.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.pass_context
+def command(
+    ctx: click.Context,
+    file: Path,
+    out: Path | None,
+    runs: int | None,
+    seed: int | None,
+    sets: tuple[str, ...],
+    workers: int | None,
+    scheduler: str | None,
+    dashboard: bool,
+    index: int | None,
+    quiet: bool,
+) -> None:
+    """Fly a campaign: a scenario with values that vary, and requirements on its runs.
+
+    The same command goes on where it was stopped. Exit status: 0 all requirements met, 1 one not met or undecided, 2 wrong input,
+    3 every run failed.
+    """
+    overrides = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
+    case = read_campaign(file, overrides, _values(sets))
+    target = out or Path("results") / case.campaign.name
+    if index is not None:
+        ctx.exit(_replay(case, index, target / f"replay-{index}", quiet))
+    if not quiet:
+        notes(case.notes)
+    bar = _Bar(case.runs, not quiet)
+    try:
+        finished = engine.fly(case, target, workers, scheduler, dashboard, bar, (lambda text: None) if quiet else _note)
+    except CrewLost as error:
+        complain(str(error))
+        ctx.exit(BLOCK_FAILED)
+    finally:
+        bar.close()
+    page = keep(case, target, finished)
+    if not quiet:
+        _print(case, finished)
+        say(f"\nresults in {target}" + ("" if page is None else f", report in {page}"))
+    status = _status(case, finished, quiet)
+    ctx.exit(UNWRITTEN if lost() else status)
+
+
+def _values(sets: tuple[str, ...]) -> dict[str, Any]:
+    values = {}
+    for text in sets:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError(f"--set {text}: expected block.parameter=value")
+        values[name.strip()] = parse(value, f"--set {text}").data
+    return values
+
+
+def _note(text: str) -> None:
+    notes([text])
+
+
+def _status(case: Case, finished: engine.Finished, quiet: bool) -> int:
+    if finished.interrupted:
+        complain(f"interrupted after {finished.flown} of {case.runs} runs; the same command goes on from there")
+        return SIGNALLED + finished.interrupted
+    if finished.flown and finished.failed == finished.flown:
+        complain(f"every run failed, the first with: {finished.reason}")
+        return BLOCK_FAILED
+    for verdict in finished.verdicts if quiet else ():
+        if verdict.status != "met":
+            complain(f"requirement {verdict.status}: {verdict.name}")
+    return 0 if all(verdict.status == "met" for verdict in finished.verdicts) else EXPECTATION_FAILED
+
+
+def _print(case: Case, finished: engine.Finished) -> None:
+    seconds = f" in {finished.wall:.1f} s" if finished.wall else ""
+    failed = f", {finished.failed} failed" if finished.failed else ""
+    say(f"{case.campaign.name}: {finished.state}, {finished.flown} of {case.runs} runs{failed}{seconds}", bold=True)
+    if finished.failed:
+        say(f"the first run that failed: {finished.reason}", fg="yellow")
+    if not finished.verdicts:
+        return
+    expected = {claim.name: claim.expected for claim in case.job.claims}
+    rows = [(v.name, expected[v.name], v.text) for v in finished.verdicts]
+    header, *lines = table(("requirement", "expected", "found"), rows)
+    say(header, head=f"\n{mark()}")
+    for verdict, line in zip(finished.verdicts, lines, strict=True):
+        say(line, head=mark(verdict.status))
+
+
+def _replay(case: Case, index: int, folder: Path, quiet: bool) -> int:
+    """Flies one run again, prints it and writes its folder; the exit status is that of a run."""
+    try:
+        again = replay(case, index, folder)
+    except MetricError as error:
+        complain(str(error))
+        return BLOCK_FAILED
+    result = again.result
+    if not quiet:
+        _print_replay(case, index, again)
+    result.save(folder)
+    if not quiet:
+        say(f"\nscenario in {again.file}, results in {folder}")
+    if result.failure is not None:
+        complain(str(result.failure))
+        return BLOCK_FAILED
+    if result.interrupted:
+        return SIGNALLED + result.interrupted
+    return UNWRITTEN if lost() else 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
+
+
+def _print_replay(case: Case, index: int, again: Replayed) -> None:
+    notes(again.result.warnings)
+    say(f"run {index} of the campaign {case.campaign.name}", bold=True)
+    for line in table(("varied", "value"), [(name, str(value)) for name, value in again.values.items()]):
+        say(line)
+    units = {m.metric.name: "" if str(m.unit) == "1" else str(m.unit) for m in case.job.measures}
+    rows = [(name, "none" if x is None else with_unit(x, units[name])) for name, x in again.metrics.items()]
+    if rows:
+        say()
+        for line in table(("metric", "value"), rows):
+            say(line)
+    for claim in case.job.claims:
+        say(f"{claim.name}: {claim.expected}", head=mark("met" if again.met[claim.name] else "failed"))
+    say()
+    if len(again.result.time):
+        summary(again.result)
+
+
+class _Bar:
+    """How many runs have been flown, how many in a second, and the time that is left."""
+
+    def __init__(self, wanted: int, shown: bool) -> None:
+        self.wanted, self.shown = wanted, shown and is_terminal(sys.stdout)
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __call__(self, at: engine.Progress) -> None:
+        if not self.shown:
+            return
+        if self._bar is None:
+            from rich import progress  # here, since a campaign whose output is no terminal does without  # noqa: PLC0415
+
+            columns = (
+                progress.TextColumn("{task.completed} / {task.total} runs"),
+                progress.BarColumn(),
+                progress.TextColumn("{task.fields[rate]}"),
+                progress.TimeRemainingColumn(),
+            )
+            self._bar = progress.Progress(*columns, transient=True)
+            self._task = self._bar.add_task("runs", total=self.wanted, rate="")
+            self._bar.start()
+        rate = f"{at.fresh / at.seconds:.3g} runs/s" if at.seconds > 0.0 else ""
+        self._bar.update(self._task, completed=at.flown, rate=rate + (f", {at.failed} failed" if at.failed else ""))
+
+    def close(self) -> None:
+        """Removes the bar."""
+        if self._bar is not None:
+            self._bar.stop()
