@@ -85,7 +85,7 @@ class Varied(Model):
     """All of these in turn, with `sampling: grid`: a list, or `{from: 0 deg, to: 90 deg, points: 10}`."""
     rotation: Literal["uniform"] | None = None
     """A rotation matrix, or a unit quaternion, uniform over all attitudes."""
-    sphere: Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER_OR_TEXT, {"$ref": "#/$defs/Varied"}]})] = None
+    sphere: Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER_OR_TEXT, {"type": "object"}]})] = None
     """A vector of this length in any direction, all alike; the length is a quantity or varies itself."""
     expression: Annotated[str, Field(strict=True, min_length=1)] | None = None
     """A value computed of others that vary, in base units: `diag(J + error)`."""
