@@ -27,7 +27,7 @@ from .analysis import Sensitivity
 Floats = NDArray[np.float64]
 LOST = 0.1
 """Share of base points or trajectories from which on no indices are given."""
-_RANKED = 200_000
+RANKED = 200_000
 """Runs that a rank correlation uses at most, the first ones; its error is below 0.005 then."""
 _EDGE = 2.0**-40
 """How near to 0 and 1 a coordinate may come."""
@@ -141,7 +141,7 @@ def ranks(columns: Iterable[Floats], metric: Floats, confidence: float = 0.95) -
     for a column that is constant.
     """
     table = np.column_stack([metric, *columns])
-    table = table[~np.isnan(table).any(axis=1)][:_RANKED]
+    table = table[~np.isnan(table).any(axis=1)][:RANKED]
     n, k = table.shape
     if n < 5:
         return [None] * (k - 1)

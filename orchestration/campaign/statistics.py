@@ -18,6 +18,7 @@ one-sided: Howard et al., Ann. Stat. 49, 2021). The runs must be independent dra
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -25,8 +26,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import betainc, betaincc, betaln
-from scipy.stats import binomtest, quantile_test
+from scipy.special import betainc, betaincc, betaincinv, betaln
+from scipy.stats import binomtest
 
 Floats = NDArray[np.float64]
 
@@ -81,11 +82,10 @@ def share(successes: int, runs: int, confidence: float = 0.95, method: Literal["
 
 def fixed(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
     """A lower and an upper bound of a probability, each for itself at the confidence, for runs fixed in number before."""
-    if runs == 0:
-        return Bounds(0.0, 1.0)
-    low = binomtest(successes, runs, alternative="greater").proportion_ci(confidence).low
-    high = binomtest(successes, runs, alternative="less").proportion_ci(confidence).high
-    return Bounds(float(low), float(high))
+    misses = runs - successes
+    low = float(betaincinv(successes, misses + 1, 1.0 - confidence)) if successes else 0.0
+    high = float(betaincinv(successes + 1, misses, confidence)) if misses else 1.0
+    return Bounds(low, high)
 
 
 def sequence(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
@@ -201,16 +201,20 @@ def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
     return high
 
 
-def quantile(values: Floats, share: float, confidence: float = 0.95) -> tuple[float, Bounds]:
+def quantile(values: Floats, share: float, confidence: float = 0.95, repeated: bool = False) -> tuple[float, Bounds]:
     """A quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
 
-    The bounds are order statistics and hold for whatever distribution (Conover, Practical Nonparametric Statistics,
-    3.2); one is infinite where there are too few values for it. Values may be infinite, but not nan. Without values
-    all is nan.
+    The bounds are order statistics and hold for whatever distribution (Wilks, Ann. Math. Stat. 12, 1941): the k-th value
+    is an upper bound where k successes of n runs would show a probability of `share`. One is infinite where there are too
+    few values for it. Values may be infinite, but not nan. Without values all is nan.
     """
-    if not len(values):
+    n = len(values)
+    if not n:
         return float("nan"), Bounds(float("nan"), float("nan"))
-    at = float(np.quantile(values, share, method="inverted_cdf"))
-    low = quantile_test(values, p=share, alternative="greater").confidence_interval(confidence).low
-    high = quantile_test(values, p=share, alternative="less").confidence_interval(confidence).high
-    return at, Bounds(-np.inf if np.isnan(low) else float(low), np.inf if np.isnan(high) else float(high))
+    bounds = sequence if repeated else fixed
+    ordered = np.sort(values)
+    above = bisect_left(range(n + 1), True, key=lambda k: bounds(k, n, confidence).low >= share)
+    below = bisect_left(range(n + 1), True, key=lambda k: bounds(k, n, confidence).high > share)
+    at = ordered[min(max(int(np.ceil(n * share - 1e-9)), 1), n) - 1]
+    low = ordered[below - 1] if below else -np.inf
+    return float(at), Bounds(float(low), float(ordered[above - 1] if above <= n else np.inf))

@@ -65,21 +65,30 @@ def rows(cells: Iterable[Iterable[object]]) -> Markup:
 
 def verdict(word: str) -> Markup:
     """A verdict of one word or two, in its colour; a dash where there is none."""
-    kind = "good" if word in ("met", "ok") else "plain" if word in ("", "not evaluated") else "bad"
+    kind = (
+        "good"
+        if word in ("met", "ok")
+        else "plain"
+        if word in ("", "not evaluated")
+        else "warn"
+        if word == "undecided"
+        else "bad"
+    )
     return Markup('<span class="{}">{}</span>').format(kind, word or "\N{EN DASH}")
 
 
 class Page:
     """A page in the making: its plots, and the arrays that they draw."""
 
-    def __init__(self, result: RunData) -> None:
+    def __init__(self, result: RunData | None = None) -> None:
+        """The page of a run with its cycle and faults, or of something else."""
         self.arrays = Arrays()
         self._plots: list[dict[str, Any]] = []
-        cycle = result.scenario.cycle
+        cycle = result.scenario.cycle if result is not None else None
         self._data = {
             "colours": COLOURS,
             "cycle": cycle and {"name": cycle.name, "period": cycle.period},
-            "faults": faulty(result) if len(result.time) else [],
+            "faults": faulty(result) if result is not None and len(result.time) else [],
         }
 
     def figure(
@@ -87,8 +96,8 @@ class Page:
     ) -> Markup:
         """Plots side by side, with a title above and a caption below. `kind` is the class of their frame."""
         plots, notes = list(plots), list(notes)
-        if any(plot["lines"] for plot in plots):
-            notes.append("dashed: limits")
+        if lines := list(dict.fromkeys(plot.get("lines_are", "limits") for plot in plots if plot["lines"])):
+            notes.append(f"dashed: {', '.join(lines)}")
         if self._data["faults"]:
             notes.append("red: injected faults")
         if any(plot["thinned"] for plot in plots):

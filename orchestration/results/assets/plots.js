@@ -81,17 +81,22 @@
       border: { show: true, stroke: css("--limit"), width: 1 } };
     const splits = (period) => (u, i, low, high) =>
       ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / (printing ? 55 : 75))).map((v) => v * period);
+    const named = (at) => at.map((v) => plot.items[v] ?? ""); // names in place of numbers
     const axes = [
-      { ...axis, label: "time, s", size: 28, gap: 4, splits: splits(1), values: (u, at) => labels(at) },
+      { ...axis, label: plot.xlabel || "time, s", size: 28, gap: 4, splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1),
+        values: (u, at) => (plot.items ? named(at) : labels(at)) },
       { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at),
         splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34)),
         size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
     ];
-    if (page.cycle) {
+    if (page.cycle && !plot.xlabel) {
       axes.push({ ...axis, side: 0, scale: "x", label: page.cycle.name, size: 26, gap: 2, grid: { show: false },
         splits: splits(page.cycle.period), values: (u, at) => labels(at.map((t) => t / page.cycle.period)) });
     }
     const time = (u, v) => (v == null ? "\u2013" : `${figures(v, 7)} s` + (page.cycle ? `, ${figures(v / page.cycle.period, 4)} ${page.cycle.name}` : ""));
+    const place0 = (u, v, i, at) => (v == null ? "\u2013" : (plot.items ? named([Math.round(v)])[0] : figures(v, 5))
+      + (plot.runs && at != null ? `, run ${array(plot.runs)[at]}` : ""));
+    const dots = plot.curves.some((curve) => curve.dots);
     const options = {
       width: width(place), height: height(place), axes,
       scales: {
@@ -104,16 +109,17 @@
         } },
       },
       series: [
-        { label: "time", value: time },
+        plot.xlabel ? { label: plot.xname || "value", value: place0 } : { label: "time", value: time },
         ...plot.curves.map((curve, i) => ({
           label: curve.name, stroke: colour(curve.colour), width: curve.pale ? 4 : 1.6, alpha: curve.pale ? 0.4 : 1, pxAlign: 0,
           dash: curve.pale ? [] : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
           value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
-          points: { show: x.length < 40 }, show: before ? before.series[i + 1].show : true,
+          ...(curve.dots ? { paths: () => null, points: { show: true, space: 0, size: 4.5, width: 0.5, fill: colour(curve.colour), stroke: css("--page") } }
+            : { points: { show: x.length < 40 && !curve.bare } }), show: before ? before.series[i + 1].show : true,
         })),
       ],
       legend: { markers: { width: 0, fill: (u, i) => (i ? colour(plot.curves[i - 1].colour) : "") } },
-      cursor: { drag: { x: true, y: false }, points: { size: 7 },
+      cursor: { drag: { x: true, y: false }, points: { size: 7 }, ...(dots ? { dataIdx: (u) => nearest(u, x, ys) } : {}),
         sync: plot.linked && !printing ? { key: "time", setSeries: false, scales: ["x", null] } : undefined },
       hooks: { drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)] },
     };
@@ -136,6 +142,22 @@
       });
       say();
     });
+  }
+
+  // The dot nearest to the mouse, of all curves.
+  function nearest(u, x, ys) {
+    const { left, top } = u.cursor;
+    let best = null, least = 30 ** 2;
+    if (left < 0) return best;
+    const [from, to] = [left - 30, left + 30].map((at) => u.valToIdx(u.posToVal(at, "x")));
+    for (let i = from; i <= to; i++) {
+      for (const [k, y] of ys.entries()) {
+        if (y[i] == null || !u.series[k + 1].show) continue;
+        const d = (u.valToPos(x[i], "x") - left) ** 2 + (u.valToPos(y[i], "y") - top) ** 2;
+        if (d < least) [best, least] = [i, d];
+      }
+    }
+    return best;
   }
 
   function clipped(u, paint) {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, quantile_test
 
 from orchestration.campaign.statistics import (
     Claim,
@@ -54,6 +54,17 @@ def test_the_largest_of_59_values_bounds_the_95_percent_quantile_and_of_58_none_
     # Two values may lie above where there are 93: Wilks' second order.
     more = np.random.default_rng(0).normal(size=93)
     assert quantile(more, 0.95)[1].high == np.sort(more)[-2]
+
+
+def test_bounds_of_a_quantile_are_scipys_and_those_of_a_sequence_are_wider():
+    values = np.random.default_rng(4).normal(size=300)
+    for p in (0.1, 0.5, 0.95):
+        at, bounds = quantile(values, p, 0.9)
+        assert bounds.low == quantile_test(values, p=p, alternative="greater").confidence_interval(0.9).low
+        assert bounds.high == quantile_test(values, p=p, alternative="less").confidence_interval(0.9).high
+        assert at == np.quantile(values, p, method="inverted_cdf")
+        wide = quantile(values, p, 0.9, repeated=True)[1]
+        assert wide.low < bounds.low < at < bounds.high < wide.high
 
 
 def test_bounds_of_a_quantile_hold_for_a_skew_distribution_and_for_values_without_end():

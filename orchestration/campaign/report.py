@@ -1,0 +1,297 @@
+"""The page of a campaign: campaign.html, in the style of a run's report and with its plots.
+
+However many the runs, the page keeps some thousand numbers of each plot, so it stays below 2 MB.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from ..results.data import json_text
+from ..results.html import Page, joined, part, pieces, rows, verdict
+from . import plots
+from .influence import ranked, sensitivity, signed
+from .plots import Metric
+from .rows import Rows
+from .sensitivity import RANKED
+from .statistics import percent, probability, quantile, share
+
+_PLOTS = 120
+"""Scatter plots on a page at most."""
+_WORST = 5
+"""Worst runs of each metric that the page lists."""
+_template = "campaign.html"
+_part = partial(part, _template)
+_pieces = partial(pieces, _template)
+_BASIS = {
+    "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",
+    "sobol": "They are those of independent draws; scrambled Sobol' points make them wider than needed as a rule.",
+    "grid": "A full grid is no draw: read the shares as shares of the grid's points.",
+}
+
+
+def write(folder: Path) -> Path:
+    """Writes campaign.html beside campaign.json and returns its path."""
+    path = folder / "campaign.html"
+    path.write_text(page(folder), "utf-8", errors="replace", newline="\n")
+    return path
+
+
+def page(folder: Path) -> str:
+    """The page of the campaign whose files are in the folder."""
+    runs = Rows(folder)
+    manifest, made = runs.manifest, Page()
+    metrics = _metrics(runs) if len(runs) else []
+    varied = ([v["name"], v["text"], "drawn for expressions only" if v["drawn"] else ""] for v in manifest["varied"])
+    parts = [
+        _header(manifest),
+        _part("verdicts", rows(_verdicts(manifest)), basis=_basis(manifest)),
+        _part("varied", rows(varied)),
+    ]
+    found, design = manifest.get("search"), sensitivity(manifest.get("sensitivity"))
+    if len(runs):
+        failed = int(runs.failed.sum())
+        ranks, scatter, worst = _against(runs, metrics, made)
+        parts += [
+            _part("metrics", rows(_metric(m, failed, manifest["early"]) for m in metrics)),
+            _part("distributions", joined(_distribution(m, made, manifest["early"]) for m in metrics)),
+            *(ranks, design, scatter, _search(manifest, found, metrics, made), worst),
+            _part("failures", rows([f"{n:,}", why, ", ".join(map(str, first))] for why, n, first in runs.reasons())),
+            _part("expectations", rows(_expectations(runs))),
+        ]
+    parts.append(_part("manifest", json_text(manifest)))
+    return made.html(f"{manifest['campaign']}: {_outcome(manifest)[1]}", parts)
+
+
+def _basis(manifest: dict[str, Any]) -> str:
+    if manifest["early"]:
+        return "They hold at all looks at once (a confidence sequence), so stopping early keeps the confidence."
+    return _BASIS.get(
+        manifest["sampling"], "They hold for a number of runs that was fixed before (Clopper and Pearson)."
+    )
+
+
+def _outcome(manifest: dict[str, Any]) -> tuple[str, str]:
+    """A class for its colour, and the outcome in words."""
+    statuses = [v["status"] for v in manifest["verdicts"]]
+    if not statuses:
+        return "plain", "no requirements"
+    if set(statuses) == {"met"}:
+        return "good", f"all {len(statuses)} requirements met" if len(statuses) > 1 else "the requirement is met"
+    counts = {word: statuses.count(word) for word in ("met", "not met", "undecided") if word in statuses}
+    kind = "bad" if "not met" in counts else "warn"
+    return kind, ", ".join(f"{n} of {len(statuses)} requirements {word}" for word, n in counts.items())
+
+
+def _header(manifest: dict[str, Any]) -> Markup:
+    counts = manifest["runs"]
+    badges = [_outcome(manifest)]
+    if counts["failed"]:
+        badges.append(("warn", f"{counts['failed']:,} run{'s' * (counts['failed'] > 1)} failed"))
+    if manifest["state"] != "completed":
+        badges.append(("plain" if manifest["state"] == "stopped early" else "bad", manifest["state"]))
+    seconds, workers = manifest.get("wall_time") or 0.0, manifest.get("workers") or 1
+    rate = f", {counts['flown'] / seconds:,.3g} runs/s on {workers} worker{'s' * (workers > 1)}" if seconds else ""
+    few = f" of {counts['wanted']:,}" if counts["flown"] < counts["wanted"] else ""
+    return _pieces()["header"].format(
+        name=manifest["campaign"],
+        description=manifest.get("description") or "",
+        badges=joined(pieces("report.html")["badge"].format(kind=kind, text=text) for kind, text in badges),
+        runs=f"{counts['flown']:,}{few}",
+        failed=f"{counts['failed']:,}" if counts["failed"] else "",
+        drawn=manifest["sampling"]
+        if manifest["sampling"] == "grid"
+        else f"{manifest['sampling']}, seed {manifest['seed']}",
+        scenario=manifest.get("scenario_file") or manifest.get("scenario") or "",
+        wall=f"{seconds:,.3g} s{rate}",
+        finished=str(manifest.get("finished") or "").replace("T", " ").replace("+00:00", " UTC"),
+    )
+
+
+def _verdicts(manifest: dict[str, Any]) -> list[list[object]]:
+    asked = {r["name"]: r for r in manifest["requirements"]}
+    found: list[list[object]] = []
+    for v in manifest["verdicts"]:
+        r = asked[v["name"]]
+        of = r["metric"] if r["metric"] is not None else r["expectation"]
+        found.append([
+            verdict(v["status"]),
+            _two(v["name"], of if of != v["name"] else ""),
+            r["expected"],
+            _two(f"{v['probability']:g}", f"at {percent(v['confidence'])} confidence"),
+            _two(f"{v['share']:.5g}" if v["share"] is not None else "\N{EN DASH}",
+                 f"{probability(v['low'])} to {probability(v['high'], up=True)}"),
+            v["text"],
+        ])  # fmt: skip
+    return found
+
+
+def _two(text: str, below: str) -> Markup:
+    return Markup("{}<small>{}</small>").format(text, below)
+
+
+def _metrics(runs: Rows) -> list[Metric]:
+    asked: dict[str, dict[str, Any]] = {}
+    for requirement in runs.manifest["requirements"]:  # the first one of a metric is the one that is drawn
+        asked.setdefault(requirement["metric"], requirement)
+    found = []
+    for m in runs.manifest["metrics"]:
+        r = asked.get(m["name"])
+        bounds = {key: r[key] for key in ("low", "high", "probability", "confidence")} if r else {}
+        met = runs.true(r["column"]) if r else None
+        found.append(Metric(m["name"], m["text"], m["unit"] or "", runs.numbers(m["column"]), met=met, **bounds))
+    return found
+
+
+def _metric(metric: Metric, failed: int, early: bool) -> list[object]:
+    """A row of the table of metrics: quantiles from the good end on."""
+    sign = -1.0 if metric.lower_is_worse else 1.0
+    bad = sign * metric.values
+    bad = np.where(np.isnan(bad), np.inf, bad)
+    than = "\N{GREATER-THAN OR EQUAL TO}" if metric.lower_is_worse else "\N{LESS-THAN OR EQUAL TO}"
+
+    def cell(part: float) -> Markup:
+        at, bounds = quantile(bad, part, 0.95, early)
+        ends = sorted(sign * b for b in (bounds.low, bounds.high) if np.isfinite(b))
+        told = "never or failed" if not np.isfinite(at) else f"{than} {metric.with_unit(sign * at)}"
+        some = ("from " if (bounds.high == np.inf) != metric.lower_is_worse else "up to ") if len(ends) == 1 else ""
+        return _two(told, some + " to ".join(metric.with_unit(end) for end in ends))
+
+    finite = bad[np.isfinite(bad)]
+    worst = metric.with_unit(sign * finite.max()) if len(finite) else "\N{EN DASH}"
+    never = int(np.isinf(metric.values).sum())
+    return [_two(metric.name, metric.text), cell(0.5), cell(0.95), cell(0.9973), worst, f"{never:,}", f"{failed:,}"]
+
+
+def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
+    shown = [plots.distribution(metric, made.arrays, early, tail) for tail in (False, True)]
+    drawn = [plot for plot in shown if plot is not None]
+    if not drawn:
+        return Markup("")
+    ends = [b for b in (metric.low, metric.high) if b is not None]
+    notes = [f"dotted: {' and '.join(metric.with_unit(b) for b in ends)}, as required"] if drawn[0]["marks"] else []
+    if never := int(np.isposinf(metric.values).sum()):
+        notes.append(f"{never:,} run{'s' * (never > 1)} without a finite value")
+    if any(plot.get("stepped") for plot in drawn):
+        notes.append(f"about {plots.STEPS} steps are drawn")
+    if len(drawn) > 1:
+        notes.append("right: near the required probability")
+    return made.figure(metric.name, drawn, metric.text, notes, f"n{len(drawn)}")
+
+
+def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
+    """Rank correlations, scatter plots and worst runs, which need the varied values."""
+    units = {column: v["unit"] for v in runs.manifest["varied"] for column in v["columns"]}
+    chosen = plots.shown_runs(metrics, runs.failed)
+    worst = [np.argsort(-np.where(runs.failed, -np.inf, m.badness), kind="stable")[:_WORST] for m in metrics]
+    columns: dict[str, np.ndarray] = {}
+    shown: dict[str, tuple[np.ndarray, list[str] | None]] = {}
+    told: dict[str, list[list[str]]] = {}
+    for column in units:
+        values, items = runs.values(column)
+        columns[column] = values[:RANKED].copy()  # not all of it kept
+        shown[column] = values[chosen], items
+        told[column] = [[items[int(v)] if items else f"{v:.5g}" for v in values[at]] for at in worst]
+    numbers = {name: values for name, values in columns.items() if shown[name][1] is None}
+    tables, strengths = ranked(metrics, numbers)
+    few = (
+        f"{len(chosen):,} of {len(runs):,} runs are drawn: some at random, and the worst of each metric."
+        if len(chosen) < len(runs)
+        else ""
+    )
+    folds: list[Markup] = []
+    left = _PLOTS
+    for metric, strong in zip(metrics, strengths, strict=True):
+        order = sorted(units, key=lambda name: -abs(strong.get(name, 0.0)))[: max(left, 0)]
+        left -= len(order)
+        drawn = []
+        for name in order:
+            x, items = shown[name]
+            label = f"{name}, {units[name]}" if units[name] else name
+            plot = plots.scatter(metric, chosen, x, label, items, runs.index, made.arrays)
+            drawn.append(
+                made.figure(name, [plot], f"rank correlation {signed(strong[name])}" if name in strong else "")
+            )
+        opened = Markup(" open") if not folds else ""
+        folds.append(
+            _pieces()["scatter_metric"].format(metric=metric.name, text=metric.text, plots=joined(drawn), open=opened)
+        )
+    if left < 0:
+        few += f" Only the first {_PLOTS} plots are drawn."
+    return [
+        _part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
+        _part("scatter", joined(folds), basis=few),
+        _worst(runs, metrics, worst, told),
+    ]
+
+
+def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dict[str, list[list[str]]]) -> Markup:
+    kept = set(runs.manifest.get("kept") or ())
+    head = joined(Markup('<th scope="col">{}</th>').format(name) for name in told)
+    tables = []
+    for place, (metric, at) in enumerate(zip(metrics, worst, strict=True)):
+        lines = [
+            [
+                Markup('<a href="kept/{0}/report.html">{0}</a>').format(run) if run in kept else run,
+                metric.with_unit(metric.values[row]),
+                *(told[name][place][i] for name in told),
+            ]
+            for i, (row, run) in enumerate(zip(at, runs.index[at].tolist(), strict=True))
+            if not runs.failed[row]
+        ]
+        first = Markup('<th scope="col">{}</th>').format(metric.name)
+        tables.append(_part("worst_table", rows(lines), metric=metric.name, text=metric.text, head=first + head))
+    return _part("worst", joined(tables), command=_replay(runs.manifest, "RUN"))
+
+
+def _replay(manifest: dict[str, Any], run: str) -> str:
+    return f"orchestrate campaign {manifest.get('campaign_file') or 'CAMPAIGN.yaml'} --replay {run}"
+
+
+def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:
+    if found is None:
+        return Markup("")
+    metric = next((m for m in metrics if m.name == found["metric"]), Metric(found["metric"], "", "", np.empty(0)))
+    own = metric.values[np.isfinite(metric.values)]
+    mine = (own.max() if found["worst"] == "largest" else own.min()) if len(own) else None
+    if found["values"] is None:
+        text = f"The search found no case: all of its {found['runs']:,} runs failed."
+    else:
+        value = "never" if found["value"] is None else metric.with_unit(found["value"])
+        text = f"The {found['worst']} {metric.name} that {found['runs']:,} runs of a search found is {value}"
+        text += (
+            f"; that of the campaign's {len(metric.values):,} runs is {metric.with_unit(mine)}."
+            if mine is not None
+            else "."
+        )
+    shown = plots.search(found, metric, made.arrays)
+    return _pieces()["search"].format(
+        found=text,
+        command=_replay(manifest, "worst") if found["scenario"] else "",
+        failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
+        content=rows([name, _value(value)] for name, value in (found["values"] or {}).items()),
+        figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")
+        if shown
+        else "",
+    )
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_value, value))}]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _expectations(runs: Rows) -> list[list[object]]:
+    found: list[list[object]] = []
+    for expectation in runs.manifest.get("expectations", ()):
+        met, n = int(runs.true(expectation["column"]).sum()), len(runs)
+        interval = share(met, n)
+        ends = f"{probability(interval.low)} to {probability(interval.high, up=True)}"
+        found.append([expectation["name"], f"{met:,} of {n:,}", f"{met / n:.5g}", ends])
+    return found

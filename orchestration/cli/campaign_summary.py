@@ -1,0 +1,97 @@
+"""What the console shows of a campaign at its end."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..campaign.statistics import percent, probability
+from ..errors import printable
+from ..quantities import with_unit
+from .console import is_terminal, say
+
+_WIDTH = 80
+_COLOURS = {"met": "green", "not met": "bold red", "undecided": "yellow"}
+_DASH = "\N{EN DASH}"
+_NAMED = 4
+"""Varied entries that are named for each metric at most."""
+
+
+def summary(manifest: Mapping[str, Any]) -> None:
+    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from campaign.json."""
+    runs = manifest["runs"]
+    seconds = manifest.get("wall_time") or 0.0
+    few = f" of {runs['wanted']:,}" if runs["flown"] < runs["wanted"] else ""
+    say(f"{manifest['campaign']}: {runs['flown']:,}{few} runs, {manifest['state']}, in {seconds:.3g} s", bold=True)
+    if runs["failed"]:
+        say(f"{runs['failed']:,} runs failed and meet no requirement; campaign.html lists the reasons", fg="yellow")
+    if manifest["verdicts"]:
+        _print(_verdicts(manifest))
+        for verdict in manifest["verdicts"]:
+            if verdict["status"] == "undecided":
+                say(f"{verdict['name']}: undecided: {verdict['text']}", fg="yellow")
+    _influence(manifest.get("sensitivity"))
+    _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]})
+
+
+def _verdicts(manifest: Mapping[str, Any]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="", width=_WIDTH)
+    for name in ("verdict", "requirement", "bound", "required", "share, bounds"):
+        table.add_column(name, no_wrap=name in ("verdict", "share, bounds"), overflow="fold")
+    asked = {requirement["name"]: requirement for requirement in manifest["requirements"]}
+    for v in manifest["verdicts"]:
+        share = f"{v['share']:.5g}" if v["share"] is not None else _DASH
+        cells = (
+            v["name"],
+            asked[v["name"]]["expected"],
+            f"{v['probability']:g} at {percent(v['confidence'])}",
+            f"{share} ({probability(v['low'])} to {probability(v['high'], up=True)})",
+        )
+        table.add_row(Text(v["status"], _COLOURS[v["status"]]), *(Text(printable(str(cell))) for cell in cells))
+    return table
+
+
+def _print(table: Table) -> None:
+    """Prints a table of rich by way of `say`, which minds what becomes of the streams."""
+    coloured = is_terminal(sys.stdout)
+    console = Console(
+        file=io.StringIO(), width=_WIDTH, force_terminal=coloured, color_system="standard" if coloured else None
+    )
+    console.print(table)
+    say()
+    for line in console.file.getvalue().rstrip("\n").split("\n"):  # type: ignore[attr-defined]
+        say(head=line.rstrip())
+
+
+def _influence(found: Mapping[str, Any] | None) -> None:
+    if found is None:
+        return
+    key, title = ("total", "total Sobol index") if found["method"] == "sobol" else ("effect", "mean Morris effect")
+    say(f"\n{title}, from {found['runs']:,} runs of their own, {found['failed']:,} failed")
+    for metric, indices in found["metrics"].items():
+        if key not in indices:
+            say(f"  {metric}: {indices['note']}", fg="yellow")
+            continue
+        named = sorted(zip(indices[key], found["entries"], strict=True), key=lambda entry: -(entry[0] or 0.0))
+        more = f", {len(named) - _NAMED} more" if len(named) > _NAMED else ""
+        say(f"  {metric}: {', '.join(f'{name} {value:.2g}' for value, name in named[:_NAMED])}{more}")
+        if indices["note"]:
+            say(f"    {indices['note']}", fg="yellow")
+
+
+def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str]) -> None:
+    if found is None:
+        return
+    at = f"{found['worst']} {found['metric']} of a search with {found['runs']:,} runs"
+    if found["values"] is None:
+        say(f"\n{at}: none, all of them failed", fg="yellow")
+        return
+    value = "never" if found["value"] is None else with_unit(found["value"], units.get(found["metric"], ""))
+    failed = f", {found['failed']:,} failed" if found["failed"] else ""
+    say(f"\n{at}: {value}{failed}")

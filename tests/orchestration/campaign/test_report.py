@@ -1,0 +1,153 @@
+"""The page of a campaign, and what the console shows at its end."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration.campaign import report
+from orchestration.cli.campaign_summary import summary
+
+from ..results.browser import Browser, box, pixels, values
+from ..results.swing import Reader, data_of, unpacked
+from . import synthetic
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign of 1000 runs with all analyses, and its page."""
+    made = synthetic.write(tmp_path_factory.mktemp("campaign"))
+    report.write(made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def text(folder: Path) -> str:
+    return (folder / "campaign.html").read_text("utf-8")
+
+
+def test_the_page_says_what_came_of_the_campaign(text):
+    words = Reader(text).words
+    for said in (
+        "1 of 4 requirements met, 3 of 4 requirements not met",
+        "9 runs failed",
+        "random, seed 1",
+        "988 of 1000 runs meet it; probability at least 0.9806 at 95% confidence, required 0.9",
+        "They hold for a number of runs that was fixed before (Clopper and Pearson).",
+        "time from which |judge.rate_error_B| < 0.001 rad/s for good",
+        "dotted: 1158 s, as required; 1 run without a finite value",
+        "256 base points (Saltelli\u2019s design)",
+        "The largest settle that 200 runs of a search found is 1160 s; that of the campaign's 1,000 runs is 1190 s.",
+        "orchestrate campaign detumble_spread.yaml --replay RUN",
+        "plant: fmi2DoStep at 812.5 s: the state is not finite 145, 247, 519, 573, 728",
+        "the wheel stays within its limits 991 of 1,000 0.991 0.9829 to 0.99588",
+        "drawn for expressions only",
+    ):
+        assert said in words, said
+
+
+def test_what_a_name_holds_is_text_and_the_page_asks_for_nothing(text):
+    assert "never &lt;b&gt;saturates&lt;/b&gt;" in text
+    assert "<b>saturates" not in text
+    assert not re.search(r'(src|href)="?(https?:)?//', text)
+
+
+def test_the_distribution_at_the_bound_is_what_the_verdict_says(folder, text):
+    manifest = json.loads((folder / "campaign.json").read_text("utf-8"))
+    data = data_of(text)
+    verdict = manifest["verdicts"][0]
+    drawn, _, _, _, above, _ = (p for p in data["plots"] if p.get("lines_are") == "required probability")
+    assert drawn["marks"] == [1158.0]
+    assert drawn["lines"] == [verdict["probability"]]
+    x = unpacked(data["arrays"][drawn["x"]])
+    low, high, share = (unpacked(data["arrays"][c["y"]]) for c in drawn["curves"])
+    at = np.searchsorted(x, 1158.0) - 1
+    assert (low[at], high[at], share[at]) == pytest.approx(
+        (verdict["low"], verdict["high"], verdict["share"]), abs=1e-6
+    )
+    assert above["label"] == "share of runs from a value on"  # where large values are wanted
+    y = unpacked(data["arrays"][above["curves"][2]["y"]])
+    at = np.searchsorted(unpacked(data["arrays"][above["x"]]), 0.98)
+    assert y[at] == pytest.approx(manifest["verdicts"][2]["share"], abs=2e-3)
+
+
+def test_a_campaign_that_stopped_early_or_did_not_begin_has_a_page(tmp_path):
+    early = Reader(report.page(synthetic.write(tmp_path / "early", 60, early=True, analyses=False))).words
+    assert "stopped early" in early
+    assert "They hold at all looks at once (a confidence sequence), so stopping early keeps the confidence." in early
+    folder = synthetic.write(
+        tmp_path / "none", 60, analyses=False, verdicts=[], requirements=[], metrics=[], state="interrupted"
+    )
+    for part in (folder / "runs").iterdir():
+        part.unlink()
+    words = Reader(report.page(folder)).words
+    assert "interrupted" in words
+    assert "no requirements" in words
+
+
+def test_a_campaign_whose_runs_all_failed_has_a_page(tmp_path):
+    folder = synthetic.write(tmp_path, 30, analyses=False, all_fail=True)
+    assert "30 runs failed" in Reader(report.page(folder)).words
+
+
+def test_thinned_out_plots_say_so_and_keep_the_worst_runs(tmp_path):
+    folder = synthetic.write(tmp_path, 30000, analyses=False)
+    page = report.page(folder)
+    assert len(page) < 2e6
+    words = Reader(page).words
+    found = re.search(r"([\d,]+) of 30,000 runs are drawn: some at random, and the worst of each metric", words)
+    assert 2000 <= int(found[1].replace(",", "")) < 2200
+    data = data_of(page)
+    scatter = next(p for p in data["plots"] if "runs" in p)
+    shown = {c["name"]: unpacked(data["arrays"][c["y"]]) for c in scatter["curves"]}
+    assert np.nanmax(shown["requirement not met"]) == pytest.approx(
+        max(v for v in report.Rows(folder).numbers("settle") if np.isfinite(v)), rel=1e-6
+    )
+
+
+def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Browser, folder):
+    chromium.call("Emulation.setEmulatedMedia", features=[])
+    chromium.call("Emulation.clearDeviceMetricsOverride")
+    chromium.complaints.clear()
+    chromium.requests.clear()
+    chromium.open(folder / "campaign.html")
+    chromium.settle()
+    assert pixels(chromium, "#0072b2", 0) > 500
+    plot = 6  # the first scatter plot, behind three distributions of two plots each
+    assert pixels(chromium, "#0072b2", plot) > 500
+    assert pixels(chromium, "#d55e00", plot) > 5
+    x, y, w, h = box(chromium, ".plot .u-over", plot)
+    chromium.mouse("mouseMoved", x + w / 2, y + h / 2)
+    chromium.settle()
+    told = values(chromium, plot)
+    run = int(re.search(r"run (\d+)$", told[0])[1])
+    rows = report.Rows(folder)
+    assert float(told[0].split(",")[0].replace("\u2212", "-")) == pytest.approx(
+        rows.numbers("plant.Q0.q0")[run], rel=1e-3
+    )
+    assert float(told[1]) == pytest.approx(rows.numbers("settle")[run], rel=1e-3)
+    chromium.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
+    chromium.settle()
+    assert chromium.evaluate("document.documentElement.scrollWidth") <= 390
+    assert chromium.complaints == []
+    assert [r for r in chromium.requests if not r.startswith("data:") and not r.endswith("/campaign.html")] == []
+
+
+def test_the_console_shows_the_verdicts_in_80_columns(folder, capsys):
+    manifest = json.loads((folder / "campaign.json").read_text("utf-8"))
+    manifest["verdicts"][1] |= {"status": "undecided", "text": "too few"}
+    manifest["requirements"][0]["expected"] = "< 1 \x1b[31ms"
+    summary(manifest)
+    out = capsys.readouterr().out
+    assert all(len(line) <= 80 for line in out.splitlines() if line.startswith(("met", "not met", "undecided", " ")))
+    assert "1,000 runs, completed, in 60 s" in out
+    assert "9 runs failed and meet no requirement" in out
+    assert re.search(r"met +settles .* 0.9 at 95% +0.988 \(0.9806 to 0.99307\)", out)
+    assert "points: undecided: too few" in out
+    assert "settle: plant.Q0 0.83, rate 0.11" in out
+    assert "largest settle of a search with 200 runs: 1160 s" in out
+    assert "\x1b[31m" not in out
