@@ -10,14 +10,14 @@ import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from typing import Any
 from uuid import uuid4
 
 import numpy as np
 
 from ..errors import InputError
-from .cluster_errors import CrewLost
-from .crew import Batch, Batches, foreign, seconds
+from .crew import Batch, Batches, CrewLost, foreign, seconds
 from .job import Job, Rows, lost
 
 try:
@@ -158,6 +158,8 @@ def _client(workers: int | None, scheduler: str | None, dashboard: bool) -> Iter
         with client:
             yield client
         return
+    if dashboard and find_spec("bokeh") is None:
+        raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
     local = LocalCluster(
         n_workers=workers or os.cpu_count() or 1,
         threads_per_worker=1,

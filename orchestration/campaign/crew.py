@@ -13,6 +13,11 @@ from ..fmu.interfaces import is_path
 from ..fmu.model import Floats
 from .job import Job, Pilot, Rows
 
+
+class CrewLost(RuntimeError):
+    """A cluster is gone. What has been written stands."""
+
+
 TARGET = 0.5
 """Seconds that a batch is to take: what a scheduler needs for one, some milliseconds, is a small part of it."""
 _LARGEST = 20_000

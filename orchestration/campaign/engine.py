@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,6 +17,11 @@ from ..errors import InputError
 from ..interrupt import held
 from ..results.place import reserved
 from . import statistics
+
+try:
+    from . import report  # type: ignore[attr-defined]
+except ImportError:
+    report = None
 from .crew import Batches, Crew, crew
 from .load import Case
 from .record import MANIFEST, manifest, write
@@ -23,6 +29,7 @@ from .statistics import Claim, Verdict
 
 try:
     from .dataset import Dataset
+    from .extras import ANALYSES, analyse, keep
 except ImportError:  # in a place without PyArrow, of which `_need_parquet` tells
     Dataset = None  # type: ignore[assignment, misc]
 
@@ -59,6 +66,8 @@ class Finished:
     """Seconds of this start."""
     interrupted: int = 0
     """The number of the signal that ended it; 0 for none."""
+    page: Path | None = None
+    """The report page."""
 
 
 def fly(
@@ -78,67 +87,68 @@ def fly(
     if Dataset is None:
         raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
     begun = perf_counter()
-    with reserved(folder):
+    with reserved(folder), ExitStack() as stack:
         earlier = _earlier(case, folder)
         data = Dataset(folder, case.job, case.runs)
         state, interrupted, verdicts = "running", 0, list[Verdict]()
+        more: dict[str, Any] = {key: earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in earlier}
 
         def note() -> None:
             record = manifest(case, state, data, verdicts, perf_counter() - begun, earlier)
-            write(folder / MANIFEST, record)
+            write(folder / MANIFEST, {**record, **more})
+
+        @cache
+        def hands() -> Crew:
+            flying, remarks = stack.enter_context(crew(case.job, workers, scheduler, dashboard))
+            for text in remarks:
+                remark(text)
+            return flying
 
         note()
         try:
-            state, verdicts = _flown(case, data, (workers, scheduler, dashboard), tell, remark)
+            state, verdicts = _flown(case, data, hands, tell)
+            data.flush()
+            note()  # before what follows, which may take as long again
+            analyse(case, hands, more, remark)
+            more["kept"] = keep(case, folder)
         except KeyboardInterrupt as signal:
             state, interrupted = "interrupted", getattr(signal, "number", 2)
         finally:
             with held():
-                if state != "completed":
-                    state = "stopped early" if state == "stopped early" else "interrupted"
                 data.flush()
-                if state == "interrupted":
-                    verdicts = decided(case, data, case.runs)
+                if state in ("running", "interrupted"):
+                    state, verdicts = "interrupted", decided(case, data)
                 note()
-    return Finished(
-        state, int(data.done.sum()), int(data.failed.sum()), verdicts, data.reason, perf_counter() - begun, interrupted
-    )
+        page = report.write(folder) if report is not None else None
+    counts = int(data.done.sum()), int(data.failed.sum())
+    return Finished(state, *counts, verdicts, data.reason, perf_counter() - begun, interrupted, page)
 
 
-def _flown(
-    case: Case, data: Any, how: tuple[int | None, str | None, bool], tell: Tell | None, remark: Callable[[str], None]
-) -> tuple[str, list[Verdict]]:
+def _flown(case: Case, data: Any, hands: Callable[[], Crew], tell: Tell | None) -> tuple[str, list[Verdict]]:
     """Flies up to the end, or until all is decided."""
-    early = case.campaign.stop == "decided"
-    looks = statistics.looks(case.runs) if early else [case.runs]
-    if not data.done.all() and not (early and _decided_before(case, data, looks)):
-        with crew(case.job, *how) as (flying, remarks):
-            for text in remarks:
-                remark(text)
-            begun = perf_counter()
-            there = int(data.done.sum())
-            for look in looks:
-                _up_to(case, data, flying, look, begun, there, tell)
-                if early and (verdicts := _all_decided(case, data, look)):
-                    return "stopped early" if look < case.runs else "completed", verdicts
-    if early:
-        for look in looks:
-            if data.done[:look].all() and (verdicts := _all_decided(case, data, look)):
-                return "stopped early" if look < case.runs else "completed", verdicts
-    return "completed", decided(case, data, case.runs)
+    begun, there = perf_counter(), int(data.done.sum())
+    if case.campaign.stop != "decided":
+        _up_to(case, data, hands, case.runs, begun, there, tell)
+        return "completed", decided(case, data)
+    verdicts: list[Verdict] = []
+    for look in statistics.looks(case.runs):
+        _up_to(case, data, hands, look, begun, there, tell)
+        met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
+        verdicts = statistics.verdicts(claims(case), met, look, case.runs, early=True)
+        if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
+            return "stopped early", verdicts
+    return "completed", verdicts
 
 
-def _decided_before(case: Case, data: Any, looks: Sequence[int]) -> bool:
-    """Whether an earlier start came to a look at which all was decided."""
-    return any(data.done[:look].all() and _all_decided(case, data, look) for look in looks)
-
-
-def _up_to(case: Case, data: Any, flying: Crew, look: int, begun: float, there: int, tell: Tell | None) -> None:
+def _up_to(
+    case: Case, data: Any, hands: Callable[[], Crew], look: int, begun: float, there: int, tell: Tell | None
+) -> None:
     """Flies those of the first `look` runs that are not there yet."""
     left = np.flatnonzero(~data.done[:look])
     if not len(left):
         return
     points = case.job.design.points if case.job.design.early else None
+    flying = hands()
     batches = Batches(left, points, flying.slots)
     flown, failed = int(data.done.sum()), int(data.failed.sum())
     for rows in flying.fly(batches):
@@ -155,19 +165,11 @@ def claims(case: Case) -> list[Claim]:
     return [Claim(claim.name, claim.probability, claim.confidence) for claim in case.job.claims]
 
 
-def _all_decided(case: Case, data: Any, look: int) -> list[Verdict]:
-    """The verdicts of the first `look` runs where none is undecided; else none."""
-    met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
-    verdicts = statistics.verdicts(claims(case), met, look, case.runs, early=True)
-    last = look == case.runs
-    return verdicts if last or all(verdict.status != "undecided" for verdict in verdicts) else []
-
-
-def decided(case: Case, data: Any, runs: int) -> list[Verdict]:
+def decided(case: Case, data: Any) -> list[Verdict]:
     """The verdicts of all runs that are there."""
     flown = int(data.done.sum())
     early = case.campaign.stop == "decided"
-    return statistics.verdicts(claims(case), data.counts(), flown, runs, early=early)
+    return statistics.verdicts(claims(case), data.counts(), flown, case.runs, early=early)
 
 
 def _earlier(case: Case, folder: Path) -> dict[str, Any]:

@@ -10,6 +10,8 @@ import numpy as np
 
 from ..fmu.model import Floats
 from .crew import Batches, Crew, crew
+from .expression import Expression
+from .job import OK
 from .load import Case
 from .replay import scenario_text
 
@@ -26,6 +28,12 @@ class Evaluator:
         """The name of each entry that is drawn, its first coordinate, and how many it has."""
         self.metrics: dict[str, str] = {m.metric.name: str(m.unit) for m in job.measures}
         """Their units, by name."""
+        self.bounded: list[bool] = [
+            end for d in job.draws.draws if not isinstance(d.sampler, Expression) for end in d.sampler.bounded
+        ]
+        """By coordinate, whether its distribution has ends."""
+        self.reasons: dict[str, int] = {}
+        """How many runs failed up to now, by reason."""
         self._first = [name for name, _ in job.columns].index(job.measures[0].metric.name) if job.measures else 0
 
     def __call__(self, unit: Floats) -> dict[str, Floats]:
@@ -40,6 +48,8 @@ class Evaluator:
             for row in rows:
                 cells: Any = row[self._first : self._first + len(self.metrics)]
                 found[int(row[0] or 0)] = [np.nan if cell is None else cell for cell in cells]
+                if row[1] != OK:
+                    self.reasons[str(row[2])] = self.reasons.get(str(row[2]), 0) + 1
         return {name: found[:, i] for i, name in enumerate(self.metrics)}
 
     def values(self, unit: Floats) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from ..scenario.expectations import Bound
 from ..scenario.metrics import Metric
 from ..scenario.references import Name
 from ..scenario.types import NUMBER_OR_TEXT, Counted, Flavour, Model, Quantity, Value
+from .analysis import Search, Sensitivity, metric_problem
 from .distributions import Varied
 
 Variable = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
@@ -108,6 +109,10 @@ class Campaign(Model):
     requirements: list[Requirement] = []
     """Requirements, which decide the exit status."""
     keep: Keep = Keep()
+    sensitivity: Sensitivity | None = None
+    """Which of the values that vary decide the metrics, by runs of a design of their own."""
+    search: Search | None = None
+    """A search for the run with the worst value of a metric."""
 
     @field_validator("metrics", "requirements")
     @classmethod
@@ -136,6 +141,8 @@ class Campaign(Model):
             raise ValueError(f"stop: only runs drawn at random can end early, found sampling: {self.sampling}")
         if self.stop == "decided" and not self.requirements:
             raise ValueError("stop: there is no requirement that could be decided")
+        if problem := metric_problem(self.search, [metric.name for metric in self.metrics]):
+            raise ValueError(problem)
         if not self.metrics and not self.requirements:
             raise ValueError("expected metrics or requirements: without them nothing is known of a run")
         return self

@@ -93,7 +93,6 @@ def manifest(
         "started": earlier.get("started") or now,
         "finished": None if state == "running" else now,
         "wall_time": before + (wall if state != "running" else 0.0),
-        "kept": list(earlier.get("kept") or []),
     }
 
 

@@ -27,6 +27,10 @@ class Sampler(Protocol):
     def count(self) -> int:
         """How many numbers it takes."""
 
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """Of each number that it takes, whether the values have ends there."""
+
     def value(self, u: Sequence[float]) -> Any:
         """Its value at `count` numbers in [0, 1)."""
 
@@ -47,6 +51,11 @@ class Uniform:
     def count(self) -> int:
         return self.low.size
 
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (True,) * self.count
+
     def value(self, u: Sequence[float]) -> Any:
         return _plain(self.low + np.reshape(u, self.low.shape) * (self.high - self.low))
 
@@ -63,6 +72,11 @@ class Normal:
     @property
     def count(self) -> int:
         return self.mean.size
+
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (math.isfinite(self.low) and math.isfinite(self.high),) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
         given = np.reshape(u, self.mean.shape)
@@ -87,6 +101,11 @@ class Correlated:
     @property
     def count(self) -> int:
         return self.mean.size
+
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (False,) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
         z = _quantile(u)
@@ -120,6 +139,11 @@ class LogNormal:
     def count(self) -> int:
         return self.median.size
 
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (False,) * self.count
+
     def value(self, u: Sequence[float]) -> Any:
         return _plain(self.median * np.exp(self.sigma * _quantile(np.reshape(u, self.median.shape))))
 
@@ -131,6 +155,11 @@ class Integers:
     low: int
     high: int
     count: int = 1
+
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (True,)
 
     def value(self, u: Sequence[float]) -> Any:
         n = self.high - self.low + 1
@@ -147,6 +176,11 @@ class Pick:
     """Whether a grid goes through the values in turn."""
     count: int = 1
 
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (True,)
+
     def value(self, u: Sequence[float]) -> Any:
         return self.values[min(bisect_right(self.ends, u[0]), len(self.values) - 1)]
 
@@ -159,6 +193,11 @@ class Rotation:
     """
 
     count: int = 3
+
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (True,) * 3
 
     def value(self, u: Sequence[float]) -> Any:
         near, far = math.sqrt(1.0 - u[0]), math.sqrt(u[0])
@@ -176,6 +215,11 @@ class Sphere:
     @property
     def count(self) -> int:
         return 2 if isinstance(self.length, float) else 2 + self.length.count
+
+    @property
+    def bounded(self) -> tuple[bool, ...]:
+        """See `Sampler.bounded`."""
+        return (True, True, *(() if isinstance(self.length, float) else self.length.bounded))
 
     def value(self, u: Sequence[float]) -> Any:
         length = self.length if isinstance(self.length, float) else self.length.value(u[2:])

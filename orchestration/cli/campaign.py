@@ -9,8 +9,7 @@ from typing import Any
 import click
 
 from ..campaign import engine
-from ..campaign.cluster_errors import CrewLost
-from ..campaign.kept import keep
+from ..campaign.crew import CrewLost
 from ..campaign.load import Case, read_campaign
 from ..campaign.replay import Replayed, replay
 from ..errors import InputError
@@ -83,10 +82,9 @@ def command(
         ctx.exit(BLOCK_FAILED)
     finally:
         bar.close()
-    page = keep(case, target, finished)
     if not quiet:
         _print(case, finished)
-        say(f"\nresults in {target}" + ("" if page is None else f", report in {page}"))
+        say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     status = _status(case, finished, quiet)
     ctx.exit(UNWRITTEN if lost() else status)
 

@@ -1,0 +1,70 @@
+"""What is made of a campaign once its runs are flown: its analyses, and the folders of runs whose signals are kept."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pyarrow.dataset as ds
+
+from ..errors import InputError
+from ..expectations.metrics import MetricError
+from . import search, sensitivity
+from .crew import Crew
+from .evaluate import evaluator
+from .load import Case
+from .replay import replay
+
+ANALYSES = ("sensitivity", "search")
+
+
+def analyse(case: Case, hands: Callable[[], Crew], more: dict[str, Any], remark: Callable[[str], None]) -> None:
+    """Makes the analyses that the campaign asks for, and puts their results into `more`; those of an earlier start stay."""
+    done: dict[str, str] = dict(more.get("analyses", {}))
+    for name, module in zip(ANALYSES, (sensitivity, search), strict=True):
+        section = getattr(case.campaign, name)
+        if section is None:
+            done.pop(name, None)
+            more.pop(name, None)
+            continue
+        key = hashlib.sha256(f"{case.fingerprint} {section.model_dump_json()}".encode()).hexdigest()
+        if done.get(name) != key or name not in more:
+            remark(f"{name}: flying its runs")
+            with evaluator(case, flying=hands()) as evaluate:
+                more[name] = module.run(section, evaluate, case.campaign.seed)
+            done[name] = key
+    more["analyses"] = done
+
+
+def keep(case: Case, folder: Path) -> list[int]:
+    """Flies the runs that are kept again, into `folder/kept/INDEX`, and returns their indices."""
+    indices = chosen(case, folder)
+    for index in indices:
+        place = folder / "kept" / str(index)
+        if not (place / "manifest.json").exists():
+            try:
+                replay(case, index, place).result.save(place)
+            except (InputError, MetricError):
+                continue  # its row has the reason
+    return indices
+
+
+def chosen(case: Case, folder: Path) -> list[int]:
+    """The indices of the runs that the campaign keeps, of those that have been flown."""
+    wanted = case.campaign.keep
+    found: list[int] = []
+    if not (wanted.runs or wanted.failed or wanted.not_met) or not (folder / "runs").is_dir():
+        return found
+    rows = ds.dataset(folder / "runs", format="parquet")
+    if wanted.runs:
+        table = rows.to_table(["index"], filter=ds.field("index").isin(wanted.runs))
+        found += table.column("index").to_pylist()
+    kinds = [(wanted.failed, ds.field("status") == "failed")]
+    for claim in case.job.claims:
+        kinds.append((wanted.not_met, ds.field(f"met: {claim.name}") == False))  # noqa: E712
+    for count, which in kinds:
+        if count:
+            found += sorted(rows.to_table(["index"], filter=which).column("index").to_pylist())[:count]
+    return sorted(set(found))
