@@ -81,6 +81,7 @@ format: $(VENV)/test
 # What is committed and made from sources; tests fail where it drifts.
 docs: $(VENV)/test
 	$(BIN)/orchestrate schema > docs/scenario.schema.json
+	$(BIN)/orchestrate schema --campaign > docs/campaign.schema.json
 	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/errors.md
 	$(BIN)/python -m tests.orchestration.broken > docs/broken-fmus.md
 	$(BIN)/python -m docs.site.packages

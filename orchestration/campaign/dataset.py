@@ -51,6 +51,7 @@ class Dataset:
         for left in self.folder.glob(f"{_PART}*"):
             left.unlink(missing_ok=True)
         wanted = ["index", "status", "reason", *(f"met: {name}" for name in self.met)]
+        largest = -1
         for path in sorted(self.folder.glob("part-*.parquet")):
             try:
                 with pq.ParquetFile(path) as file:
@@ -63,12 +64,16 @@ class Dataset:
             if table is None:
                 raise InputError(f"{path} has other columns than this campaign; remedy: another folder (--out)")
             index = table.column("index").to_numpy()
-            if len(index) and index.max() >= runs:
-                raise InputError(
-                    f"{self.folder.parent} holds run {index.max()}; remedy: --runs {index.max() + 1} or more, or another folder (--out)"
-                )
+            largest = max(largest, int(index.max(initial=-1)))
+            if largest >= runs:
+                continue  # the others may hold a larger one
             self._note(index, [table.column(name).to_pylist() for name in wanted[1:]])
             self._part = int(path.stem.removeprefix("part-")) + 1
+        if largest >= runs:
+            remedy = f"--runs {largest + 1} or more, or another folder (--out)"
+            raise InputError(
+                f"{self.folder.parent} holds {largest + 1} runs, more than the {runs} that are wanted; remedy: {remedy}"
+            )
 
     def _note(self, index: Any, columns: Sequence[Sequence[Any]]) -> None:
         """Notes rows, given by their indices and the columns status, reason and met."""

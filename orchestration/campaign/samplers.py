@@ -79,14 +79,14 @@ class Normal:
         return (math.isfinite(self.low) and math.isfinite(self.high),) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
-        given = np.reshape(u, self.mean.shape)
+        given = np.clip(np.reshape(u, self.mean.shape), _SMALLEST, 1.0 - _SMALLEST)
         if self.low == -math.inf and self.high == math.inf:
             return _plain(self.mean + self.deviation * _quantile(given))
         a, b = (self.low - self.mean) / self.deviation, (self.high - self.mean) / self.deviation
         mirrored = a > 0.0  # the upper tail, of which the lower one has more digits
         below, above = np.where(mirrored, -b, a), np.where(mirrored, -a, b)
         share = np.where(mirrored, 1.0 - given, given)
-        z = _quantile(ndtr(below) + share * (ndtr(above) - ndtr(below)))
+        z = ndtri(ndtr(below) + share * (ndtr(above) - ndtr(below)))
         z = np.where(mirrored, -z, z)
         return _plain(np.clip(self.mean + self.deviation * z, self.low, self.high))
 

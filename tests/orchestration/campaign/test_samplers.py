@@ -1,0 +1,110 @@
+"""Distributions as functions of the unit cube, against SciPy's and closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.spatial.transform import Rotation as ScipyRotation
+from scipy.stats import qmc
+
+from orchestration.campaign import samplers
+from orchestration.campaign.distributions import Varied
+from orchestration.campaign.entries import sampler
+from orchestration.quantities import QuantityError
+
+U = [1e-9, 0.1, 0.5, 0.734, 1.0 - 1e-9]
+POINTS = qmc.Sobol(3, rng=np.random.default_rng(1)).random_base2(12)
+
+
+def made(**entry):
+    return sampler(Varied.model_validate(entry))[0]
+
+
+@pytest.mark.parametrize(
+    ("entry", "distribution"),
+    [
+        ({"uniform": [-2, 3]}, stats.uniform(-2, 5)),
+        ({"normal": {"mean": 1, "deviation": 0.5}}, stats.norm(1, 0.5)),
+        ({"normal": {"mean": 1, "deviation": 0.5, "low": 0.2, "high": 1.1}}, stats.truncnorm(-1.6, 0.2, 1, 0.5)),
+        ({"normal": {"mean": 0, "deviation": 1, "low": 6}}, stats.truncnorm(6, np.inf)),
+        ({"normal": {"mean": 0, "deviation": 1, "high": -6}}, stats.truncnorm(-np.inf, -6)),
+        ({"lognormal": {"median": 2, "sigma": 0.3}}, stats.lognorm(0.3, scale=2)),
+    ],
+)
+def test_a_value_has_the_quantile_that_it_is_drawn_at(entry, distribution):
+    one = made(**entry)
+    for u in U:
+        assert one.value([u]) == pytest.approx(distribution.ppf(u), rel=1e-6, abs=1e-9)
+
+
+def test_a_normal_value_at_zero_is_finite():
+    assert math.isfinite(made(normal={"mean": 0, "deviation": 1}).value([0.0]))
+
+
+def test_correlated_values_have_their_covariance():
+    covariance = [[4.0, 1.0, 0.0], [1.0, 2.0, -0.5], [0.0, -0.5, 1.0]]
+    one = made(normal={"mean": [1.0, 2.0, 3.0], "covariance": covariance})
+    values = np.array([one.value(point) for point in POINTS])
+    assert values.mean(axis=0) == pytest.approx([1.0, 2.0, 3.0], abs=0.01)
+    assert np.cov(values.T) == pytest.approx(np.array(covariance), abs=0.05)
+
+
+def test_a_singular_covariance_keeps_the_sum_that_it_fixes():
+    one = made(normal={"mean": [0.0, 0.0], "covariance": [[1.0, -1.0], [-1.0, 1.0]]})
+    for point in POINTS[:20]:
+        assert sum(one.value(point[:2])) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("covariance", [[[1.0, 2.0], [2.0, 1.0]], [[1.0, 0.5], [0.4, 1.0]], [[1.0]]])
+def test_what_is_no_covariance_is_refused(covariance):
+    with pytest.raises(QuantityError, match="covariance"):
+        made(normal={"mean": [0.0, 0.0], "covariance": covariance})
+
+
+def test_rotations_are_uniform_over_all_attitudes():
+    q = np.array([samplers.Rotation().value(point) for point in POINTS])
+    assert np.linalg.norm(q, axis=1) == pytest.approx(np.ones(len(q)), abs=1e-12)
+    assert (q[:, 0] >= 0.0).all()
+    # The angle of a uniform rotation has the distribution (x - sin x)/pi, whatever the attitude from which it is counted.
+    away = ScipyRotation.from_rotvec([0.3, -2.0, 0.7])
+    for turned in (ScipyRotation.from_quat(q, scalar_first=True), ScipyRotation.from_quat(q, scalar_first=True) * away):
+        angles = turned.magnitude()
+        assert stats.kstest(angles, lambda x: (x - np.sin(x)) / np.pi).statistic < 0.02
+
+
+def test_directions_are_uniform_over_the_sphere():
+    vectors = np.array([samplers.Sphere(2.0).value(point[:2]) for point in POINTS])
+    assert np.linalg.norm(vectors, axis=1) == pytest.approx(2.0 * np.ones(len(vectors)))
+    assert vectors.T @ vectors / len(vectors) == pytest.approx(np.eye(3) * 4.0 / 3.0, abs=0.01)
+    for axis in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]):  # Archimedes: each projection is uniform
+        assert stats.kstest(vectors @ axis, stats.uniform(-2, 4).cdf).statistic < 0.02
+
+
+def test_a_length_that_varies_takes_a_third_coordinate():
+    one = made(sphere={"uniform": ["1 deg/s", "3 deg/s"]})
+    assert one.count == 3
+    assert np.linalg.norm(one.value([0.2, 0.7, 0.25])) == pytest.approx(1.5)
+
+
+def test_choices_come_as_often_as_their_weights_say():
+    one = made(choice=["a", "b", "c"], weights=[1, 0, 3])
+    values = [one.value([u]) for u in np.linspace(0.0, 1.0, 1000, endpoint=False)]
+    assert [values.count(name) for name in "abc"] == [250, 0, 750]
+
+
+def test_whole_numbers_reach_both_ends_alike():
+    values = [made(integers=[-1, 2]).value([u]) for u in np.linspace(0.0, 1.0, 1000, endpoint=False)]
+    assert [values.count(i) for i in (-1, 0, 1, 2)] == [250] * 4
+
+
+def test_the_ends_may_have_units_of_one_kind():
+    entry = Varied.model_validate({"uniform": ["0 deg", "3.141592653589793 rad"]})
+    one, unit = sampler(entry)
+    assert (one.value([0.5]), unit) == (pytest.approx(90.0), "deg")
+    with pytest.raises(QuantityError, match="does not fit"):
+        made(uniform=["0 deg", "1 m"])
+    with pytest.raises(QuantityError, match="a unit at each number"):
+        made(uniform=["1 deg", 2])
