@@ -28,7 +28,10 @@ from .native.fuzzer import build
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "coverage"
 CODE = ("plant", "controller", "allocator", "fmus/native/common", "fmus/native/shell")
-TESTS = ("allocator/bounded", "controller/planned", "native/test_flavours.py", "native/test_shell.py", "plant/judge")
+TESTS = (
+    *("allocator/bounded", "controller/planned", "plant/judge"),
+    *(f"native/test_{name}.py" for name in ("direct", "flavours", "shell", "thresholds")),
+)
 """Those that reach the blocks by their drivers."""
 CALLS, SEEDS = 20000, 3
 GCC = ("gcc", "-std=c11", "-O0", "-g", "--coverage", "-fprofile-update=atomic", "-fPIC", "-ffp-contract=off")

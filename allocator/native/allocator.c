@@ -92,7 +92,7 @@ static bool allocate(Matrix U, const AllocatorInputs *u, Commands *commands)
 /* Largest demand of an actuator over its limit, at most the cap. */
 static double demand_fraction(const Commands *wanted, const AllocatorParameters *p)
 {
-    if (!is_finite(wanted->dipole) || !isfinite(wanted->dh_w)) {
+    if (!is_finite(wanted->dipole)) { /* so are the dipoles where dh_w is not */
         return FRACTION_CAP;
     }
     const double fraction = larger(largest(wanted->dipole) / p->dipole_max, fabs(wanted->dh_w) / p->wheel_torque_max);

@@ -74,7 +74,7 @@ static bool is_attitude(const PlantParameters *p, Fault *f)
     }
     const double *q = p->q_NB0;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    return fabs(length - 1.0) <= 1e-3 || fault(f, "q_NB0", length, "a quaternion of unit length, to 0.001");
+    return fabs(length - 1.0) <= 1e-3 ? true : fault(f, "q_NB0", length, "a quaternion of unit length, to 0.001");
 }
 
 static bool is_inside(const PlantParameters *p, Fault *f)

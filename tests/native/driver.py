@@ -40,10 +40,11 @@ class Callbacks(ctypes.Structure):
 
 @cache
 def library(block: str) -> ctypes.CDLL:
-    """The block's library for this machine, of the sources as they are."""
+    """The block's library for this machine, of the sources as they are, with the functions of direct.c besides."""
     host = host_platform()
     with tempfile.TemporaryDirectory() as folder:
         sources, includes = native.lay_out(load(block), folder_of(block), GUID, Path(folder))
+        sources.append(Path(__file__).with_name("direct.c"))
 
         def make(path: Path) -> None:
             path.write_bytes(compile_library(block, sources, includes, [host])[host])

@@ -36,7 +36,7 @@ static bool check_epoch(const ControllerPlannedParameters *p, Fault *f)
         return false;
     }
     const double year = year_of_days(days_of_epoch(&epoch));
-    return (year >= model->years[0] && year <= model->valid_until) || fault(f, "epoch", year, model->covered);
+    return year >= model->years[0] && year <= model->valid_until ? true : fault(f, "epoch", year, model->covered);
 }
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
@@ -47,8 +47,15 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
         {"plan_period", p->plan_period},           {"steering_limit", p->steering_limit},
         {"disturbance_time", p->disturbance_time}, {"gravitational_parameter", p->gravitational_parameter},
     };
+    const Named not_negative[] = {
+        {"attitude_noise", p->attitude_noise},   {"rate_noise", p->rate_noise},
+        {"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max},
+        {"identify_spread", p->identify_spread},
+    };
+    const NamedVector field_error = {"field_error", vector(p->field_error)};
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
-    return all_positive(positive, COUNT(positive), f) && check_choices(p, f) && is_inertia(matrix(p->J_B), "J_B", f) &&
+    return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
+           all_finite_vectors(&field_error, 1, f) && check_choices(p, f) && is_inertia(matrix(p->J_B), "J_B", f) &&
            is_positive_definite(matrix(p->L0), "L0", f) && is_ascending(p->K0, f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) && check_epoch(p, f) &&
            is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", rotation, f);

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import byref, c_bool, c_char, c_double, c_int32, c_size_t, c_ubyte
+from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from controller.planned.native import tables
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.kept import kept
+from tests.native.direct import filled, record
 
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
@@ -24,6 +25,7 @@ MU = 3.986004418e14
 U3 = 1.0 / np.sqrt(3.0)
 RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
 STAGES = 208
+_BLOCK = "controller_planned"
 
 Array = NDArray[np.float64]
 
@@ -318,37 +320,13 @@ def steering_rods(lam: Array, time: float, R: Array, B_B: Array, rods: Array) ->
     return values()
 
 
-@cache
-def record(causality: Literal["parameter", "input", "output"]) -> Any:
-    """The C structure of the block's ports."""
-    kinds: dict[str, Any] = {"real": c_double, "boolean": c_bool, "string": c_char * 64}
-    fields = []
-    for v in load("controller_planned").of(causality):
-        kind = kinds.get(v.type, c_int32)
-        fields.append((v.name, kind * len(v.elements) if v.shape else kind))
-    return type(causality, (ctypes.Structure,), {"_fields_": fields})
-
-
-def _started(causality: Literal["parameter", "input"], **changes: Any) -> Any:
-    """Start values, with changes."""
-    filled = record(causality)()
-    for v in load("controller_planned").of(causality):
-        value = changes.get(v.name, v.start)
-        if v.shape:
-            getattr(filled, v.name)[:] = np.ravel(value).tolist()
-        elif v.type in ("string", "enumeration"):
-            setattr(filled, v.name, value.encode() if v.type == "string" else v.items.index(value) + 1)
-        else:
-            setattr(filled, v.name, value)
-    return filled
-
-
-def after_glitch(rate: float, after: int, **inputs: Any) -> dict[str, Array]:
-    """Outputs of the flight code some samples after one with this rate about x, rad/s."""
-    y = record("output")()
-    p, u = _started("parameter"), _started("input", **inputs)
+def after_glitch(rate: float, after: int, heavier: float = 1.0, **inputs: Any) -> dict[str, Array]:
+    """Outputs of the flight code some samples after one with this rate about x, rad/s; of a body so much heavier."""
+    y = record(_BLOCK, "output")()
+    J_B = heavier * np.array(load(_BLOCK).variables["J_B"].start, float)
+    p, u = filled(_BLOCK, "parameter", J_B=J_B), filled(_BLOCK, "input", **inputs)
     assert library().probe_glitch(byref(p), byref(u), c_double(rate), after, byref(y))
-    return {v.name: np.array(getattr(y, v.name)) for v in load("controller_planned").of("output")}
+    return {v.name: np.array(getattr(y, v.name)) for v in load(_BLOCK).of("output")}
 
 
 def sizes() -> tuple[int, int]:

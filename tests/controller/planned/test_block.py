@@ -374,15 +374,15 @@ def test_a_measurement_that_is_wildly_wrong_for_once_is_forgotten():
         assert np.abs(a["tau_cmd_B"]).max() < 1e-2
 
 
-@pytest.mark.parametrize("rate", [1e3, 1e80, 1e160, 1e300])
-def test_the_flight_code_recovers_from_a_rate_beyond_all_bounds(rate):
+@pytest.mark.parametrize(("rate", "heavier"), [(1e3, 1.0), (1e80, 1.0), (1e160, 1.0), (1e300, 1.0), (5e153, 1e6)])
+def test_the_flight_code_recovers_from_a_rate_beyond_all_bounds(rate, heavier):
     """No FMI shell is between, which would refuse the sample: what is not finite must not stay in the state."""
     inputs = near_target(0.0)
-    right, found = (core.after_glitch(r, 30, **inputs) for r in (inputs["omega_B"][0], rate))
+    right, found = (core.after_glitch(r, 30, heavier, **inputs) for r in (inputs["omega_B"][0], rate))
     assert all(np.isfinite(value).all() for value in found.values())
     assert found["attitude_error"] == pytest.approx(right["attitude_error"], abs=0.02)
     assert found["rate_error_B"] == pytest.approx(right["rate_error_B"], abs=2e-3)
-    assert np.abs(found["J_estimate_B"] - right["J_estimate_B"]).max() < 0.1
+    assert np.abs(found["J_estimate_B"] - right["J_estimate_B"]).max() < 0.1 * heavier
 
 
 # ------------------------------------------------------------------------------------------- the law

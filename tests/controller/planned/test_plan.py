@@ -311,14 +311,15 @@ def test_a_motion_that_turns_too_far_in_a_stage_is_no_plan():
     assert not plan.u.any()
 
 
-@pytest.mark.parametrize("wrong", ["rate", "attitude", "wheel"])
+@pytest.mark.parametrize("wrong", ["rate", "attitude", "wheel", "target"])
 def test_what_is_no_number_gives_no_plan_and_no_controls_that_are_none(wrong):
     x = core.Motion(
         np.full((3, 3), np.nan) if wrong == "attitude" else np.eye(3),
         np.full(3, np.nan) if wrong == "rate" else np.zeros(3),
         math.nan if wrong == "wheel" else 0.0,
     )
-    plan = core.plan(SATELLITE, AHEAD, x, 60)
+    ahead = core.Ahead(R0, V0, target=2, R_d0=np.full((3, 3), np.nan)) if wrong == "target" else AHEAD
+    plan = core.plan(SATELLITE, ahead, x, 60)
     assert plan.cost == 1e300
     assert np.isfinite(plan.u).all()
 

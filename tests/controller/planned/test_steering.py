@@ -182,3 +182,21 @@ def test_the_commands_turn_with_the_satellite():
         rods = 25.0 * core.RODS @ R  # the same rods, seen in the turned body
         torques.append(np.cross(core.steering_rods(lam, 50.0, R, R.T @ B, rods) @ core.RODS, B))
     assert np.ptp(torques, axis=0).max() < 1e-15
+
+
+def test_where_two_rods_give_alike_along_the_field_the_direction_is_kept_and_no_command_exceeds_its_limit():
+    """Rods on the body axes in a field with two equal components: their line of equal shares is parallel to the field."""
+    lam, R = np.array([0.3, -0.5, 0.81]), np.eye(3)
+    B = np.array([2e-5, 2e-5, 1e-5])
+    u = core.steering_rods(lam, 50.0, R, B, 25.0 * np.eye(3))
+    torque, across = np.cross(25.0 * u, B), np.cross(np.cross(B, lam), B)
+    assert torque / np.linalg.norm(torque) == pytest.approx(across / np.linalg.norm(across), abs=1e-12)
+    assert np.abs(u).max() == pytest.approx(1.0)
+
+
+def test_without_a_field_there_is_no_direction_to_steer_in():
+    """A field of degree 0 is zero everywhere: the costate stays what it was."""
+    r, v = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
+    lam, time = core.steer(core.Ahead(r, v, degree=0), 0.0, np.array([0.0, 0.02, 0.01]), 25.0)
+    assert not lam.any()
+    assert time == 0.0

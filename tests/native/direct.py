@@ -1,0 +1,75 @@
+"""A native block as flight software calls it: check, prepare, start, outputs and step, with no FMI shell between."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import byref, c_bool, c_char, c_char_p, c_double, c_int32
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+
+from fmus.interface import Interface, load
+
+from . import driver
+
+
+@cache
+def record(block: str, causality: Literal["parameter", "input", "output"]) -> Any:
+    """The C structure of the block's ports."""
+    kinds: dict[str, Any] = {"real": c_double, "boolean": c_bool, "string": c_char * 64}
+    fields = []
+    for v in load(block).of(causality):
+        kind = kinds.get(v.type, c_int32)
+        fields.append((v.name, kind * len(v.elements) if v.shape else kind))
+    return type(causality, (ctypes.Structure,), {"_fields_": fields})
+
+
+def filled(block: str, causality: Literal["parameter", "input"], **changes: Any) -> Any:
+    """The structure with start values, and changes."""
+    values = record(block, causality)()
+    for v in load(block).of(causality):
+        value = changes.get(v.name, v.start)
+        if v.shape:
+            getattr(values, v.name)[:] = np.ravel(value).tolist()
+        elif v.type == "string":
+            setattr(values, v.name, value.encode())
+        elif v.type == "enumeration" and isinstance(value, str):
+            setattr(values, v.name, v.items.index(value) + 1)
+        else:
+            setattr(values, v.name, value)
+    return values
+
+
+class Direct:
+    """Calls of one block, which has one state. Each returns the name of the variable that is refused, or None."""
+
+    def __init__(self, block: str) -> None:
+        self.block = block
+        self.interface: Interface = load(block)
+        self.lib = driver.library(block)
+        for name in ("check", "start", "outputs", "step"):
+            getattr(self.lib, f"direct_{name}").restype = c_char_p
+        self.y = record(block, "output")()
+
+    def check(self, **parameters: Any) -> str | None:
+        return _name(self.lib.direct_check(byref(filled(self.block, "parameter", **parameters))))
+
+    def start(self, **values: Any) -> str | None:
+        """With start values but for these parameters and inputs; the parameters are not checked."""
+        return _name(self.lib.direct_start(byref(self._of("parameter", values)), byref(self._of("input", values))))
+
+    def outputs(self, **inputs: Any) -> str | None:
+        return _name(self.lib.direct_outputs(byref(filled(self.block, "input", **inputs)), byref(self.y)))
+
+    def step(self, h: float = 0.1, **inputs: Any) -> str | None:
+        u = filled(self.block, "input", **inputs)
+        return _name(self.lib.direct_step(byref(u), c_double(h), byref(self.y)))
+
+    def _of(self, causality: Literal["parameter", "input"], values: dict[str, Any]) -> Any:
+        names = {v.name for v in self.interface.of(causality)}
+        return filled(self.block, causality, **{k: v for k, v in values.items() if k in names})
+
+
+def _name(found: bytes | None) -> str | None:
+    return found.decode() if found is not None else None
