@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Annotated, Literal
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal, Protocol
 
 from pydantic import Field, model_validator
 
@@ -55,3 +55,19 @@ def metric_problem(search: Search | None, metrics: Iterable[str]) -> str | None:
     if search is None or search.metric in metrics:
         return None
     return f"search: metric: the campaign has no metric {search.metric!r}{hint(search.metric, metrics)}"
+
+
+class Asked(Protocol):
+    """A campaign's analyses."""
+
+    @property
+    def sensitivity(self) -> Sensitivity | None: ...
+    @property
+    def search(self) -> Search | None: ...
+
+
+def problems(asked: Asked, dimension: int) -> Iterator[tuple[str, str]]:
+    """The analyses that so few numbers that vary do not allow, and why."""
+    for key, section, least in (("sensitivity", asked.sensitivity, 2), ("search", asked.search, 1)):
+        if section is not None and dimension < least:
+            yield key, f"expected {least} or more numbers that vary, found {dimension}"

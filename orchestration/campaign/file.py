@@ -143,6 +143,8 @@ class Campaign(Model):
             raise ValueError("stop: there is no requirement that could be decided")
         if problem := metric_problem(self.search, [metric.name for metric in self.metrics]):
             raise ValueError(problem)
+        if self.sensitivity is not None and not self.metrics:
+            raise ValueError("sensitivity: there is no metric whose dependence could be told")
         if not self.metrics and not self.requirements:
             raise ValueError("expected metrics or requirements: without them nothing is known of a run")
         return self

@@ -24,11 +24,13 @@ from ..scenario.source import Key, Source
 from ..scenario.text import read as read_text
 from ..swap.option import swapped
 from ..system.starts import resolve
+from . import analysis
 from . import draws as drawing
 from .design import design, notes
 from .file import Campaign
 from .functions import Code, find
 from .job import Claimed, Job
+from .statistics import Claim, hints
 
 
 @dataclass
@@ -159,6 +161,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     try:
         draws = drawing.prepare(campaign, source, plan.models)
         at_centre(campaign, source, plan.scenario, draws, plan.models)
+        errors += [source.error((key,), text) for key, text in analysis.problems(campaign, draws.dimension)]
     except InputError as error:
         errors += error.messages
     if errors:
@@ -174,7 +177,9 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
         raise InputError(
             source.error((), f"two columns of the dataset would be called {twice!r}; remedy: another name for one")
         )
-    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made)])
+    needed = [Claim(claim.name, claim.probability, claim.confidence) for claim in claims]
+    few = hints(needed, made.runs, campaign.stop == "decided") if campaign.sampling != "grid" else []
+    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few])
 
 
 def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:

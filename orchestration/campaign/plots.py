@@ -179,7 +179,7 @@ def scatter(
         ("requirement met" if metric.met is not None else "runs", np.where(finite & met, y, np.nan), 0),
         ("requirement not met", np.where(finite & ~met, y, np.nan), 1),
         ("never (at the upper edge)", np.where(np.isposinf(y), high + gap, np.nan), 3),
-        ("failed (at the lower edge)", np.where(np.isnan(y), low - gap, np.nan), 7),
+        ("no value (at the lower edge)", np.where(np.isnan(y), low - gap, np.nan), 7),
     ]  # fmt: skip
     shown["curves"] = [curve(n, v, c, arrays, dots=True) for n, v, c in groups if not np.isnan(v).all()]
     shown["lines"] = [b for b in (metric.low, metric.high) if b is not None and low - gap <= b <= high + gap]

@@ -95,8 +95,8 @@ def _header(manifest: dict[str, Any]) -> Markup:
         badges.append(("warn", f"{counts['failed']:,} run{'s' * (counts['failed'] > 1)} failed"))
     if manifest["state"] != "completed":
         badges.append(("plain" if manifest["state"] == "stopped early" else "bad", manifest["state"]))
-    seconds, workers = manifest.get("wall_time") or 0.0, manifest.get("workers") or 1
-    rate = f", {counts['flown'] / seconds:,.3g} runs/s on {workers} worker{'s' * (workers > 1)}" if seconds else ""
+    seconds = manifest.get("wall_time") or 0.0
+    rate = f", {counts['flown'] / seconds:,.3g} runs/s" if seconds else ""
     few = f" of {counts['wanted']:,}" if counts["flown"] < counts["wanted"] else ""
     return _pieces()["header"].format(
         name=manifest["campaign"],
@@ -118,7 +118,7 @@ def _verdicts(manifest: dict[str, Any]) -> list[list[object]]:
     found: list[list[object]] = []
     for v in manifest["verdicts"]:
         r = asked[v["name"]]
-        of = r["metric"] if r["metric"] is not None else r["expectation"]
+        of = r.get("metric") or r.get("expectation") or ""
         found.append([
             verdict(v["status"]),
             _two(v["name"], of if of != v["name"] else ""),
@@ -138,7 +138,8 @@ def _two(text: str, below: str) -> Markup:
 def _metrics(runs: Rows) -> list[Metric]:
     asked: dict[str, dict[str, Any]] = {}
     for requirement in runs.manifest["requirements"]:  # the first one of a metric is the one that is drawn
-        asked.setdefault(requirement["metric"], requirement)
+        if requirement.get("metric"):
+            asked.setdefault(requirement["metric"], requirement)
     found = []
     for m in runs.manifest["metrics"]:
         r = asked.get(m["name"])
@@ -250,7 +251,7 @@ def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dic
 
 
 def _replay(manifest: dict[str, Any], run: str) -> str:
-    return f"orchestrate campaign {manifest.get('campaign_file') or 'CAMPAIGN.yaml'} --replay {run}"
+    return f"orchestrate campaign {manifest.get('file') or 'CAMPAIGN.yaml'} --replay {run}"
 
 
 def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:
@@ -272,7 +273,7 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
     shown = plots.search(found, metric, made.arrays)
     return _pieces()["search"].format(
         found=text,
-        command=_replay(manifest, "worst") if found["scenario"] else "",
+        command="orchestrate worst.yaml" if found["values"] is not None else "",
         failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
         content=rows([name, _value(value)] for name, value in (found["values"] or {}).items()),
         figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -23,21 +24,25 @@ _NAMED = 4
 """Varied entries that are named for each metric at most."""
 
 
-def summary(manifest: Mapping[str, Any]) -> None:
-    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from campaign.json."""
+def summary(manifest: Mapping[str, Any], folder: Path | None = None, reason: str | None = None) -> None:
+    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from the campaign.json of a folder.
+
+    `reason` is why the first run failed that did.
+    """
     runs = manifest["runs"]
     seconds = manifest.get("wall_time") or 0.0
     few = f" of {runs['wanted']:,}" if runs["flown"] < runs["wanted"] else ""
     say(f"{manifest['campaign']}: {runs['flown']:,}{few} runs, {manifest['state']}, in {seconds:.3g} s", bold=True)
     if runs["failed"]:
-        say(f"{runs['failed']:,} runs failed and meet no requirement; campaign.html lists the reasons", fg="yellow")
+        failed = f"{runs['failed']:,} run{'s' * (runs['failed'] > 1)} failed and meet{'s' * (runs['failed'] == 1)} no requirement"
+        say(f"{failed}; the first: {reason}" if reason else failed, fg="yellow")
     if manifest["verdicts"]:
         _print(_verdicts(manifest))
         for verdict in manifest["verdicts"]:
             if verdict["status"] == "undecided":
                 say(f"{verdict['name']}: undecided: {verdict['text']}", fg="yellow")
     _influence(manifest.get("sensitivity"))
-    _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]})
+    _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]}, folder)
 
 
 def _verdicts(manifest: Mapping[str, Any]) -> Table:
@@ -85,7 +90,7 @@ def _influence(found: Mapping[str, Any] | None) -> None:
             say(f"    {indices['note']}", fg="yellow")
 
 
-def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str]) -> None:
+def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str], folder: Path | None) -> None:
     if found is None:
         return
     at = f"{found['worst']} {found['metric']} of a search with {found['runs']:,} runs"
@@ -95,3 +100,5 @@ def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str]) -> None:
     value = "never" if found["value"] is None else with_unit(found["value"], units.get(found["metric"], ""))
     failed = f", {found['failed']:,} failed" if found["failed"] else ""
     say(f"\n{at}: {value}{failed}")
+    if folder is not None:
+        say(f"  orchestrate {folder / 'worst.yaml'} flies it")

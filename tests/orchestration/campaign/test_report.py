@@ -141,13 +141,14 @@ def test_the_console_shows_the_verdicts_in_80_columns(folder, capsys):
     manifest = json.loads((folder / "campaign.json").read_text("utf-8"))
     manifest["verdicts"][1] |= {"status": "undecided", "text": "too few"}
     manifest["requirements"][0]["expected"] = "< 1 \x1b[31ms"
-    summary(manifest)
+    summary(manifest, Path("out"), "it \x1b[31mbroke")
     out = capsys.readouterr().out
     assert all(len(line) <= 80 for line in out.splitlines() if line.startswith(("met", "not met", "undecided", " ")))
     assert "1,000 runs, completed, in 60 s" in out
-    assert "9 runs failed and meet no requirement" in out
+    assert "9 runs failed and meet no requirement; the first: it \\x1b[31mbroke" in out
     assert re.search(r"met +settles .* 0.9 at 95% +0.988 \(0.9806 to 0.99307\)", out)
     assert "points: undecided: too few" in out
     assert "settle: plant.Q0 0.83, rate 0.11" in out
     assert "largest settle of a search with 200 runs: 1160 s" in out
+    assert f"orchestrate {Path('out/worst.yaml')} flies it" in out
     assert "\x1b[31m" not in out
