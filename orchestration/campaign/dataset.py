@@ -123,7 +123,3 @@ class Dataset:
             remedy = "the runs that are written stand, and the same command goes on from there"
             raise ResultsError(f"the runs cannot be written: {path}: {reason}; {remedy}") from None
         self._written = monotonic()
-
-    def counts(self) -> dict[str, int]:
-        """How many runs meet each requirement."""
-        return {name: int(flags.sum()) for name, flags in self.met.items()}

@@ -16,12 +16,7 @@ import numpy as np
 from ..errors import InputError
 from ..interrupt import held
 from ..results.place import reserved
-from . import statistics
-
-try:
-    from . import report  # type: ignore[attr-defined]
-except ImportError:
-    report = None
+from . import report, statistics
 from .crew import Batches, Crew, crew
 from .load import Case
 from .record import MANIFEST, manifest, write
@@ -109,7 +104,7 @@ def fly(
             state, verdicts = _flown(case, data, hands, tell)
             data.flush()
             note()  # before what follows, which may take as long again
-            analyse(case, hands, more, remark)
+            analyse(case, folder, hands, more, remark)
             more["kept"] = keep(case, folder)
         except KeyboardInterrupt as signal:
             state, interrupted = "interrupted", getattr(signal, "number", 2)
@@ -119,7 +114,7 @@ def fly(
                 if state in ("running", "interrupted"):
                     state, verdicts = "interrupted", decided(case, data)
                 note()
-        page = report.write(folder) if report is not None else None
+        page = _page(folder, remark)
     counts = int(data.done.sum()), int(data.failed.sum())
     return Finished(state, *counts, verdicts, data.reason, perf_counter() - begun, interrupted, page)
 
@@ -166,10 +161,19 @@ def claims(case: Case) -> list[Claim]:
 
 
 def decided(case: Case, data: Any) -> list[Verdict]:
-    """The verdicts of all runs that are there."""
-    flown = int(data.done.sum())
-    early = case.campaign.stop == "decided"
-    return statistics.verdicts(claims(case), data.counts(), flown, case.runs, early=early)
+    """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often."""
+    there = case.runs if data.done.all() else int(data.done.argmin())
+    met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
+    return statistics.verdicts(claims(case), met, there, case.runs, early=case.campaign.stop == "decided")
+
+
+def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
+    """The report page. Where it cannot be written, the results stand without it."""
+    try:
+        return report.write(folder)
+    except Exception as error:
+        remark(f"{folder / 'campaign.html'} cannot be written: {type(error).__name__}: {error}")
+        return None
 
 
 def _earlier(case: Case, folder: Path) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import pyarrow.dataset as ds
 
 from ..errors import InputError
 from ..expectations.metrics import MetricError
+from ..results.place import put
 from . import search, sensitivity
 from .crew import Crew
 from .evaluate import evaluator
@@ -20,8 +21,13 @@ from .replay import replay
 ANALYSES = ("sensitivity", "search")
 
 
-def analyse(case: Case, hands: Callable[[], Crew], more: dict[str, Any], remark: Callable[[str], None]) -> None:
-    """Makes the analyses that the campaign asks for, and puts their results into `more`; those of an earlier start stay."""
+def analyse(
+    case: Case, folder: Path, hands: Callable[[], Crew], more: dict[str, Any], remark: Callable[[str], None]
+) -> None:
+    """Makes the analyses that the campaign asks for, and puts their results into `more`; those of an earlier start stay.
+
+    The scenario of the worst case is written to `folder/worst.yaml`.
+    """
     done: dict[str, str] = dict(more.get("analyses", {}))
     for name, module in zip(ANALYSES, (sensitivity, search), strict=True):
         section = getattr(case.campaign, name)
@@ -36,6 +42,8 @@ def analyse(case: Case, hands: Callable[[], Crew], more: dict[str, Any], remark:
                 more[name] = module.run(section, evaluate, case.campaign.seed)
             done[name] = key
     more["analyses"] = done
+    if text := more.get("search", {}).get("scenario"):
+        put(folder / "worst.yaml", text)
 
 
 def keep(case: Case, folder: Path) -> list[int]:

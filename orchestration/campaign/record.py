@@ -35,7 +35,7 @@ def manifest(
     return {
         "campaign": campaign.name,
         "description": campaign.description,
-        "file": case.source.file,
+        "campaign_file": case.source.file,
         "state": state,
         "fingerprint": case.fingerprint,
         "parts": case.parts,
@@ -68,11 +68,8 @@ def manifest(
         "requirements": [
             {
                 "name": claim.name,
-                **(
-                    {"expectation": claim.expectation}
-                    if claim.metric is None
-                    else {"metric": job.measures[claim.metric].metric.name}
-                ),
+                "metric": None if claim.metric is None else job.measures[claim.metric].metric.name,
+                "expectation": claim.expectation,
                 "column": f"met: {claim.name}",
                 "expected": claim.expected,
                 "low": claim.ends[0],

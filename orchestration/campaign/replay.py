@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from ..runner.run import execute
 from ..system.starts import resolve
 from .job import Pilot
 from .load import Case
+from .record import MANIFEST
 
 
 @dataclass(frozen=True)
@@ -44,15 +46,30 @@ def replay(case: Case, index: int, folder: Path) -> Replayed:
     """
     if not 0 <= index < case.runs:
         raise InputError(f"--replay {index}: the campaign has the runs 0 to {case.runs - 1}")
+    return at(case, case.job.design.points([index])[0].tolist(), folder, f"Run {index}", f"-{index}")
+
+
+def worst(case: Case, results: Path, folder: Path) -> Replayed:
+    """The worst case that a search has found, whose campaign is in `results`, as `replay` does a run. Raises InputError, MetricError."""
+    found: Any = None
+    with suppress(OSError, ValueError):
+        found = json.loads((results / MANIFEST).read_text("utf-8")).get("search")
+    if not isinstance(found, dict) or not found.get("unit_point"):
+        raise InputError(f"--replay worst: no search has found a worst case in {results}")
+    if len(found["unit_point"]) != case.job.draws.dimension:
+        raise InputError(f"--replay worst: {results} holds another campaign; remedy: --out")
+    return at(case, found["unit_point"], folder, "The worst case", "-worst")
+
+
+def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str) -> Replayed:
+    """The run at a point of the unit cube; see `replay`."""
     draws = case.job.draws
     try:
-        values = draws.given(draws.at(case.job.design.points([index])[0].tolist()))
+        values = draws.given(draws.at(point))
     except QuantityError as error:
-        raise InputError(f"--replay {index}: {error}") from None
+        raise InputError(f"{title} of the campaign: {error}") from None
     file = folder / "scenario.yaml"
-    text = scenario_text(
-        case, values, f"Run {index} of the campaign {case.campaign.name}", f"{case.scenario.name}-{index}"
-    )
+    text = scenario_text(case, values, f"{title} of the campaign {case.campaign.name}", f"{case.scenario.name}{ending}")
     folder.mkdir(parents=True, exist_ok=True)
     put(file, text)
     pilot = Pilot(case.job)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,15 +12,18 @@ import click
 from ..campaign import engine
 from ..campaign.crew import CrewLost
 from ..campaign.load import Case, read_campaign
-from ..campaign.replay import Replayed, replay
+from ..campaign.record import MANIFEST
+from ..campaign.replay import Replayed, replay, worst
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
 from ..scenario.text import parse
+from .campaign_summary import summary
 from .console import complain, is_terminal, lost, notes, say, table
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
-from .summary import mark, summary
+from .summary import mark
+from .summary import summary as run_summary
 
 
 @click.command("campaign")
@@ -46,7 +50,12 @@ from .summary import mark, summary
 @click.option(
     "--dashboard", is_flag=True, help="Open Dask's dashboard on a port of this machine, and print its address."
 )
-@click.option("--replay", "index", type=int, metavar="INDEX", help="Only write the scenario of this run, and fly it.")
+@click.option(
+    "--replay",
+    "index",
+    metavar="INDEX|worst",
+    help="Only write the scenario of this run, or of the worst case that a search found, and fly it.",
+)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
@@ -59,7 +68,7 @@ def command(
     workers: int | None,
     scheduler: str | None,
     dashboard: bool,
-    index: int | None,
+    index: str | None,
     quiet: bool,
 ) -> None:
     """Fly a campaign: a scenario with values that vary, and requirements on its runs.
@@ -71,7 +80,7 @@ def command(
     case = read_campaign(file, overrides, _values(sets))
     target = out or Path("results") / case.campaign.name
     if index is not None:
-        ctx.exit(_replay(case, index, target / f"replay-{index}", quiet))
+        ctx.exit(_replay(case, index, target, quiet))
     if not quiet:
         notes(case.notes)
     bar = _Bar(case.runs, not quiet)
@@ -83,7 +92,9 @@ def command(
     finally:
         bar.close()
     if not quiet:
-        _print(case, finished)
+        summary(json.loads((target / MANIFEST).read_text("utf-8")))
+        if finished.failed:
+            say(f"\nthe first run that failed: {finished.reason}", fg="yellow")
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     status = _status(case, finished, quiet)
     ctx.exit(UNWRITTEN if lost() else status)
@@ -116,26 +127,13 @@ def _status(case: Case, finished: engine.Finished, quiet: bool) -> int:
     return 0 if all(verdict.status == "met" for verdict in finished.verdicts) else EXPECTATION_FAILED
 
 
-def _print(case: Case, finished: engine.Finished) -> None:
-    seconds = f" in {finished.wall:.1f} s" if finished.wall else ""
-    failed = f", {finished.failed} failed" if finished.failed else ""
-    say(f"{case.campaign.name}: {finished.state}, {finished.flown} of {case.runs} runs{failed}{seconds}", bold=True)
-    if finished.failed:
-        say(f"the first run that failed: {finished.reason}", fg="yellow")
-    if not finished.verdicts:
-        return
-    expected = {claim.name: claim.expected for claim in case.job.claims}
-    rows = [(v.name, expected[v.name], v.text) for v in finished.verdicts]
-    header, *lines = table(("requirement", "expected", "found"), rows)
-    say(header, head=f"\n{mark()}")
-    for verdict, line in zip(finished.verdicts, lines, strict=True):
-        say(line, head=mark(verdict.status))
-
-
-def _replay(case: Case, index: int, folder: Path, quiet: bool) -> int:
+def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     """Flies one run again, prints it and writes its folder; the exit status is that of a run."""
+    if index != "worst" and not index.isdecimal():
+        raise InputError(f"--replay {index}: expected the index of a run, or 'worst'")
+    folder = target / f"replay-{index}"
     try:
-        again = replay(case, index, folder)
+        again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder)
     except MetricError as error:
         complain(str(error))
         return BLOCK_FAILED
@@ -153,9 +151,9 @@ def _replay(case: Case, index: int, folder: Path, quiet: bool) -> int:
     return UNWRITTEN if lost() else 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
 
 
-def _print_replay(case: Case, index: int, again: Replayed) -> None:
+def _print_replay(case: Case, index: str, again: Replayed) -> None:
     notes(again.result.warnings)
-    say(f"run {index} of the campaign {case.campaign.name}", bold=True)
+    say(f"{'worst case' if index == 'worst' else f'run {index}'} of the campaign {case.campaign.name}", bold=True)
     for line in table(("varied", "value"), [(name, str(value)) for name, value in again.values.items()]):
         say(line)
     units = {m.metric.name: "" if str(m.unit) == "1" else str(m.unit) for m in case.job.measures}
@@ -168,7 +166,7 @@ def _print_replay(case: Case, index: int, again: Replayed) -> None:
         say(f"{claim.name}: {claim.expected}", head=mark("met" if again.met[claim.name] else "failed"))
     say()
     if len(again.result.time):
-        summary(again.result)
+        run_summary(again.result)
 
 
 class _Bar:
