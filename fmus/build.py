@@ -15,6 +15,7 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -136,12 +137,29 @@ def _check_flavour(interface: Interface, flavour: str) -> None:
 
 
 def _stamp(path: Path) -> bytes | None:
-    """The fingerprint that was written into the comment of the FMU's archive; None where there is none to read."""
+    """The fingerprint that was written into the comment at the end of the FMU's archive; None where there is none."""
+    end = hashlib.sha256().digest_size * 2 + 22
     try:
-        with zipfile.ZipFile(path) as archive:
-            return archive.comment
-    except (OSError, zipfile.BadZipFile):
+        with path.open("rb") as file:
+            file.seek(-end, os.SEEK_END)
+            record = file.read()
+    except OSError:
         return None
+    return record[22:] if record.startswith(b"PK\5\6") else None
+
+
+@contextmanager
+def unchanging() -> Iterator[None]:
+    """Within it, the files that FMUs are made of are looked at once only."""
+    global _looked
+    _looked = {}
+    try:
+        yield
+    finally:
+        _looked = None
+
+
+_looked: dict[Path, int] | None = None
 
 
 def _fingerprint(block: Block, flavour: str) -> str:
@@ -149,10 +167,10 @@ def _fingerprint(block: Block, flavour: str) -> str:
 
     Within a process the files are read anew only where one of their names, sizes or times has changed.
     """
-    shared = hash((*_seen(_HERE), places.shared("LICENSE").stat().st_mtime_ns))
+    shared = hash((_state(_HERE), places.shared("LICENSE").stat().st_mtime_ns))
     if _makers.get(flavour, (None,))[0] != shared:
         _makers[flavour] = shared, _of_makers(flavour)
-    seen = hash((shared, block.interface.source, *_seen(block.folder)))
+    seen = hash((shared, block.interface.source, _state(block.folder)))
     key = block.name, block.folder, flavour
     if key not in _known or _known[key][0] != seen:
         _known[key] = seen, _of_content(block, flavour, _makers[flavour][1].copy())
@@ -161,6 +179,14 @@ def _fingerprint(block: Block, flavour: str) -> str:
 
 _makers: dict[str, tuple[int, hashlib._Hash]] = {}
 _known: dict[tuple[str, Path, str], tuple[int, str]] = {}
+
+
+def _state(folder: Path) -> int:
+    """A number that changes with the files of a folder."""
+    looked = {} if _looked is None else _looked
+    if folder not in looked:
+        looked[folder] = hash(tuple(_seen(folder)))
+    return looked[folder]
 
 
 def _seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:

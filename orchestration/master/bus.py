@@ -6,9 +6,10 @@ At its end stand the values of the step before, for connections that pass them w
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,39 +102,55 @@ class Bus:
 class _Layout:
     blocks: Mapping[str, Block]
     wiring: Wiring
-    live: set[Node] = field(default_factory=set)
+    columns: Sequence[Node]
+    """What is recorded."""
+    live: set[Node]
     """What is fetched after every step: what other blocks need, or is watched."""
     place: dict[Node, int] = field(default_factory=dict)
     held: dict[Node, int] = field(default_factory=dict)
 
+    @cached_property
+    def users(self) -> dict[Node, set[str]]:
+        """The blocks that need each output."""
+        users: dict[Node, set[str]] = {}
+        for link in self.wiring.links:
+            for source, target in zip(link.source, link.target, strict=True):
+                users.setdefault(source, set()).add(target.block)
+        return users
+
+    @cached_property
+    def recorded(self) -> dict[str, dict[Element, bool]]:
+        """All that is fetched of each block, and whether it is live."""
+        found: dict[str, dict[Element, bool]] = {name: {} for name in self.blocks}
+        for node in self.columns:
+            found[node.block][node.element] = False
+        for node in self.live:
+            found[node.block][node.element] = True
+        return found
+
     def type(self, name: str, element: Element) -> str:
         return self.blocks[name].model.variables[element.variable].type
 
-    def outputs(self, name: str, columns: Sequence[Node]) -> list[Element]:
+    def outputs(self, name: str) -> list[Element]:
         """All that is fetched of a block: by type, within a type what others need first, and that by who needs it.
 
         So what one block takes from another mostly lies side by side.
         """
-        wanted = {node.element for node in [*self.live, *columns] if node.block == name}
-        users: dict[Element, set[str]] = {}
-        for link in self.wiring.links:
-            for source, target in zip(link.source, link.target, strict=True):
-                if source.block == name:
-                    users.setdefault(source.element, set()).add(target.block)
+        live = self.recorded[name]
 
         def order(element: Element) -> tuple[int, bool, list[str], Element]:
-            live = Node(name, element) in self.live
-            return TYPES.index(self.type(name, element)), not live, sorted(users.get(element, ())), element
+            users = self.users.get(Node(name, element), ())
+            return TYPES.index(self.type(name, element)), not live[element], sorted(users), element
 
-        return sorted(wanted, key=order)
+        return sorted(live, key=order)
 
     def inputs(self, name: str) -> list[tuple[Element, int, float, float]]:
         """Each connected input of a block: its source on the bus, factor and offset."""
         fed = [
             (target.element, (self.held if link.delayed else self.place)[source], link.factor, link.offset)
             for link in self.wiring.links
+            if link.target[0].block == name
             for source, target in zip(link.source, link.target, strict=True)
-            if target.block == name
         ]
         return sorted(fed, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
 
@@ -146,8 +163,8 @@ def lay_out(
     watched: Sequence[Node] = (),
 ) -> Bus:
     """Gives every value its place and wires the blocks to it. `watched` are fetched after every step."""
-    layout = _Layout(blocks, wiring, {node for link in wiring.links for node in link.source} | set(watched))
-    outputs = {name: layout.outputs(name, columns) for name in blocks}
+    layout = _Layout(blocks, wiring, columns, {node for link in wiring.links for node in link.source} | set(watched))
+    outputs = {name: layout.outputs(name) for name in blocks}
     for name, elements in outputs.items():
         for element in elements:
             layout.place[Node(name, element)] = len(layout.place)
@@ -165,7 +182,8 @@ def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) ->
     first = layout.place[Node(name, outputs[0])] if outputs else 0
     view = values[first : first + len(outputs)]
     inputs = layout.inputs(name)
-    live = [sum(Node(name, e) in layout.live for e in outputs if layout.type(name, e) == kind) for kind in TYPES]
+    needed = Counter(layout.type(name, element) for element, live in layout.recorded[name].items() if live)
+    live = [needed[kind] for kind in TYPES]
     buffer = layout.blocks[name].wire([element for element, *_ in inputs], outputs, live, view)
     factors = np.array([factor for _, _, factor, _ in inputs])
     offsets = np.array([offset for _, _, _, offset in inputs])

@@ -15,32 +15,32 @@ from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.result import Result
 from ..scenario.faults import sentence
+from ..scenario.source import copied
+from ..system import signals
 from ..system.starts import Start
 from ..system.values import nested
 from .limits import limits
 from .plan import Plan
 
+_ENTRIES = (
+    *("outcome", "failure", "scenario_file", "options", "scenario", "parameters", "flags", "units", "names", "order"),
+    *("notes", "faults", "fmus", "steps", "samples", "simulated_time", "wall_time", "steps_per_second", "finished"),
+    *("versions", "platform"),
+)
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
 
 
-def manifest(
-    plan: Plan, fmus: Mapping[str, Fmu], result: Result, handed_on: Mapping[str, Mapping[Element, Any]]
-) -> dict[str, Any]:
-    """The manifest of a run, ready for JSON. `handed_on` are the start values of adapted blocks, by their elements."""
-    ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
-    scenario = plan.scenario
+def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
+    """What a manifest says of all runs of a plan. `handed_on` are the start values of adapted blocks, by their elements."""
+    scenario, models = plan.scenario, plan.models
+    names = signals.names(plan.columns, models)
     return {
-        "outcome": ended,
-        "failure": None if result.failure is None else str(result.failure),
         "scenario_file": scenario.source.file,
         "options": sorted(set(scenario.source.options.values())),
-        "scenario": _resolved(plan, list(result)),
+        "scenario": _resolved(plan, names),
         "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
-        "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
-        "units": {"time": "s", **result.units},
         "names": RULE,
         "order": plan.order.blocks,
-        "notes": list(plan.notes),
         "faults": [sentence(fault) for fault in scenario.faults],
         "fmus": {
             name: {
@@ -53,15 +53,29 @@ def manifest(
             }
             for name, fmu in fmus.items()
         },
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
+    }
+
+
+def manifest(known: Mapping[str, Any], plan: Plan, result: Result) -> dict[str, Any]:
+    """The manifest of a run, ready for JSON. `known` is what `described` gives of its plan."""
+    ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
+    of_run = {
+        "outcome": ended,
+        "failure": None if result.failure is None else str(result.failure),
+        "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
+        "units": {"time": "s", **result.units},
+        "notes": list(plan.notes),
         "steps": result.steps,
         "samples": len(result.time),
         "simulated_time": result.reached,
         "wall_time": result.wall,
         "steps_per_second": result.steps / result.wall if result.wall > 0.0 else None,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
-        "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
     }
+    entries = {**copied(dict(known)), **of_run}
+    return {name: entries[name] for name in _ENTRIES}
 
 
 def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:

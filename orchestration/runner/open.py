@@ -9,9 +9,11 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
-from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
+from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, unchanging
 from fmus.interface import load as load_interface
 
 from ..errors import BlockError, InputError, hint
@@ -27,6 +29,7 @@ from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
 from ..system.rates import Rates, rates
 from .limits import limits
+from .manifest import described
 from .plan import Plan, plan
 
 
@@ -38,6 +41,11 @@ class Opened:
     prepared: Prepared
     rates: Rates
     plan: Plan
+
+    @cached_property
+    def described(self) -> dict[str, Any]:
+        """What a manifest says of it, whatever comes of a run."""
+        return described(self.plan, self.fmus, self.prepared.handed_on(self.plan.starts))
 
     def adapted(self, block: Block) -> Block:
         """The instance as the master sees it: behind our interface, and stepped as its FMU can be stepped."""
@@ -125,7 +133,8 @@ def _temporary() -> Iterator[Path]:
 def open_scenario(scenario: Scenario) -> Opened:
     """Locates and opens the FMUs, prepares what is swapped and plans the run. Raises InputError with all errors."""
     global _latest
-    fmus = _open_fmus(scenario)
+    with unchanging():
+        fmus = _open_fmus(scenario)
     if _latest is not None and _latest[0] == scenario and all(_latest[1].fmus.get(n) is fmu for n, fmu in fmus.items()):
         return _latest[1]
     prepared = prepare(scenario, fmus)

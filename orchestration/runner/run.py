@@ -75,7 +75,7 @@ def execute(
     `check` is shown what will be recorded before the run, and may refuse it by an InputError. `seers` are shown signals of the run: which, and who.
     """
     opened = open_scenario(scenario)
-    ready, prepared = opened.plan, opened.prepared
+    ready = opened.plan
     if check is not None:
         check(ready.columns, ready.models)
     with ExitStack() as stack:
@@ -84,7 +84,7 @@ def execute(
         result = run_blocks(ready, blocks, progress, compiled, seers)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
-    result.manifest = manifest(ready, opened.fmus, result, prepared.handed_on(ready.starts))
+    result.manifest = manifest(opened.described, ready, result)
     return result
 
 

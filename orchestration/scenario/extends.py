@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from copy import deepcopy
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, as_written
-from .source import PLACES, Key, Source
+from .source import PLACES, Key, Source, copied
 from .text import read as read_text
 
 
@@ -70,21 +70,33 @@ def _is_path(text: str) -> bool:
     return text.endswith(".fmu") or "/" in text or "\\" in text
 
 
-def _lay(below: Source, above: Source, key: Key = (), data: Any = None, over: Any = None) -> None:
+def _lay(below: Source, above: Source) -> None:
     """Puts `above` over `below`, in place; a null above takes the entry out."""
-    data, over = (below.data, above.data) if data is None else (data, over)
+    _lay_under(below, above, (), below.data, above.data, above.lines)
+
+
+def _lay_under(
+    below: Source, above: Source, key: Key, data: dict[str, Any], over: dict[str, Any], lines: Mapping[Key, int]
+) -> None:
+    """The same of what stands under a key: `data` there below, `over` above, with its lines."""
+    parts: dict[Any, dict[Key, int]] = {}
+    for place, line in lines.items():
+        if len(place) > len(key):
+            parts.setdefault(place[len(key)], {})[place] = line
     for name, value in over.items():
-        place = (*key, name)
+        place, part = (*key, name), parts.get(name, {})
         if isinstance(value, dict) and isinstance(data.get(name), dict) and not _is_value(place):
-            _lay(below, above, place, data[name], value)
+            _lay_under(below, above, place, data[name], value, part)
         else:
             inherited = name in data
-            _forget(below, place)
+            if inherited:
+                _forget(below, place)
             data.pop(name, None)
             if value is None and inherited:
                 continue
-            data[name] = deepcopy(value)
-        _adopt(below, place, above)
+            data[name] = copied(value)
+        below.lines.update(part)
+        below.files.update((p, file) for p in part if (file := above.files.get(p, above.file)))
 
 
 def _forget(source: Source, key: Key) -> None:
@@ -92,13 +104,6 @@ def _forget(source: Source, key: Key) -> None:
     for places in (getattr(source, name) for name in PLACES):
         for place in [p for p in places if p[: len(key)] == key]:
             del places[place]
-
-
-def _adopt(source: Source, key: Key, other: Source) -> None:
-    """Takes over the places of what stands under a key in another source."""
-    taken = {p: line for p, line in other.lines.items() if p[: len(key)] == key}
-    source.lines.update(taken)
-    source.files.update((p, file) for p in taken if (file := other.files.get(p, other.file)))
 
 
 def _is_value(place: Key) -> bool:

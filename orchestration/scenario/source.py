@@ -46,7 +46,7 @@ class Source:
 
     def _copy(self) -> Source:
         places: dict[str, Any] = {name: dict(getattr(self, name)) for name in PLACES}
-        return replace(self, data=_copied(self.data), **places)
+        return replace(self, data=copied(self.data), **places)
 
     def with_start(self, name: str, value: Any, option: str = "") -> Source:
         """A copy in which `value` takes the place of the start value of `block.parameter`, or of a shared one.
@@ -117,11 +117,11 @@ class Source:
         return copy
 
 
-def _copied(data: Any) -> Any:
+def copied(data: Any) -> Any:
     """Lists and dictionaries anew, with what they hold; `deepcopy` takes ten times as long."""
     if isinstance(data, dict):
-        return {key: _copied(value) for key, value in data.items()}
-    return [_copied(value) for value in data] if isinstance(data, list) else data
+        return {key: copied(value) for key, value in data.items()}
+    return [copied(value) for value in data] if isinstance(data, list) else data
 
 
 def _moved(places: dict[Key, Any], key: Key) -> None:
