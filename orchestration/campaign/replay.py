@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -20,6 +19,7 @@ from ..runner.flight import with_values
 from ..runner.manifest import start_values
 from ..runner.read import load
 from ..runner.run import execute
+from ..scenario.text import written
 from ..system.starts import resolve
 from .job import Pilot
 from .load import Case
@@ -88,8 +88,6 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
 
 def scenario_text(case: Case, values: Mapping[str, Any], title: str, name: str = "") -> str:
     """The scenario with these start values as YAML, every value in force written out. Raises InputError."""
-    from ruamel.yaml import YAML  # 30 ms, and only to write  # noqa: PLC0415
-
     plan = case.job.opened.plan
     starts = resolve(with_values(plan.scenario, values), plan.models)
     data = json.loads(json.dumps(case.scenario.model_dump(exclude_none=True)))
@@ -104,8 +102,4 @@ def scenario_text(case: Case, values: Mapping[str, Any], title: str, name: str =
                 entry[key] = str((folder / Path(entry[key]).expanduser()).resolve())
         if entry.get("map", {}).get("file"):
             entry["map"] = str((folder / Path(entry["map"]["file"]).expanduser()).resolve())
-    out = io.StringIO()
-    yaml = YAML()
-    yaml.width = 10**6
-    yaml.dump(data, out)
-    return f"# {title}, written by orchestrate campaign.\n{out.getvalue()}"
+    return f"# {title}, written by orchestrate campaign.\n{written(data)}"

@@ -1,4 +1,4 @@
-"""YAML text as plain data with the line of everything in it."""
+"""YAML text as plain data with the line of everything in it, and plain data as such text."""
 
 from __future__ import annotations
 
@@ -185,3 +185,15 @@ def _scalar(node: Any) -> Any:
     if tag == "float":  # .inf and .nan
         return float(text.replace(".", ""))
     return text
+
+
+class _Writer(yaml.SafeDumper):
+    """Quotes text that `_scalar` would take for a number."""
+
+
+_Writer.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, None)
+
+
+def written(data: Any) -> str:
+    """Plain data as YAML that reads back as the same data."""
+    return yaml.dump(data, Dumper=_Writer, sort_keys=False, allow_unicode=True, width=10**6)
