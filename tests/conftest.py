@@ -36,6 +36,7 @@ MARKERS = {
     "isolate": (
         "orchestration/cli",
         "orchestration/acceptance/test_page.py",
+        "orchestration/campaign/test_cluster.py",
         "orchestration/instances",
         "orchestration/results/test_endings.py",
         "orchestration/results/test_browser.py",

@@ -1,7 +1,7 @@
 """A Dask cluster as the crew of a campaign: workers of this machine, or those of a scheduler elsewhere.
 
-A worker that dies is replaced, and the batches that it had are flown again. A batch whose workers die several times is flown run by
-run, and a run that ends its workers again and again becomes a failed row.
+A worker that dies is replaced, and the batches that it had are flown again. A batch whose workers die several times is flown by itself
+in the end, then run by run, and a run that ends its worker each time becomes a failed row.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from typing import Any
@@ -33,7 +34,8 @@ except ImportError as error:
     ) from None
 
 _TRIES = 3
-"""So many workers may die of a batch before it is flown run by run, and of a run before it counts as failed."""
+"""So many workers may die of a batch before it is flown by itself, and of a run before it counts as failed. (A scheduler that is
+there has a number of its own.)"""
 _AHEAD = 2
 """Batches in flight for each that can be flown at a time, so that no worker waits for the next."""
 _PATIENCE = 30.0
@@ -62,15 +64,12 @@ class Cluster:
     def fly(self, batches: Batches) -> Iterator[Rows]:
         """See `Crew.fly`. Raises CrewLost."""
         pending: dict[Any, Batch] = {}
-        again: list[Batch] = []
+        suspects: list[Batch] = []
         arriving = as_completed(loop=self._client.loop)
 
         def send() -> None:
-            while len(pending) < _AHEAD * self.slots:
-                batch = again.pop() if again else batches.next()
-                if batch is None:
-                    return
-                future = self._client.submit(worker.fly, self._key, batch, self.anew, pure=False)
+            while len(pending) < _AHEAD * self.slots and (batch := batches.next()) is not None:
+                future = self._sent(batch)
                 pending[future] = batch
                 arriving.add(future)
 
@@ -79,39 +78,47 @@ class Cluster:
             while pending:
                 future = next(arriving)
                 batch = pending.pop(future)
-                if future.status == "finished":
-                    rows: Rows = future.result()
+                rows = self._rows(future)
+                del future
+                if isinstance(rows, BaseException):
+                    suspects.append(batch)
+                else:
                     batches.took(len(rows), seconds(rows))
                     yield rows
-                elif future.status == "error":
-                    rows = self._failed(batch, future.exception(), again)
-                    if rows:
-                        yield rows
-                else:
-                    raise CrewLost(
-                        f"the cluster gave up a batch ({future.status}); the same command goes on from what is written"
-                    )
-                del future
                 send()
+            for batch in suspects:
+                yield from self._alone(batch)
         finally:
             self._client.cancel(list(pending))
 
-    def _failed(self, batch: Batch, error: BaseException, again: list[Batch]) -> Rows:
-        """What becomes of a batch that gave no rows: its runs one by one, or the failed row of the only one."""
-        count = len(batch.indices)
-        if count > 1:
-            parts = [
-                (batch.indices[i : i + 1], batch.points[i : i + 1] if batch.points is not None else None)
-                for i in range(count)
-            ]
-            again += [Batch(indices, points) for indices, points in parts]
-            return []
-        reason = f"{type(error).__name__}: {error}"
-        if isinstance(error, KilledWorker):
-            reason = f"its worker died {_TRIES} times"
-        index = int(batch.indices[0])
-        point = self._job.design.points([index])[0] if batch.points is None else batch.points[0]
-        return [lost(self._job, index, np.asarray(point), reason)]
+    def _sent(self, batch: Batch) -> Any:
+        return self._client.submit(worker.fly, self._key, batch, self.anew, pure=False)
+
+    def _rows(self, future: Any) -> Rows | BaseException:
+        """What a batch gave: its rows, or why there are none. Raises CrewLost."""
+        try:
+            rows: Rows = future.result()
+        except CancelledError:
+            raise CrewLost("the cluster gave up a batch; the same command goes on from what is written") from None
+        except Exception as error:  # of a worker that died, or of its code
+            return error
+        return rows
+
+    def _alone(self, batch: Batch) -> Iterator[Rows]:
+        """Flies a batch with nothing beside it, since Dask blames all that waits at a worker that dies; then run by run."""
+        rows = self._rows(self._sent(batch))
+        if not isinstance(rows, BaseException):
+            yield rows
+        elif len(batch.indices) > 1:
+            for i in range(len(batch.indices)):
+                points = None if batch.points is None else batch.points[i : i + 1]
+                yield from self._alone(Batch(batch.indices[i : i + 1], points))
+        else:
+            point = self._job.design.points(batch.indices)[0] if batch.points is None else batch.points[0]
+            reason = f"{type(rows).__name__}: {rows}"
+            if isinstance(rows, KilledWorker):
+                reason = "it ended the process of its worker, each time that it was flown"
+            yield [lost(self._job, int(batch.indices[0]), np.asarray(point), reason)]
 
 
 @contextmanager
@@ -120,7 +127,14 @@ def cluster(
 ) -> Iterator[tuple[Cluster, list[str]]]:
     """The crew of a cluster that has been given the job, and where its dashboard is. Raises InputError."""
     key = uuid4().hex
-    for name in ("distributed", "distributed.worker", "distributed.scheduler", "distributed.nanny", "distributed.core"):
+    for name in (
+        "distributed",
+        "distributed.worker",
+        "distributed.scheduler",
+        "distributed.nanny",
+        "distributed.core",
+        "distributed.client",
+    ):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     settings = {
         "distributed.scheduler.allowed-failures": _TRIES - 1,
@@ -160,13 +174,15 @@ def _client(workers: int | None, scheduler: str | None, dashboard: bool) -> Iter
         return
     if dashboard and find_spec("bokeh") is None:
         raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
+    if not dashboard:  # else Dask would serve pages about itself without one, too
+        dask.config.set({"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []})
     local = LocalCluster(
         n_workers=workers or os.cpu_count() or 1,
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address="127.0.0.1:0" if dashboard else None,
-        worker_dashboard_address=None,
+        dashboard_address="127.0.0.1:0",
+        scheduler_kwargs={"dashboard": dashboard},
         silence_logs=logging.CRITICAL,
     )
     with local, Client(local, set_as_default=False) as client:

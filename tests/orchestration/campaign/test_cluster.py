@@ -1,0 +1,83 @@
+"""Campaigns on a Dask cluster of real processes on the loopback: a scheduler, and a nanny with two workers."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+from orchestration.campaign import engine
+from orchestration.campaign.load import read_campaign
+
+from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)
+
+ROOT = Path(__file__).parents[3]
+KILLER = """\
+import os, signal
+from pathlib import Path
+
+def deadly(time, signals):
+    speed, mark = signals['motor.speed'][0], Path({mark!r})
+    if speed > {always}:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if speed > {once} and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return speed
+"""
+
+
+def started(*arguments: str, until: str, home: Path) -> tuple[subprocess.Popen, str]:
+    """A process of Dask's command, and the line of its log that matches."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    log = (home / f"{arguments[0]}.log").open("w+")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments], stderr=log, stdout=log, cwd=home, env=environment
+    )
+    end = monotonic() + 60.0
+    while monotonic() < end and process.poll() is None:
+        if match := re.search(until, (home / f"{arguments[0]}.log").read_text()):
+            return process, match[1] if match.groups() else match[0]
+        sleep(0.05)
+    process.kill()
+    pytest.fail((home / f"{arguments[0]}.log").read_text())
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a scheduler that has a worker process with two workers."""
+    home = tmp_path_factory.mktemp("dask")
+    local = ("--host", "127.0.0.1", "--no-dashboard")
+    first, address = started(
+        "scheduler", *local, "--port", "0", until=r"Scheduler at:\s+(tcp://127\.0\.0\.1:\d+)", home=home
+    )
+    workers = ("--nworkers", "2", "--nthreads", "1", "--local-directory", str(home))
+    second, _ = started("worker", address, *local, *workers, until="Registered to", home=home)
+    yield address
+    for process in (second, first):
+        process.terminate()
+        process.wait(20)
+
+
+def fly(path: Path, out: str, scheduler: str | None = None, **overrides: object) -> engine.Finished:
+    return engine.fly(read_campaign(path, overrides), Path(out), workers=0, scheduler=scheduler)
+
+
+def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, scheduler, tmp_path):  # noqa: F811
+    code = KILLER.format(mark=str(tmp_path / "killed"), always=9.0, once=1.8)
+    Path("deadly.py").write_text(code, "utf-8")
+    more = "  - {name: start, python: 'deadly:deadly', signals: [motor.speed]}\n"
+    more += "  - {name: count, signal: motor.steps, statistic: final}"
+    changed(toy, ("metrics:", f"metrics:\n{more}"))
+    finished = fly(toy, "many", scheduler)
+    assert (tmp_path / "killed").exists()
+    assert (finished.flown, finished.failed) == (60, 0)
+    assert {row["count"] for row in rows("many")} == {20.0}, "the reset that resets nothing is seen in a worker, too"
+    assert fly(toy, "one").flown == 60
+    assert rows("many") == rows("one")
