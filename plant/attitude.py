@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .so3 import Array, cayley, hat
+from .so3 import Array, cayley, hat, solve
 
 Moment = Callable[[Array, float, Array], Array]
 """External moment (3,) in body axes, N m, of attitude R (3,3), time t and body rate Omega (3,)."""
@@ -99,7 +99,7 @@ def _solve_cayley(a: Array, p1: float, body: Body) -> Array:
         residual = difference + linear @ f + along * f
         jacobian = linear + np.outer(f, total)
         jacobian.flat[::4] += along
-        change = np.linalg.solve(jacobian, residual)
+        change = solve(jacobian, residual)
         f = f - change
         size = math.sqrt(change @ change)
         # Newton's error squares: after a change of 1e-9 what is left is rounding.

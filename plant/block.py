@@ -82,18 +82,15 @@ def start(p: Parameters, u: Inputs) -> State:
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h, h > 0, with the command u held over the step."""
-    dipoles_B = [p.rods_to_body @ dipoles(u.dipole_cmd, p, on) + p.residual_dipole_B for on in (False, True)]
+    given = dipoles(u.dipole_cmd, p, True)
+    dipoles_B = p.residual_dipole_B, p.rods_to_body @ given + p.residual_dipole_B  # the rods off, and on
     dipole_B = dipoles_B[True]
 
     def moment(R: Array, t: float, Omega: Array) -> Array:
         """External moment (3,) N m in body axes."""
-        tau = magnetic_moment(dipole_B, R.T @ p.field.at(t)) + p.disturbance_torque_B
-        if p.gravity_gradient:
-            tau += gravity_moment(R, t, p)
-        if p.drag:
-            v_N, density = p.air.flow(t)
-            tau += p.surface.moment(R.T @ v_N, density)
-        return tau
+        around = p.environment.at(R, t)
+        tau_mag_B = magnetic_moment(dipole_B, around.b_B)
+        return tau_mag_B + p.disturbance_torque_B + around.tau_gg_B + around.tau_drag_B
 
     ratio = h / p.step_max * (1.0 - 1e-12)
     if not ratio <= INTERNAL_STEPS_MAX:
@@ -113,7 +110,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
                 R, Pi = _advance(R, Pi, part, moment, p, t)
                 t += part.duration
                 l_w = part.l_end
-    mean = min(on_time / h, 1.0) * dipoles(u.dipole_cmd, p, True)
+    mean = min(on_time / h, 1.0) * given
     following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w, dipole_mean=mean)
     return following, outputs(following, u, p)
 
@@ -132,29 +129,17 @@ def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """All outputs of a state and a command; commits nothing."""
-    R_T = x.R.T
+    around = p.environment.at(x.R, x.t)
+    r_N, v_N = around.r_N, around.v_N
     dipole = dipoles(u.dipole_cmd, p, p.rod_turns.on(x.t))
-    b_B = R_T @ p.field.at(x.t)
-    r_N, v_N = p.orbit.position_velocity(x.t)
     Omega = x.Omega(p)
     energy = 0.5 * float(Omega @ p.body.J @ Omega)
     H_N = x.R @ x.Pi
     if p.gravity_gradient:
-        r2 = float(r_N @ r_N)
-        rate_squared = p.gravitational_parameter / (r2 * math.sqrt(r2))
-        r_hat_B = R_T @ r_N / math.sqrt(r2)
-        tau_gg_B = gravity_gradient.moment(r_hat_B, p.body.J, rate_squared)
         h_x, h_y, h_z = _cross(r_N, v_N)
         H_x, H_y, H_z = H_N.tolist()
-        energy += gravity_gradient.potential(r_hat_B, p.body.J, rate_squared)
-        energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / r2
-    else:
-        tau_gg_B = np.zeros(3)
-    if p.drag:
-        flow_N, density = p.air.flow(x.t)
-        tau_drag_B = p.surface.moment(R_T @ flow_N, density)
-    else:
-        tau_drag_B, density = np.zeros(3), 0.0
+        energy += gravity_gradient.potential(around.r_hat_B, p.body.J, around.rate_squared)
+        energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N @ r_N)
     command = u.wheel_torque_cmd
     wheel_torque = net_torque(x.l_w, command, p.wheel)
     return Outputs(
@@ -162,18 +147,18 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         omega_B=Omega,
         r_N=r_N,
         v_N=v_N,
-        b_B=b_B,
+        b_B=around.b_B,
         h_w=x.l_w,
         q_NB=to_quaternion(x.R),
-        tau_gg_B=tau_gg_B,
-        tau_drag_B=tau_drag_B,
-        tau_mag_B=magnetic_moment(p.rods_to_body @ dipole + p.residual_dipole_B, b_B),
+        tau_gg_B=around.tau_gg_B,
+        tau_drag_B=around.tau_drag_B,
+        tau_mag_B=magnetic_moment(p.rods_to_body @ dipole + p.residual_dipole_B, around.b_B),
         dipole=dipole,
         wheel_torque=wheel_torque,
         wheel_speed=x.l_w / p.wheel_inertia,
         H_N=H_N,
         energy=energy,
-        density=density,
+        density=around.density,
         dipole_saturated=bool(np.abs(u.dipole_cmd).max() > p.dipole_max),
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
@@ -190,14 +175,6 @@ def dipoles(dipole_cmd: Array, p: Parameters, on: bool) -> Array:
 def magnetic_moment(dipole_B: Array, b_B: Array) -> Array:
     """tau_MT = m x B [16], (3,) N m, of a dipole (3,) A m2 in a field (3,) T, all in body axes."""
     return np.array(_cross(dipole_B, b_B))
-
-
-def gravity_moment(R: Array, t: float, p: Parameters) -> Array:
-    """M_g (3,) N m in body axes at attitude R (3,3) and time t, s."""
-    r_N, _ = p.orbit.position_velocity(t)
-    r2 = float(r_N @ r_N)
-    r = math.sqrt(r2)
-    return gravity_gradient.moment(R.T @ r_N / r, p.body.J, p.gravitational_parameter / (r2 * r))
 
 
 def _cross(x: Array, y: Array) -> tuple[float, float, float]:

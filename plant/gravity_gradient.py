@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from .so3 import Array, hat
+import numpy as np
+
+from .so3 import Array
 
 
 def moment(r_hat_B: Array, J: Array, rate_squared: float) -> Array:
@@ -11,7 +13,9 @@ def moment(r_hat_B: Array, J: Array, rate_squared: float) -> Array:
     r_hat_B (3,) the unit position in body axes, J (3,3) kg m2, rate_squared = mu/r^3, 1/s2.
     It equals the potential's form sum r_i x v_ri with r_i, v_ri the rows of R and of dU/dR.
     """
-    return (3.0 * rate_squared) * (hat(r_hat_B) @ (J @ r_hat_B))
+    x, y, z = r_hat_B.tolist()
+    a, b, c = ((3.0 * rate_squared) * (J @ r_hat_B)).tolist()
+    return np.array((y * c - z * b, z * a - x * c, x * b - y * a))
 
 
 def potential(r_hat_B: Array, J: Array, rate_squared: float) -> float:

@@ -16,6 +16,7 @@ from .attitude import COMPOSITIONS, Body
 from .drag import AXES, Drag, octagonal_cylinder
 from .rods import Turns
 from .so3 import Array, from_quaternion, project
+from .surroundings import Environment
 from .wheel import Wheel
 
 DRIFT_PASSES = 6
@@ -148,6 +149,18 @@ class Parameters:
     def surface(self) -> Drag:
         plates = octagonal_cylinder(self.body_width, self.body_length, self.body_axis)
         return Drag(plates, self.center_of_mass_B, self.drag_factor * self.drag_coefficient)
+
+    @cached_property
+    def environment(self) -> Environment:
+        return Environment(
+            self.body.J,
+            self.gravitational_parameter,
+            self.orbit,
+            self.field,
+            self.gravity_gradient,
+            self.air if self.drag else None,
+            self.surface,
+        )
 
     @cached_property
     def R_NB0(self) -> Array:

@@ -64,4 +64,4 @@ class Turns:
 
 def dipoles(command: Array, limit: float, gain: Array, on: bool) -> Array:
     """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit; none while they are off."""
-    return gain * np.clip(command, -limit, limit) if on else np.zeros(3)
+    return gain * np.minimum(np.maximum(command, -limit), limit) if on else np.zeros(3)

@@ -1,0 +1,71 @@
+"""What acts on the satellite whatever is commanded: functions of its attitude and of time alone, in body axes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import gravity_gradient
+from .atmosphere import AirAlongOrbit
+from .drag import Drag
+from .geomagnetic import FieldAlongOrbit
+from .orbit import Orbit
+from .so3 import Array
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """At an attitude and a time."""
+
+    r_N: Array
+    v_N: Array
+    """m, m/s"""
+    r_hat_B: Array
+    """The unit position."""
+    rate_squared: float
+    """mu/r^3, 1/s2"""
+    b_B: Array
+    """T"""
+    tau_gg_B: Array
+    tau_drag_B: Array
+    """N m"""
+    density: float
+    """kg/m3; 0 without drag"""
+
+
+@dataclass
+class Environment:
+    """The surroundings of a satellite of inertia J (3,3), kg m2, on its orbit."""
+
+    J: Array
+    mu: float
+    """m3/s2"""
+    orbit: Orbit
+    field: FieldAlongOrbit
+    gravity_gradient: bool
+    air: AirAlongOrbit | None
+    """None without drag."""
+    surface: Drag
+    _last: tuple[Array, float, Surroundings] | None = None
+
+    def at(self, R: Array, t: float) -> Surroundings:
+        """At attitude R (3,3) and time t, s. The last are kept: a step's end, its outputs and the next start are one place."""
+        if self._last is None or self._last[0] is not R or self._last[1] != t:
+            self._last = R, t, self._evaluate(R.T, t)
+        return self._last[2]
+
+    def _evaluate(self, R_T: Array, t: float) -> Surroundings:
+        r_N, v_N = self.orbit.position_velocity(t)
+        r2 = float(r_N @ r_N)
+        r = math.sqrt(r2)
+        r_hat_B, rate_squared = R_T @ r_N / r, self.mu / (r2 * r)
+        tau_gg_B = tau_drag_B = np.zeros(3)
+        density = 0.0
+        if self.gravity_gradient:
+            tau_gg_B = gravity_gradient.moment(r_hat_B, self.J, rate_squared)
+        if self.air is not None:
+            flow_N, density = self.air.flow(t)
+            tau_drag_B = self.surface.moment(R_T @ flow_N, density)
+        return Surroundings(r_N, v_N, r_hat_B, rate_squared, R_T @ self.field.at(t), tau_gg_B, tau_drag_B, density)
