@@ -9,25 +9,46 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, field
 
-FUNCTIONS = tuple(
-    "fmi2" + name
-    for name in (
+from ..fmu.model import Model
+from ..fmu.types import NATIVES
+
+_NAMES = {
+    "fmi2": (
         "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment EnterInitializationMode "
         "ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean "
         "SetString GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate "
         "GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus "
         "GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus"
-    ).split()
-)
-"""All functions that FMI 2.0 demands of a co-simulation FMU."""
-CALLED = frozenset(
-    "fmi2" + name
-    for name in (
+    ),
+    "fmi3": (
+        "GetVersion SetDebugLogging InstantiateCoSimulation FreeInstance EnterInitializationMode ExitInitializationMode "
+        "EnterEventMode EnterStepMode Terminate Reset EnterConfigurationMode ExitConfigurationMode "
+        "GetNumberOfVariableDependencies GetVariableDependencies GetFMUState SetFMUState FreeFMUState "
+        "SerializedFMUStateSize SerializeFMUState DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative "
+        "GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetIntervalFraction "
+        "SetShiftDecimal SetShiftFraction EvaluateDiscreteStates UpdateDiscreteStates GetOutputDerivatives DoStep "
+    )
+    + " ".join(f"{verb}{native.function}" for native in NATIVES[3].values() for verb in ("Get", "Set"))
+    + " GetBinary SetBinary GetClock SetClock",
+}
+FUNCTIONS = {prefix: tuple(dict.fromkeys(prefix + name for name in names.split())) for prefix, names in _NAMES.items()}
+"""All functions that a version of FMI demands of a co-simulation FMU."""
+_CALLED = {
+    "fmi2": (
         "GetTypesPlatform GetVersion Instantiate FreeInstance SetupExperiment EnterInitializationMode "
         "ExitInitializationMode Terminate GetReal GetInteger GetBoolean SetReal SetInteger SetBoolean SetString DoStep"
-    ).split()
-)
-"""Those of them without which an FMU does not run here."""
+    ),
+    "fmi3": ("InstantiateCoSimulation FreeInstance EnterInitializationMode ExitInitializationMode Terminate DoStep"),
+}
+
+
+def called(model: Model) -> set[str]:
+    """The functions without which an FMU does not run here: of FMI 3.0, those of the types that it has."""
+    names = set(_CALLED[model.prefix].split())
+    if model.prefix == "fmi3":
+        ports = model.of("input", "output", "parameter")
+        names |= {("Get" if v.causality == "output" else "Set") + v.native.function for v in ports if v.native}
+    return {model.prefix + name for name in names}
 
 
 class Unreadable(ValueError):

@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 from ..errors import InputError
 from ..fmu import zipped
-from ..fmu.archive import Head, described, open_fmu, read_head
+from ..fmu.archive import Head, Unsupported, check_version, described, open_fmu, read_head
 from ..fmu.interfaces import reference, starts_of
 from ..fmu.model import Model
 from ..scenario.mapping import load
@@ -48,7 +48,7 @@ def check(
     description, theirs = read
     with tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True) as folder:
         zipped.unpack(path, Path(folder), "FMU")
-        library.look(description, library.files(Path(folder)), findings)
+        library.look(description, theirs, library.files(Path(folder)), findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
     starts.look(fitted, starts_of(description, theirs), findings)
@@ -76,18 +76,11 @@ def _blocks(scenario: Scenario, as_: str) -> list[str]:
 
 def _description(path: Path, head: Head, findings: list[Finding], lenient: bool) -> tuple[Any, Model] | None:
     """FMPy's ModelDescription and the model, where FMI's version and the kind are ours and they can be read."""
-    if head.version != "2.0":
-        version = head.version or "unknown"
-        findings.append(
-            Finding("error", "FMI", f"version {version}; expected 2.0", "export it for FMI 2.0, co-simulation")
-        )
-        return None
     try:
+        check_version(path, head)
         description, model, problems = described(path, head, lenient=True)
-    except InputError as error:
-        if "model exchange only" not in str(error):
-            raise
-        findings.append(Finding("error", "FMI", "version 2.0, for model exchange only", "export it for co-simulation"))
+    except Unsupported as error:
+        findings.append(Finding("error", "FMI", error.what, "export it so"))
         return None
     remedy = "correct it in the exporting tool" + ("" if lenient else ", or run it all the same: 'validation: lenient'")
     findings += [
@@ -95,7 +88,8 @@ def _description(path: Path, head: Head, findings: list[Finding], lenient: bool)
         for problem in problems[:10]
     ]
     tool = f", made by {description.generationTool}" if description.generationTool else ""
-    findings.append(Finding("ok", "FMI", f"version 2.0, co-simulation{tool}"))
+    findings.append(Finding("ok", "FMI", f"version {model.fmi}, co-simulation{tool}"))
+    findings += [Finding("note", "variable", f"{name} is {why}") for name, why in model.left_out.items()]
     return description, model
 
 

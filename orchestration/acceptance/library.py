@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import fmpy
-
-from ..fmu.archive import expected_library, libraries
+from ..fmu.archive import expected_library, libraries, platform_of
+from ..fmu.model import Model
 from ..swap.findings import Finding
 from ..system.rates import sample_time
 from . import binaries
@@ -21,7 +20,7 @@ def files(folder: Path) -> dict[str, Path]:
     return {path.relative_to(folder).as_posix(): path for path in found}
 
 
-def look(description: Any, files: Mapping[str, Path], findings: list[Finding]) -> None:
+def look(description: Any, model: Model, files: Mapping[str, Path], findings: list[Finding]) -> None:
     """Its libraries and what it asks of its host; `files` are those of its binaries."""
     flags = description.coSimulation
     offered: dict[str, str] = {}
@@ -29,18 +28,16 @@ def look(description: Any, files: Mapping[str, Path], findings: list[Finding]) -
         platform, _, file = name.removeprefix("binaries/").partition("/")
         if file.rpartition(".")[0] == flags.modelIdentifier:
             offered[platform] = name
-    if expected_library(flags.modelIdentifier) in files:
-        others = ", ".join(name for name in offered if name != fmpy.platform)
-        text = f"{fmpy.platform}, this platform" + (f"; also {others}" if others else "; no other")
+    here, wanted = platform_of(description), expected_library(description)
+    if wanted in files:
+        others = ", ".join(name for name in offered if name != here)
+        text = f"{here}, this platform" + (f"; also {others}" if others else "; no other")
         findings.append(Finding("ok", "binary", text))
     else:
-        wanted = expected_library(flags.modelIdentifier)
-        text = f"none for this platform: expected {wanted}, found {libraries(files)}"
-        findings.append(
-            Finding("error", "binary", text, f"build it for {fmpy.platform}, or run on one of its platforms")
-        )
+        text = f"none for this platform: expected {wanted}, found {libraries(files, here)}"
+        findings.append(Finding("error", "binary", text, f"build it for {here}, or run on one of its platforms"))
     for platform, name in offered.items():
-        _library(platform, files[name].read_bytes(), files, findings)
+        _library(platform, platform == here, model, files[name].read_bytes(), files, findings)
     if flags.needsExecutionTool:
         text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
@@ -61,8 +58,9 @@ def look(description: Any, files: Mapping[str, Path], findings: list[Finding]) -
             findings.append(Finding("warning", "step", text, "declare DefaultExperiment.stepSize in the FMU"))
 
 
-def _library(platform: str, data: bytes, files: Mapping[str, Path], findings: list[Finding]) -> None:
-    here = platform == fmpy.platform
+def _library(
+    platform: str, here: bool, model: Model, data: bytes, files: Mapping[str, Path], findings: list[Finding]
+) -> None:
     try:
         library = binaries.read(data)
     except binaries.Unreadable as error:
@@ -76,17 +74,17 @@ def _library(platform: str, data: bytes, files: Mapping[str, Path], findings: li
     if library.kind == "Mach-O":
         findings.append(Finding("note", "binary", f"{platform}: a Mach-O library, whose functions are not looked at"))
         return
-    missing = [name for name in binaries.FUNCTIONS if name not in library.exported]
-    needed = [name for name in missing if name in binaries.CALLED]
+    missing = [name for name in binaries.FUNCTIONS[model.prefix] if name not in library.exported]
+    needed = [name for name in missing if name in binaries.called(model)]
     if needed:
-        level = "error" if here else "warning"
         text = f"{platform}: the library lacks {_some(needed)}"
-        findings.append(Finding(level, "functions", text, "export every function of FMI 2.0, by its plain name"))  # type: ignore[arg-type]
+        remedy = f"export every function of FMI {model.fmi}, by its plain name"
+        findings.append(Finding("error" if here else "warning", "functions", text, remedy))
     elif missing:
         text = f"{platform}: the library lacks {_some(missing)}, which are not called here, but which FMI demands"
-        findings.append(Finding("warning", "functions", text, "export them; they may return fmi2Error"))
+        findings.append(Finding("warning", "functions", text, "export them; they may return an error"))
     else:
-        findings.append(Finding("ok", "functions", f"{platform}: all of FMI 2.0 are there"))
+        findings.append(Finding("ok", "functions", f"{platform}: all of FMI {model.fmi} are there"))
     if here:
         beside = {n.rpartition("/")[2]: d for n, d in files.items() if n.startswith(f"binaries/{platform}/")}
         _loader(platform, unresolved(library, beside), findings)

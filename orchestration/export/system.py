@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ..errors import InputError
 from ..fmu.archive import Fmu
-from ..fmu.interfaces import starts_of
+from ..fmu.description import scalars_of, starts_of
 from ..fmu.model import Variable
 from ..runner.open import open_scenario
 from ..runner.run import execute
@@ -96,6 +96,9 @@ def flat(scenario: Scenario) -> System:
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
         fit = prepared.fits.get(name)
+        if fmus[name].model.prefix != "fmi2":
+            message = f"it is an FMU of FMI {fmus[name].model.fmi}; what is exported holds FMUs of FMI 2.0 only"
+            raise InputError(scenario.error(("blocks", name, "fmu"), message))
         if substeps := opened.rates.substeps.get(name):
             message = f"its FMU cannot vary its step of {float(substeps.length):.10g} s and is stepped {substeps.count} times in each of the scenario's, which only this orchestrator can do; cannot be exported"
             raise InputError(scenario.error(("blocks", name), message))
@@ -172,5 +175,4 @@ def _nodes(block: str, variable: Variable) -> list[Node]:
 
 def _names(block: str, fmu: Fmu, variables: Mapping[str, Variable]) -> dict[Node, str]:
     """FMI's name of each element: `R_NB[2,3]` where the label is `R_NB[2][3]`."""
-    given = {"][".join(part.strip() for part in v.name.split(",")): v.name for v in fmu.description.modelVariables}
-    return {Node(block, e): given[v.label(e.position)] for v in variables.values() for e in v.elements}
+    return {Node(block, e): name for name, _, e in scalars_of(fmu.description, fmu.model) if e.variable in variables}

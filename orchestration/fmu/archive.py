@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,17 +19,31 @@ from lxml import etree
 
 from ..errors import InputError, hint
 from . import zipped
-from .description import describe, starts_of
+from .description import VARIABLES_MAX, describe, starts_of
 from .model import Element, Model
 from .zipped import shown
 
-__all__ = ["Fmu", "Head", "described", "expected_library", "libraries", "open_fmu", "read_head", "shown"]
+__all__ = [
+    "Fmu",
+    "Head",
+    "Unsupported",
+    "check_version",
+    "described",
+    "expected_library",
+    "libraries",
+    "open_fmu",
+    "platform_of",
+    "read_head",
+    "shown",
+]
 
 ANNOTATION = "attitude-cosim"
 """Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which FMI 2.0
 has no words."""
-XML_MAX, VARIABLES_MAX = 64_000_000, 100_000
-"""Bytes of a modelDescription.xml, and scalar variables that it declares."""
+XML_MAX = 64_000_000
+"""Bytes of a modelDescription.xml."""
+VERSIONS = re.compile(r"2\.0|3\.0(\.\d+)?")
+"""Of FMI, which run here."""
 _UNREADABLE = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError)
 """What a description that is not valid brings about where FMPy or `describe` reads it."""
 
@@ -53,7 +67,7 @@ class Fmu:
 
     @property
     def library(self) -> str:
-        return expected_library(self.description.coSimulation.modelIdentifier)
+        return expected_library(self.description)
 
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
         """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
@@ -71,17 +85,40 @@ class Head:
     """The inputs of which an annotation of ours says that they may stay unconnected."""
     quantities: Mapping[str, str]
     """Of parameters, the quantities that an annotation of ours says they state."""
+    unsigned: Mapping[str, tuple[str | None, str | None]] = field(default_factory=dict)
+    """The limits of unsigned variables (FMI 3.0), which FMPy leaves out."""
 
 
-def expected_library(identifier: str) -> str:
+class Unsupported(InputError):
+    """An FMU of a version or kind that does not run here."""
+
+    def __init__(self, path: Path, what: str, expected: str) -> None:
+        self.what = f"{what}; expected {expected}"
+        super().__init__(f"{shown(path)} {self.what}")
+
+
+def check_version(path: Path, head: Head) -> None:
+    """Raises Unsupported for a version of FMI that does not run here."""
+    if not VERSIONS.fullmatch(head.version or ""):
+        version = f"is an FMU of FMI {head.version}" if head.version else "declares no fmiVersion"
+        raise Unsupported(path, version, "FMI 2.0 or 3.0 for co-simulation")
+
+
+def platform_of(description: Any) -> str:
+    """What an FMU calls this platform: linux64 in FMI 2.0, x86_64-linux in 3.0."""
+    return str(fmpy.platform if description.fmiMajorVersion == 2 else fmpy.platform_tuple)
+
+
+def expected_library(description: Any) -> str:
     """Where the library for this platform stands in an FMU."""
-    return f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+    identifier = description.coSimulation.modelIdentifier
+    return f"binaries/{platform_of(description)}/{identifier}{fmpy.sharedLibraryExtension}"
 
 
-def libraries(names: Iterable[str]) -> str:
+def libraries(names: Iterable[str], platform: str) -> str:
     """The libraries among the names of an FMU's entries, for a message: those for this platform, else the platforms."""
     files = sorted(name for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name))
-    here = [name for name in files if name.split("/")[1] == fmpy.platform]
+    here = [name for name in files if name.split("/")[1] == platform]
     platforms = sorted({name.split("/")[1] for name in files})
     return ", ".join(here) or f"binaries for {', '.join(platforms) or 'none'}"
 
@@ -123,13 +160,12 @@ def _open(path: Path, lenient: bool) -> Fmu:
     names = zipped.names(path, "FMU")
     head = read_head(path)
     # The version decides first: the schema's complaints about another version would only confuse.
-    if head.version != "2.0":
-        version = f"is an FMU of FMI {head.version}" if head.version else "declares no fmiVersion"
-        raise InputError(f"{shown(path)} {version}; expected FMI 2.0 for co-simulation")
+    check_version(path, head)
     description, model, problems = described(path, head, lenient)
-    library = expected_library(description.coSimulation.modelIdentifier)
+    library = expected_library(description)
     if library not in names:
-        raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {libraries(names)}")
+        found = libraries(names, platform_of(description))
+        raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {found}")
     return Fmu(path, _digest(path), description, model, tuple(problems))
 
 
@@ -166,7 +202,8 @@ def read_head(path: Path) -> Head:
             marked.add(name)
         elif entry.tag == "Quantity":
             stated[name] = entry.get("name", "")
-    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated)
+    unsigned = {v.get("name", ""): (v.get("min"), v.get("max")) for v in variables if str(v.tag).startswith("UInt")}
+    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated, unsigned)
 
 
 def _doctype(path: Path) -> InputError:
@@ -178,7 +215,8 @@ def _doctype(path: Path) -> InputError:
 def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:
     """FMPy's ModelDescription, the model made of it, and what is not valid in it.
 
-    Raises InputError where it cannot be read, is not for co-simulation, or is not valid and `lenient` is not set.
+    Raises InputError where it cannot be read or is not valid and `lenient` is not set, and Unsupported where it is not for
+    co-simulation or has clocks.
     """
     problems: list[str] = []
     try:
@@ -192,7 +230,14 @@ def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[s
     if problems and not lenient:
         raise _not_valid(path, problems)
     if description.coSimulation is None:
-        raise InputError(f"{shown(path)} is for model exchange only; expected an FMU for co-simulation")
+        kinds = {"model exchange": description.modelExchange, "scheduled execution": description.scheduledExecution}
+        kind = " and ".join(name for name, element in kinds.items() if element is not None) or "nothing"
+        raise Unsupported(path, f"is for {kind} only", "an FMU for co-simulation")
+    if clocks := [v.name for v in description.modelVariables if v.type == "Clock"]:
+        raise Unsupported(path, f"has clocks, which need event mode: {', '.join(clocks[:5])}", "an FMU without clocks")
+    for variable in description.modelVariables:
+        if variable.name in head.unsigned:
+            variable.min, variable.max = head.unsigned[variable.name]
     try:
         model = describe(description, head.optional, head.quantities)
         model = replace(model, starts=starts_of(description, model))

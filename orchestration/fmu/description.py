@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError
 from ..quantities import Exponents, Unit
 from .model import Element, Model, Variable, shared
+from .types import NATIVES, Native
+
+VARIABLES_MAX = 100_000
+"""Scalars that a modelDescription.xml declares."""
 
 
 def describe(description: Any, optional: Collection[str] = (), quantities: Mapping[str, str] | None = None) -> Model:
@@ -24,16 +28,23 @@ def describe(description: Any, optional: Collection[str] = (), quantities: Mappi
         for unit in description.unitDefinitions
         for display in unit.displayUnits
     }
-    groups = _groups([v for v in description.modelVariables if v.causality != "independent"])
+    _refuse_too_many(description)
+    left_out = {v.name: why for v in description.modelVariables if (why := _left_out(v))}
+    known = [v for v in description.modelVariables if v.name not in left_out and v.alias is None]
+    groups = _groups([v for v in known if v.causality != "independent"])
+    natives = NATIVES[description.fmiMajorVersion]
     variables: dict[str, Variable] = {}
-    elements: dict[str, Element] = {}
+    elements: dict[str, list[Element]] = {}
     for name, (shape, first, scalars) in groups.items():
-        variables[name] = _variable(name, shape, first, scalars, units, displays)
+        variables[name] = _variable(name, shape, first, scalars, natives[scalars[0].type], units, displays)
         if all(scalar.causality == "input" and scalar.name in optional for scalar in scalars):
             variables[name] = replace(variables[name], optional=True)
         if len(stated := {(quantities or {}).get(scalar.name) for scalar in scalars}) == 1:
             variables[name] = replace(variables[name], quantity=stated.pop() or None)
-        elements.update((scalar.name, Element(name, i)) for i, scalar in enumerate(scalars))
+        if scalars[0].shape:
+            elements[name] = variables[name].elements
+        else:
+            elements.update((scalar.name, [Element(name, i)]) for i, scalar in enumerate(scalars))
     return Model(
         name=description.modelName,
         variables=variables,
@@ -41,7 +52,30 @@ def describe(description: Any, optional: Collection[str] = (), quantities: Mappi
         initial=_initial(description, elements),
         guid=description.guid,
         tool=description.generationTool or "",
+        fmi=description.fmiVersion,
+        aliases={v.name: v.alias.name for v in description.modelVariables if v.alias is not None},
+        left_out=left_out,
     )
+
+
+def _refuse_too_many(description: Any) -> None:
+    for v in description.modelVariables:
+        if any(length < 1 for length in v.shape):
+            raise InputError(f"modelDescription.xml: {v.name} has the dimensions {list(v.shape)}; expected 1 or more")
+    count = sum(math.prod(v.shape) for v in description.modelVariables)
+    if count > VARIABLES_MAX:
+        raise InputError(
+            f"modelDescription.xml declares {count} elements of variables; expected at most {VARIABLES_MAX}"
+        )
+
+
+def _left_out(variable: Any) -> str:
+    """Why a variable is not exchanged; empty where it is."""
+    if variable.causality == "structuralParameter":
+        return "a structural parameter, which keeps its start value"
+    if variable.type == "Binary" or (variable.type == "String" and variable.shape):
+        return f"{'a Binary' if variable.type == 'Binary' else 'an array of text'}, which is not exchanged"
+    return ""
 
 
 def _unit(unit: Any) -> Unit:
@@ -75,15 +109,20 @@ _Group = tuple[tuple[int, ...], tuple[int, ...], list[Any]]
 
 
 def _groups(scalars: list[Any]) -> dict[str, _Group]:
-    """Scalars by the name of the whole, where its elements are all there and alike; else each by its own name."""
+    """Scalars by the name of the whole, where its elements are all there and alike; else each by its own name.
+
+    An array of FMI 3.0 is a whole of one variable.
+    """
     by_name: dict[str, dict[tuple[int, ...], Any]] = {}
+    groups: dict[str, _Group] = {v.name: (v.shape, (), [v]) for v in scalars if v.shape}
     for scalar in scalars:
+        if scalar.shape:
+            continue
         match = _INDEXED.fullmatch(scalar.name)
         name, index = (match[1], tuple(map(int, match[2].split(",")))) if match else (scalar.name, ())
         by_name.setdefault(name, {})[index] = scalar
-    groups: dict[str, _Group] = {}
     for name, members in by_name.items():
-        whole = _whole(members)
+        whole = _whole(members) if name not in groups else None
         if whole is not None:
             groups[name] = whole
         else:
@@ -111,7 +150,9 @@ def _nature(scalar: Any) -> tuple[Any, ...]:
     )
 
 
-def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any, displays: Any) -> Variable:
+def _variable(
+    name: str, shape: Any, first: Any, scalars: list[Any], native: Native, units: Any, displays: Any
+) -> Variable:
     scalar = scalars[0]
     declared = scalar.declaredType
 
@@ -121,77 +162,93 @@ def _variable(name: str, shape: Any, first: Any, scalars: list[Any], units: Any,
 
     named = [(attribute("unit", v), attribute("displayUnit", v)) for v in scalars]
     unit, apart = shared([units.get(name, Unit(name, None)) if name else None for name, _ in named])
-    ordered = scalar.type in ("Real", "Integer")
+    ordered, repeat = native.type in ("real", "integer"), math.prod(shape) // len(scalars)
     return Variable(
         name=name,
         causality=scalar.causality,
-        type=scalar.type.lower(),
+        type=native.type,
         shape=shape,
         references=tuple(v.valueReference for v in scalars),
+        native=native,
         variability=scalar.variability,
         unit=unit,
         units=apart,
         display_unit=displays.get(named[0]) if len(set(named)) == 1 else None,
-        minima=tuple(float(attribute("min", v) or "-inf") for v in scalars) if ordered else (),
-        maxima=tuple(float(attribute("max", v) or "inf") for v in scalars) if ordered else (),
+        minima=tuple(float(attribute("min", v) or "-inf") for v in scalars) * repeat if ordered else (),
+        maxima=tuple(float(attribute("max", v) or "inf") for v in scalars) * repeat if ordered else (),
         items=tuple((item.name, int(item.value)) for item in declared.items) if declared is not None else (),
         description=scalar.description or "",
         first_index=first,
     )
 
 
-def _dependencies(unknowns: list[Any], elements: dict[str, Element]) -> dict[Element, frozenset[Element] | None]:
+def _dependencies(unknowns: list[Any], elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:
     dependencies: dict[Element, frozenset[Element] | None] = {}
     for unknown in unknowns:
-        if unknown.variable.name in elements:
-            known = unknown.dependencies
-            inputs = known and (v for v in known if v.causality == "input")
-            dependencies[elements[unknown.variable.name]] = (
-                None if known is None else frozenset(elements[v.name] for v in inputs or ())
-            )
+        known, inputs = unknown.dependencies, None
+        if known is not None:
+            inputs = frozenset(e for v in known if v.causality == "input" for e in elements.get(v.name, ()))
+        dependencies.update(dict.fromkeys(elements.get(unknown.variable.name, ()), inputs))
     return dependencies
 
 
-def _initial(description: Any, elements: dict[str, Element]) -> dict[Element, frozenset[Element] | None]:
+def _initial(description: Any, elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:
     dependencies = _dependencies(description.initialUnknowns, elements)
     direct = _dependencies(description.outputs, elements)
-    for scalar in description.modelVariables:
-        if scalar.causality == "output" and elements[scalar.name] not in dependencies:
-            exact = scalar.initial == "exact"
-            dependencies[elements[scalar.name]] = frozenset() if exact else direct.get(elements[scalar.name])
+    for variable in description.modelVariables:
+        for element in elements.get(variable.name, ()) if variable.causality == "output" else ():
+            exact = frozenset[Element]() if variable.initial == "exact" else direct.get(element)
+            dependencies.setdefault(element, exact)
     return dependencies
+
+
+def scalars_of(description: Any, model: Model) -> Iterator[tuple[str, Any, Element]]:
+    """FMI's name of each element, as `R_NB[2,3]`, FMPy's variable and the element. Aliases have none of their own."""
+    labels = {variable.label(e.position): e for variable in model.variables.values() for e in variable.elements}
+    for scalar in description.modelVariables:
+        if scalar.shape and scalar.name in model.variables:
+            variable = model.variables[scalar.name]
+            for element in variable.elements:
+                index = variable.label(element.position)[len(scalar.name) :]
+                yield scalar.name + index.replace("][", ","), scalar, element
+        elif not scalar.shape and (found := labels.get("][".join(part.strip() for part in scalar.name.split(",")))):
+            yield scalar.name, scalar, found
 
 
 def starts_of(description: Any, model: Model) -> dict[Element, Any]:
     """The start values of an FMU's inputs and parameters, items of enumerations as numbers. Raises InputError."""
-    by_label = {
-        variable.label(position): (variable, Element(variable.name, position))
-        for variable in model.variables.values()
-        for position in range(variable.size)
-    }
     starts: dict[Element, Any] = {}
-    for scalar in description.modelVariables:
-        entry = by_label.get("][".join(part.strip() for part in scalar.name.split(",")))
-        if entry is None or scalar.start is None or scalar.causality not in ("input", "parameter"):
-            continue
-        variable, element = entry
-        starts[element] = _start(variable, scalar)
+    for name, scalar, element in scalars_of(description, model):
+        if scalar.start is not None and scalar.causality in ("input", "parameter"):
+            text = str(scalar.start)
+            if scalar.shape:  # one value for all elements, or one for each
+                texts = text.split()
+                if len(texts) not in (1, math.prod(scalar.shape)):
+                    raise _wrong_start(scalar.name, f"{len(texts)} values", f"one or {math.prod(scalar.shape)} of them")
+                text = texts[element.position if len(texts) > 1 else 0]
+            starts[element] = _start(model.variables[element.variable], name, text)
     return starts
 
 
-def _start(variable: Variable, scalar: Any) -> float | int | bool | str:
-    text = str(scalar.start)
+def _start(variable: Variable, name: str, text: str) -> float | int | bool | str:
     if variable.type == "string":
         return text
     if variable.type == "boolean":
         if text.strip().lower() not in ("true", "1", "false", "0"):
-            raise _wrong_start(scalar, "true or false")
+            raise _wrong_start(name, repr(text), "true or false")
         return text.strip().lower() in ("true", "1")
     try:
-        return float(text) if variable.type == "real" else int(float(text))
+        return float(text) if variable.type == "real" else _whole_number(text)
     except (ValueError, OverflowError):
-        raise _wrong_start(scalar, "a number") from None
+        raise _wrong_start(name, repr(text), "a number") from None
 
 
-def _wrong_start(scalar: Any, expected: str) -> InputError:
-    return InputError(f"modelDescription.xml: {scalar.name} has the start value {scalar.start!r}; expected {expected}")
+def _whole_number(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        return int(float(text))
+
+
+def _wrong_start(name: str, found: str, expected: str) -> InputError:
+    return InputError(f"modelDescription.xml: {name} has the start value {found}; expected {expected}")

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from ..errors import hint
 from ..quantities import ONE, Unit
 from .names import unescaped
+from .types import Native, Type
 
 Floats = NDArray[np.float64]
 TYPES = ("real", "integer", "enumeration", "boolean")
 """The types that are exchanged and recorded, in the order in which a block's `wire` is given them."""
-Type = Literal["real", "integer", "boolean", "string", "enumeration"]
 
 
 class Element(NamedTuple):
@@ -40,7 +40,9 @@ class Variable:
     type: Type = "real"
     shape: tuple[int, ...] = ()
     references: tuple[int, ...] = (0,)
-    """FMI's value reference of each element."""
+    """FMI's value reference of each element; of an array of FMI 3.0, the one of the whole."""
+    native: Native | None = None
+    """FMI's type; None where no FMU stands behind it."""
     variability: str = "continuous"
     unit: Unit | None = None
     """Of all elements; where theirs differ, a list of their names, which fits its like only."""
@@ -67,6 +69,11 @@ class Variable:
     @cached_property
     def elements(self) -> list[Element]:
         return [Element(self.name, position) for position in range(self.size)]
+
+    @property
+    def is_array(self) -> bool:
+        """Whether it is an array of FMI 3.0, which is exchanged in one piece."""
+        return len(self.references) < self.size
 
     def at(self, positions: Sequence[int]) -> Variable:
         """The same with the unit of the elements at these positions."""
@@ -123,12 +130,33 @@ class Model:
     """The same in initialization."""
     guid: str = ""
     tool: str = ""
+    fmi: str = "2.0"
+    """The version of FMI."""
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    """Further names of variables (FMI 3.0)."""
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    """What is not exchanged, by its name, and why (FMI 3.0)."""
     starts: Mapping[Element, Any] = field(default_factory=dict)
     """Values of inputs and parameters where a scenario gives none, as far as they are known."""
     helpers: Mapping[str, Helper] = field(default_factory=dict)
     """In the order in which they are to be worked out."""
     lacks: frozenset[str] = frozenset()
     """Parameters of the interface to which it is held that it does not have."""
+
+    @property
+    def prefix(self) -> str:
+        """What the names of FMI's functions begin with."""
+        return f"fmi{self.fmi[0]}"
+
+    def named(self, name: str) -> Variable | None:
+        """The variable of this name or alias."""
+        return self.variables.get(self.aliases.get(name, name))
+
+    def native(self, element: Element) -> Native:
+        """FMI's type of an element of an FMU."""
+        native = self.variables[element.variable].native
+        assert native is not None, "of an FMU"
+        return native
 
     def of(self, *causalities: str) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality in causalities]
@@ -145,6 +173,7 @@ class Model:
         A name may be written as `escaped` has it.
         """
         name = name if name in self.variables else unescaped(name)
+        name = self.aliases.get(name, name)
         listed = ",".join(map(str, index))
         for exact in (
             name + listed.join("[]").replace(",", "]["),
@@ -153,6 +182,8 @@ class Model:
         ):
             if index and exact in self.variables:
                 return self.variables[exact], [0]
+        if name in self.left_out:
+            raise NameUnknown(f"{block}.{name} is {self.left_out[name]}")
         if name not in self.variables:
             wanted = tuple(of)
             kind = " or ".join(wanted) or "variable"

@@ -5,71 +5,107 @@ from __future__ import annotations
 import ctypes as c
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import BlockError
-from ..fmu.model import Floats
+from ..fmu.model import Element, Floats
+from ..fmu.types import Native
 
 WARNING = 1
 """fmi2Warning: what is above it has failed."""
-_NO_RESTORE = c.c_int.from_param(1)
+BEYOND = -8
+"""In place of a status: a value that the type of its variable cannot hold."""
+ANSWERS = ("asks for event mode", "asks to end the simulation", "has returned early")
+"""What DoStep of FMI 3.0 may say besides its status; in place of a status, minus the sum of 1, 2 and 4 for them."""
+_NO_RESTORE = 1
 """noSetFMUStatePriorToCurrentPoint: the master never goes back."""
 
 Call = Callable[[], None]
 Stride = Callable[[float, float], None]
 """Of time and step."""
 Failed = Callable[[str, int], BlockError]
-"""The error of a call that gave a status."""
+"""The error of a call that gave a status, or of what stands in place of one."""
+
+
+class Part(NamedTuple):
+    """How much of an exchange is made, counted from its first."""
+
+    references: int
+    values: int
+    """In FMI's buffer, whose arrays are whole."""
+    elements: int
 
 
 @dataclass(frozen=True)
 class Exchange:
-    """One fmi2Get<Type> or fmi2Set<Type>, with all that it needs; the loop in C takes it as it is."""
+    """One Get or Set of one type of FMI, with all that it needs; the loop in C takes it as it is."""
 
     name: str
     function: Any
+    native: Native
+    sets: bool
     references: NDArray[np.uint32]
+    elements: Sequence[Element]
     values: Floats
-    """Its stretch of the bus or of the block's inputs."""
+    """All inputs of the block, or its stretch of the bus."""
+    places: NDArray[np.int64]
+    """Where among them its elements are,"""
+    slots: NDArray[np.int64]
+    """and where in the buffer."""
     buffer: NDArray[Any]
-    """What FMI reads or writes: `values` themselves for Reals, else a copy as C has them."""
-    live: int
-    """How many of the values, the first, others need in every step."""
+    """What FMI reads or writes: the stretch of the values themselves where all lie side by side, else a copy as C has them."""
+    direct: bool
+    """Whether it is that stretch."""
+    live: Part
+    """What others need in every step."""
+    all: Part
 
-    def arguments(self, count: int) -> tuple[Any, Any, Any]:
-        """The arguments for the first `count` values, behind the component; made once, for the calls of every step."""
-        pointer = c.c_void_p.from_param
-        return (
-            pointer(self.references.ctypes.data),
-            c.c_size_t.from_param(count),
-            pointer(self.buffer.ctypes.data),
-        )
+    def bound(self, component: Any, part: Part) -> Callable[[], int]:
+        """The function with its arguments for this part; made once, for the calls of every step."""
+        pointer, size = c.c_void_p.from_param, c.c_size_t.from_param
+        arguments = [pointer(self.references.ctypes.data), size(part.references), pointer(self.buffer.ctypes.data)]
+        counted = [] if self.name.startswith("fmi2") else [size(part.values)]
+        return partial(self.function, component, *arguments, *counted)
 
-    def call(self, component: Any, count: int, failed: Failed) -> Call:
-        """The call for the first `count` values."""
-        name, function = self.name, self.function
-        references, n, data = self.arguments(count)
-        values, buffer = self.values[:count], self.buffer[:count]
+    def call(self, component: Any, part: Part, failed: Failed) -> Call:
+        """The call for this part."""
+        name, invoke, values, buffer = self.name, self.bound(component, part), self.values, self.buffer
+        places, slots = _span(self.places[: part.elements]), _span(self.slots[: part.elements])
+        low, beyond = self.native.bounds
 
-        def real() -> None:
-            status = function(component, references, n, data)
+        def direct() -> None:
+            status = invoke()
             if status > WARNING:
                 raise failed(name, status)
 
-        def whole_set() -> None:
-            buffer[:] = values
-            real()
+        def give() -> None:
+            given = values[places]
+            if not (low <= given.min() and given.max() < beyond):
+                raise failed(name, BEYOND)
+            buffer[slots] = given
+            direct()
 
-        def whole_get() -> None:
-            real()
-            values[:] = buffer
+        def take() -> None:
+            direct()
+            values[places] = buffer[slots]
 
-        if self.buffer is self.values:
-            return real
-        return whole_set if name.startswith("fmi2Set") else whole_get
+        if self.direct:
+            return direct
+        return give if self.sets else take
+
+
+def _span(places: NDArray[np.int64]) -> Any:
+    """The places as a slice where they follow each other, which NumPy takes sooner."""
+    return slice(int(places[0]), int(places[0]) + len(places)) if follow(places) else places
+
+
+def follow(places: NDArray[np.int64]) -> bool:
+    """Whether each place is the one after that before it."""
+    return len(places) > 0 and bool((np.diff(places) == 1).all())
 
 
 def sequence(wanted: Sequence[Call]) -> Call:
@@ -95,47 +131,64 @@ def stride(set_inputs: Call, do_step: Stride, get: Call) -> Stride:
     return three
 
 
-def stepper(function: Any, component: Any, failed: Failed) -> Stride:
-    """fmi2DoStep."""
-    at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
+class Stepper:
+    """DoStep with its arguments, and where FMI 3.0 leaves its answers."""
 
-    def do_step(time: float, step: float) -> None:
-        nonlocal length, last
-        if step != last:
-            length, last = c.c_double.from_param(step), step
-        at.value = time
-        status = function(component, at, length, _NO_RESTORE)
-        if status > WARNING:
-            raise failed("fmi2DoStep", status)
+    def __init__(self, name: str, function: Any, component: Any, answers: bool) -> None:
+        self.name = name
+        self.time, self.step, self.asked = c.c_double(), c.c_double(), c.c_uint32(0)
+        self._last = c.c_double()
+        more: list[Any] = [c.c_int.from_param(_NO_RESTORE)]
+        if answers:
+            asked = [c.byref(self.asked, i) for i in range(3)]
+            more = [c.c_bool.from_param(_NO_RESTORE), *asked, c.byref(self._last)]
+        self.invoke = partial(function, component, self.time, self.step, *more)
 
-    return do_step
+    def status(self, status: int) -> int:
+        """The status of a call, or its answers in place of one."""
+        if status > WARNING or not self.asked.value:
+            return status
+        return -sum(1 << i for i in range(3) if self.asked.value >> 8 * i & 0xFF)
+
+    def call(self, failed: Failed) -> Stride:
+        """The call."""
+        at, length, asked, invoke, last = self.time, self.step, self.asked, self.invoke, 0.0
+
+        def do_step(time: float, step: float) -> None:
+            nonlocal last
+            if step != last:
+                length.value = last = step
+            at.value = time
+            status = invoke()
+            if status > WARNING or asked.value:
+                raise failed(self.name, self.status(status))
+
+        return do_step
 
 
 def strider(
-    setters: Sequence[Exchange], getters: Sequence[Exchange], advance: Any, component: Any, failed: Failed
+    setters: Sequence[Exchange], getters: Sequence[Exchange], stepper: Stepper, component: Any, failed: Failed
 ) -> Stride | None:
-    """A whole step in one function, where it sets and gets Reals only, as mostly; None where it does not."""
-    getters = [e for e in getters if e.live]
-    if len(setters) != 1 or len(getters) != 1 or any(e.buffer is not e.values for e in (*setters, *getters)):
+    """A whole step in one function, where it sets and gets doubles only, as mostly; None where it does not."""
+    getters = [e for e in getters if e.live.references]
+    if len(setters) != 1 or len(getters) != 1 or not setters[0].direct or not getters[0].direct:
         return None
     setter, getter = setters[0], getters[0]
-    set_real, get_real = setter.function, getter.function
-    inputs, n, given = setter.arguments(len(setter.values))
-    outputs, m, taken = getter.arguments(getter.live)
-    at, length, last = c.c_double(), c.c_double.from_param(0.0), 0.0
+    put, advance, fetch = setter.bound(component, setter.all), stepper.invoke, getter.bound(component, getter.live)
+    at, length, asked, last = stepper.time, stepper.step, stepper.asked, 0.0
 
     def one(time: float, step: float) -> None:
-        nonlocal length, last
+        nonlocal last
         if step != last:
-            length, last = c.c_double.from_param(step), step
-        status = set_real(component, inputs, n, given)
+            length.value = last = step
+        status = put()
         if status > WARNING:
             raise failed(setter.name, status)
         at.value = time
-        status = advance(component, at, length, _NO_RESTORE)
-        if status > WARNING:
-            raise failed("fmi2DoStep", status)
-        status = get_real(component, outputs, m, taken)
+        status = advance()
+        if status > WARNING or asked.value:
+            raise failed(stepper.name, stepper.status(status))
+        status = fetch()
         if status > WARNING:
             raise failed(getter.name, status)
 

@@ -248,7 +248,8 @@ class IsolatedBlock:
 
     def _call(self) -> str:
         part = self._memory.part[0]
-        return {SETTING: "fmi2Set", STEPPING: "fmi2DoStep", GETTING: "fmi2Get"}.get(part) or self._memory.call
+        verb = {SETTING: "Set", STEPPING: "DoStep", GETTING: "Get"}.get(part)
+        return f"{self.model.prefix}{verb}" if verb else self._memory.call
 
 
 def _amount(count: int) -> str:

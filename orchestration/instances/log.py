@@ -45,6 +45,10 @@ class Log:
         self.callbacks.componentEnvironment = c.c_void_p(self.key)
         addLoggerProxy(c.byref(self.callbacks))
 
+    def receive(self, environment: Any, status: int, category: Any, message: bytes | None) -> None:
+        """The callback of FMI 3.0, whose messages have their arguments in their places."""
+        _receive(self.key, None, status, category, message)
+
     def close(self) -> None:
         _logs.pop(self.key, None)
 

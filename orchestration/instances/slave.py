@@ -1,37 +1,31 @@
 """An FMU loaded into this process, as a block of the master.
 
-FMPy loads and instantiates it; the calls of the step loop are made in calls.py.
+library.py loads and instantiates it; the calls of the step loop are made in calls.py.
 """
 
 from __future__ import annotations
 
-import atexit
 import ctypes as c
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from copy import copy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
 
 from ..errors import BlockError
 from ..fmu.archive import Fmu
 from ..fmu.model import TYPES, Element, Floats, Model
-from . import calls
-from .calls import WARNING, Call, Exchange, Stride
+from ..fmu.types import Native
+from . import calls, library
+from .calls import ANSWERS, BEYOND, WARNING, Call, Exchange, Stepper, Stride
+from .layout import Arrays, Layout, exchanges
 from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _ERROR, _FATAL = 3, 4
-_FMI = {"real": "Real", "integer": "Integer", "enumeration": "Integer", "boolean": "Boolean", "string": "String"}
-_C: dict[str, Any] = {"Real": c.c_double, "Integer": c.c_int, "Boolean": c.c_int, "String": c.c_char_p}
-_STOP_TIME_DEFINED = 1
-
-_libraries: dict[Path, FMU2Slave] = {}
-"""Libraries that instances share, by the folder of their FMU. Reading the signatures of FMPy's functions takes 2 ms each."""
 
 
 class Slave:
@@ -48,45 +42,33 @@ class Slave:
         self._shared = shared
         self.name: str = name
         self.model: Model = fmu.model
+        self.version = library.VERSIONS[fmu.model.prefix]
         self._log = Log(name, echo=verbose)
         self._initialized = self._dead = False
+        self._arrays = Arrays(fmu.model)
         self._fmu = self._load(fmu, folder)
         try:
-            self._fmu.instantiate(callbacks=self._log.callbacks, loggingOn=True)
+            self.version.create(self._fmu, self._log)
         except Exception:
+            self._fmu.component = None
+        if not self._fmu.component:
             if not self._shared:
                 self._fmu.freeLibrary()
-            hint = "" if self._log.lines else "; it gives no reason, but often the GUID is not that of the binary"
+            token = self.version.token
+            hint = "" if self._log.lines else f"; it gives no reason, but often the {token} is not that of the binary"
             if fmu.description.coSimulation.needsExecutionTool:
                 hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
-            raise self._error("fmi2Instantiate", f"gave no instance{hint}") from None
+            raise self._error(self.version.instantiate, f"gave no instance{hint}") from None
         self.component = c.c_void_p(self._fmu.component)
         self._argument = c.c_void_p.from_param(self._fmu.component)  # converted once, for the calls of every step
 
-    def _load(self, fmu: Fmu, folder: Path) -> FMU2Slave:
-        if not self._shared:
-            return self._loaded(fmu, folder)
-        if folder not in _libraries:
-            _libraries[folder] = self._loaded(fmu, folder)
-            atexit.register(_libraries[folder].freeLibrary)  # Windows removes no file of a library that is loaded
-        library = copy(_libraries[folder])
-        library.instanceName = self.name
-        return library
-
-    def _loaded(self, fmu: Fmu, folder: Path) -> FMU2Slave:
-        here = os.getcwd()
+    def _load(self, fmu: Fmu, folder: Path) -> Any:
+        identity = fmu.description.guid, fmu.description.coSimulation.modelIdentifier
         try:
-            return FMU2Slave(
-                guid=fmu.description.guid,
-                modelIdentifier=fmu.description.coSimulation.modelIdentifier,
-                unzipDirectory=str(folder),
-                instanceName=self.name,
-            )
+            return library.load(self.version, self.name, *identity, folder, self._shared)
         except Exception as error:
             reason = str(error).replace(f"{folder}{os.sep}", "")
             raise self._error("loading its library", reason) from None
-        finally:
-            os.chdir(here)  # FMPy leaves the folder changed where loading fails
 
     @property
     def log(self) -> Sequence[str]:
@@ -95,45 +77,64 @@ class Slave:
     # ------------------------------------------------------------ initialization
 
     def set(self, values: Iterable[tuple[Element, Any]]) -> None:
-        for kind, pairs in self._by_type(values):
-            numbers = [value.encode() if kind == "String" else value for _, value in pairs]
-            buffer = (_C[kind] * len(pairs))(*(numbers if kind in ("Real", "String") else map(int, numbers)))
-            self._exchange("Set", kind, [element for element, _ in pairs], buffer)
+        for native, pairs in self._by_native(values):
+            elements = [element for element, _ in pairs]
+            layout = Layout.of(self.model, elements)
+            buffer = np.zeros(layout.length, native.code)
+            arrays = self._arrays.into(layout, buffer)
+            for slot, (element, value) in zip(layout.slots, pairs, strict=True):
+                buffer[slot] = self._as_native(native, element, value)
+            self._exchange("Set", native, elements, layout, buffer)
+            self._arrays.keep(arrays)
 
     def get(self, elements: Sequence[Element]) -> list[float]:
         by_element: dict[Element, float] = {}
-        for kind, pairs in self._by_type((element, None) for element in elements):
-            buffer = (_C[kind] * len(pairs))()
-            self._exchange("Get", kind, [element for element, _ in pairs], buffer)
-            by_element.update((element, float(value)) for (element, _), value in zip(pairs, buffer, strict=True))
+        for native, pairs in self._by_native((element, None) for element in elements):
+            wanted = [element for element, _ in pairs]
+            layout = Layout.of(self.model, wanted)
+            buffer = np.zeros(layout.length, native.code)
+            self._exchange("Get", native, wanted, layout, buffer)
+            by_element.update((e, float(buffer[slot])) for e, slot in zip(wanted, layout.slots, strict=True))
         return [by_element[element] for element in elements]
 
-    def _by_type(self, values: Iterable[tuple[Element, Any]]) -> Iterator[tuple[str, list[tuple[Element, Any]]]]:
-        groups: dict[str, list[tuple[Element, Any]]] = {}
+    def _by_native(self, values: Iterable[tuple[Element, Any]]) -> Iterator[tuple[Native, list[tuple[Element, Any]]]]:
+        groups: dict[Native, list[tuple[Element, Any]]] = {}
         for element, value in values:
-            groups.setdefault(_FMI[self.model.variables[element.variable].type], []).append((element, value))
+            groups.setdefault(self.model.native(element), []).append((element, value))
         yield from groups.items()
 
-    def _exchange(self, verb: str, kind: str, elements: list[Element], buffer: Any) -> None:
-        references = (c.c_uint * len(elements))(*map(self._reference, elements))
-        status = self._function(f"fmi2{verb}{kind}")(self.component, references, c.c_size_t(len(elements)), buffer)
+    def _exchange(
+        self, verb: str, native: Native, elements: list[Element], layout: Layout, buffer: NDArray[Any]
+    ) -> None:
+        name = f"{self.model.prefix}{verb}{native.function}"
+        references = np.array(layout.references, np.uint32)
+        texts = (c.c_char_p * len(buffer))(*(text.encode() for text in buffer)) if native.type == "string" else None
+        values = texts if texts is not None else c.c_void_p(buffer.ctypes.data)
+        more = [c.c_size_t(len(buffer))] if self.version.three else []
+        count = c.c_size_t(len(references))
+        status = self._function(name)(self.component, c.c_void_p(references.ctypes.data), count, values, *more)
         if status > WARNING:
             names = ", ".join(dict.fromkeys(element.variable for element in elements))
-            raise self.failed(f"fmi2{verb}{kind} of {names}", status)
+            raise self.failed(f"{name} of {names}", status)
+
+    def _as_native(self, native: Native, element: Element, value: Any) -> Any:
+        if native.code in ("f8", "O"):
+            return value
+        low, beyond = native.bounds
+        if not low <= value < beyond:
+            raise self._error(f"{self.model.prefix}Set{native.function}", self._beyond(native, element, value))
+        return value if native.type == "real" else int(value)
 
     def enter(self, stop: float) -> None:
-        setup = self._function("fmi2SetupExperiment")
-        status = setup(self.component, 0, c.c_double(0.0), c.c_double(0.0), _STOP_TIME_DEFINED, c.c_double(stop))
-        if status > WARNING:
-            raise self.failed("fmi2SetupExperiment", status)
-        self._plain("fmi2EnterInitializationMode")
+        for name, arguments in self.version.initialize(stop):
+            self._plain(name, *arguments)
 
     def leave(self) -> None:
-        self._plain("fmi2ExitInitializationMode")
+        self._plain(f"{self.model.prefix}ExitInitializationMode")
         self._initialized = True
 
-    def _plain(self, call: str) -> None:
-        status = self._function(call)(self.component)
+    def _plain(self, call: str, *arguments: Any) -> None:
+        status = self._function(call)(self.component, *arguments)
         if status > WARNING:
             raise self.failed(call, status)
 
@@ -147,15 +148,18 @@ class Slave:
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
         values = np.zeros(len(inputs))
-        self.setters = self._exchanges("Set", inputs, [0] * len(TYPES), values)
-        self.getters = self._exchanges("Get", outputs, live, into)
+        model, arrays, function = self.model, self._arrays, self._function
+        self.setters = exchanges("Set", model, inputs, [0] * len(TYPES), values, function, arrays)
+        self.getters = exchanges("Get", model, outputs, live, into, function)
         argument, failed = self._argument, self.failed
-        self.set_inputs = calls.sequence([e.call(argument, len(e.values), failed) for e in self.setters])
-        self.get_all = calls.sequence([e.call(argument, len(e.values), failed) for e in self.getters])
-        self.get_live = calls.sequence([e.call(argument, e.live, failed) for e in self.getters if e.live])
-        self.step_function = self._function("fmi2DoStep")
-        self.do_step = calls.stepper(self.step_function, argument, failed)
-        one = calls.strider(self.setters, self.getters, self.step_function, argument, failed)
+        self.set_inputs = calls.sequence([e.call(argument, e.all, failed) for e in self.setters])
+        self.get_all = calls.sequence([e.call(argument, e.all, failed) for e in self.getters])
+        self.get_live = calls.sequence([e.call(argument, e.live, failed) for e in self.getters if e.live.references])
+        name = f"{self.model.prefix}DoStep"
+        self.step_function = self._function(name)
+        stepper = Stepper(name, self.step_function, argument, self.version.three)
+        self.do_step = stepper.call(failed)
+        one = calls.strider(self.setters, self.getters, stepper, argument, failed)
         self.stride = one or calls.stride(self.set_inputs, self.do_step, self.get_live)
         return values
 
@@ -170,21 +174,6 @@ class Slave:
     stride: Stride
     """`set_inputs`, `do_step` and `get_live` in one."""
 
-    def _exchanges(self, verb: str, elements: Sequence[Element], live: Sequence[int], values: Floats) -> list[Exchange]:
-        """A call for each type that occurs."""
-        exchanges: list[Exchange] = []
-        first = 0
-        for kind, count in zip(TYPES, live, strict=True):
-            members = [e for e in elements if self.model.variables[e.variable].type == kind]
-            if members:
-                part = values[first : first + len(members)]
-                name = f"fmi2{verb}{_FMI[kind]}"
-                references = np.array(list(map(self._reference, members)), np.uint32)
-                buffer = part if kind == "real" else np.zeros(len(members), np.int32)
-                exchanges.append(Exchange(name, self._function(name), references, part, buffer, count))
-            first += len(members)
-        return exchanges
-
     # ------------------------------------------------------------ end
 
     def close(self) -> None:
@@ -195,7 +184,7 @@ class Slave:
         self._dead = True
         if self._initialized:
             with suppress(BlockError):  # a library without fmi2Terminate
-                self._function("fmi2Terminate")(self.component)
+                self._function(f"{self.model.prefix}Terminate")(self.component)
         if self._shared:
             self._fmu.fmi2FreeInstance(self._fmu.component)
         else:
@@ -211,15 +200,29 @@ class Slave:
         function.restype = c.c_int
         return function
 
-    def _reference(self, element: Element) -> int:
-        return self.model.variables[element.variable].references[element.position]
-
     def failed(self, call: str, status: int) -> BlockError:
-        """The error of a call that gave this status, which also decides what may still be called."""
+        """The error of a call that gave this status, or of what stands in its place; it decides what may still be called."""
+        if status == BEYOND:
+            return self._error(call, self._first_beyond(call))
+        if status < 0:
+            return self._error(call, " and ".join(text for i, text in enumerate(ANSWERS) if -status >> i & 1))
         if status >= _ERROR:
             self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
         return self._error(call, f"gave status {_STATUS[status] if status in range(6) else status}")
+
+    def _first_beyond(self, call: str) -> str:
+        for setter in (setter for setter in self.setters if setter.name == call):
+            low, beyond = setter.native.bounds
+            for element, value in zip(setter.elements, setter.values[setter.places].tolist(), strict=True):
+                if not low <= value < beyond:
+                    return self._beyond(setter.native, element, value)
+        return "was given a value that its type cannot hold"
+
+    def _beyond(self, native: Native, element: Element, value: float) -> str:
+        label, (low, beyond) = self.model.variables[element.variable].label(element.position), native.bounds
+        last = beyond - 1 if native.whole else -low
+        return f"was given {value:.10g} for {label}; {native.function} holds {low:.10g} to {last:.10g}"
 
     def _error(self, call: str, problem: str) -> BlockError:
         return BlockError(self.name, call, problem, log=self.log)

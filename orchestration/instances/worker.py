@@ -34,11 +34,11 @@ class Watched(Slave):
         free = fmu.freeInstance
 
         def free_instance() -> None:
-            self._memory.call = "fmi2FreeInstance"
+            self._memory.call = f"{self.model.prefix}FreeInstance"
             free()
 
         fmu.freeInstance = free_instance
-        self._memory.call = "fmi2Instantiate"
+        self._memory.call = self.version.instantiate
         return fmu
 
     def _function(self, name: str) -> Any:

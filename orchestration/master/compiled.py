@@ -21,7 +21,8 @@ import numpy as np
 
 from fmus import places
 
-from ..instances.calls import Exchange
+from ..fmu.types import CODES
+from ..instances.calls import Exchange, Part
 from ..instances.slave import Slave
 from ..interrupt import interruptible
 from ..system.clock import EXACT, Clock
@@ -34,14 +35,23 @@ _SET, _STEP, _GET = range(3)
 _Pointer, _Size = c.c_void_p, c.c_size_t
 
 
+class _Part(c.Structure):
+    _fields_ = tuple((name, _Size) for name in Part._fields)
+
+
 class _Exchange(c.Structure):
     _fields_ = (
         ("function", _Pointer),
         ("references", _Pointer),
         ("values", _Pointer),
-        ("whole", _Pointer),
-        ("all", _Size),
-        ("live", _Size),
+        ("places", _Pointer),
+        ("slots", _Pointer),
+        ("buffer", _Pointer),
+        ("low", c.c_double),
+        ("beyond", c.c_double),
+        ("live", _Part),
+        ("all", _Part),
+        ("type", c.c_int32),
     )
 
 
@@ -49,6 +59,7 @@ class _Seat(c.Structure):
     _fields_ = (
         ("component", _Pointer),
         ("do_step", _Pointer),
+        ("version", c.c_int32),
         ("every", c.c_int64),
         ("step", c.c_double),
         ("sources", _Pointer),
@@ -124,7 +135,7 @@ class CompiledLoop:
         for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
             every = rates.get(slave.name, 1)
             into.component = slave.component
-            into.do_step = c.cast(slave.step_function, _Pointer)
+            into.do_step, into.version = c.cast(slave.step_function, _Pointer), int(slave.model.fmi[0])
             into.every, into.step = every, every * self._clock.numerator / self._clock.denominator
             into.sources, into.input_count = self._whole(seat.inputs.sources), len(seat.inputs.sources)
             into.factors, into.offsets = self._floats(seat.inputs.factors), self._floats(seat.inputs.offsets)
@@ -150,9 +161,11 @@ class CompiledLoop:
         for into, exchange in zip(array, exchanges, strict=True):
             into.function = c.cast(exchange.function, _Pointer)
             into.references = exchange.references.ctypes.data
-            into.values = self._floats(exchange.values)
-            into.whole = None if exchange.buffer is exchange.values else exchange.buffer.ctypes.data
-            into.all, into.live = len(exchange.values), exchange.live
+            into.values, into.buffer = exchange.values.ctypes.data, exchange.buffer.ctypes.data
+            into.places = None if exchange.direct else exchange.places.ctypes.data
+            into.slots, into.type = exchange.slots.ctypes.data, CODES.index(exchange.native.code)
+            into.low, into.beyond = exchange.native.bounds
+            into.live, into.all = _Part(*exchange.live), _Part(*exchange.all)
         self._kept += [array, exchanges]
         return array
 

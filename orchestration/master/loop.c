@@ -2,28 +2,49 @@
  *
  * master.py's loop is the readable one; this does the same calls in the same order on the same arrays, so that
  * both give the same bits. compiled.py fills the structures. Nothing is allocated here and nothing is kept. */
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "fmi2.h"
 
-/* fmi2Get<Type> or fmi2Set<Type>; which type, and whether the values are const, makes no difference to the call. */
-typedef fmi2Status ExchangeFunction(fmi2Component, const fmi2ValueReference[], size_t, void *);
-typedef fmi2Status StepFunction(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+/* FMI's functions in its versions 2 and 3. Which type a Get or Set exchanges, and whether the values are const, makes no
+ * difference to the call; in FMI 3.0 it is told how many values there are, since one reference may be that of an array. */
+typedef union {
+    fmi2Status (*two)(fmi2Component, const fmi2ValueReference[], size_t, void *);
+    int (*three)(void *, const uint32_t[], size_t, void *, size_t);
+} ExchangeFunction;
+typedef union {
+    fmi2Status (*two)(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+    int (*three)(void *, double, double, bool, bool *, bool *, bool *, double *);
+} StepFunction;
 
-/* One such call: Reals are exchanged in place, other types through `whole`. */
+/* How much of an exchange is made, counted from its first. */
 typedef struct {
-    ExchangeFunction *function;
-    const fmi2ValueReference *references;
+    size_t references;
+    size_t values; /* in FMI's buffer */
+    size_t elements;
+} Part;
+
+/* One Get or Set. Element i lies at values[places[i]] and, as a number of `type`, at slot slots[i] of FMI's buffer. */
+typedef struct {
+    ExchangeFunction function;
+    const uint32_t *references;
     double *values;
-    int32_t *whole; /* NULL for Reals */
-    size_t all;     /* how many values, */
-    size_t live;    /* and how many of them, the first, others need in every step */
+    const int64_t *places; /* NULL where FMI reads or writes the values themselves */
+    const int64_t *slots;
+    void *buffer;
+    double low;    /* a number of the type is at least this */
+    double beyond; /* and below this */
+    Part live;     /* what others need in every step */
+    Part all;
+    int32_t type; /* one of Type */
 } Exchange;
 
 typedef struct {
     fmi2Component component;
-    StepFunction *do_step;
+    StepFunction do_step;
+    int32_t version; /* of FMI: 2 or 3 */
     int64_t every;
     double step;
     const int64_t *sources; /* where its inputs lie on the bus */
@@ -67,13 +88,73 @@ typedef struct {
 } Loop;
 
 enum Call { CALL_SET, CALL_STEP, CALL_GET, CALL_CHECK };
+enum { WARNING = 1, BEYOND = -8 }; /* the last status that is no failure; what stands in place of one, as in calls.py */
 
-static int stop(Loop *loop, size_t seat, enum Call call, size_t part, fmi2Status status, int64_t begun)
+/* The types of C in which FMI exchanges numbers, in the order of CODES in types.py. */
+#define TYPES(X)                                                                                                               \
+    X(FLOAT64, double)                                                                                                         \
+    X(FLOAT32, float)                                                                                                          \
+    X(INT8, int8_t)                                                                                                            \
+    X(UINT8, uint8_t)                                                                                                          \
+    X(INT16, int16_t)                                                                                                          \
+    X(UINT16, uint16_t)                                                                                                        \
+    X(INT32, int32_t)                                                                                                          \
+    X(UINT32, uint32_t)                                                                                                        \
+    X(INT64, int64_t)                                                                                                          \
+    X(UINT64, uint64_t)                                                                                                        \
+    X(BOOLEAN, bool)
+#define NAME(name, ctype) name,
+enum Type { TYPES(NAME) };
+
+/* Into FMI's buffer. Returns 0, or 1 where the type cannot hold a value. */
+static int store(const Exchange *it)
+{
+    for (size_t i = 0; i < it->all.elements; i++) {
+        const double value = it->values[it->places[i]];
+        if (!(value >= it->low && value < it->beyond)) {
+            return 1;
+        }
+    }
+#define STORE(name, ctype)                                                                                                     \
+    case name:                                                                                                                 \
+        for (size_t i = 0; i < it->all.elements; i++) {                                                                        \
+            ((ctype *)it->buffer)[it->slots[i]] = (ctype)it->values[it->places[i]];                                            \
+        }                                                                                                                      \
+        break;
+    switch ((enum Type)it->type) {
+        TYPES(STORE)
+    }
+    return 0;
+}
+
+/* Out of FMI's buffer. */
+static void fetch(const Exchange *it, size_t count)
+{
+#define FETCH(name, ctype)                                                                                                     \
+    case name:                                                                                                                 \
+        for (size_t i = 0; i < count; i++) {                                                                                   \
+            it->values[it->places[i]] = (double)((const ctype *)it->buffer)[it->slots[i]];                                     \
+        }                                                                                                                      \
+        break;
+    switch ((enum Type)it->type) {
+        TYPES(FETCH)
+    }
+}
+
+static int exchange(const Seat *seat, const Exchange *it, const Part *part)
+{
+    if (seat->version == 2) {
+        return (int)it->function.two(seat->component, it->references, part->references, it->buffer);
+    }
+    return it->function.three(seat->component, it->references, part->references, it->buffer, part->values);
+}
+
+static int stop(Loop *loop, size_t seat, enum Call call, size_t part, int status, int64_t begun)
 {
     loop->seat = (int32_t)seat;
     loop->call = (int32_t)call;
     loop->part = (int32_t)part;
-    loop->status = (int32_t)status;
+    loop->status = status;
     loop->begun = begun;
     return 1;
 }
@@ -87,14 +168,11 @@ static int set_inputs(Loop *loop, size_t index, int64_t begun)
     }
     for (size_t k = 0; k < seat->setter_count; k++) {
         const Exchange *setter = &seat->setters[k];
-        if (setter->whole != NULL) {
-            for (size_t i = 0; i < setter->all; i++) {
-                setter->whole[i] = (int32_t)setter->values[i];
-            }
+        if (setter->places != NULL && store(setter)) {
+            return stop(loop, index, CALL_SET, k, BEYOND, begun);
         }
-        void *values = setter->whole != NULL ? (void *)setter->whole : (void *)setter->values;
-        const fmi2Status status = setter->function(seat->component, setter->references, setter->all, values);
-        if (status > fmi2Warning) {
+        const int status = exchange(seat, setter, &setter->all);
+        if (status > WARNING) {
             return stop(loop, index, CALL_SET, k, status, begun);
         }
     }
@@ -105,8 +183,18 @@ static int do_step(Loop *loop, size_t index, int64_t begun)
 {
     const Seat *seat = &loop->seats[index];
     const double time = (double)begun * loop->numerator / loop->denominator;
-    const fmi2Status status = seat->do_step(seat->component, time, seat->step, fmi2True);
-    return status > fmi2Warning ? stop(loop, index, CALL_STEP, 0, status, begun) : 0;
+    int status;
+    if (seat->version == 2) {
+        status = (int)seat->do_step.two(seat->component, time, seat->step, fmi2True);
+    } else {
+        bool event = false, end = false, early = false;
+        double last = time;
+        status = seat->do_step.three(seat->component, time, seat->step, true, &event, &end, &early, &last);
+        if (status <= WARNING && (event || end || early)) {
+            return stop(loop, index, CALL_STEP, 0, -(event + 2 * end + 4 * early), begun);
+        }
+    }
+    return status > WARNING ? stop(loop, index, CALL_STEP, 0, status, begun) : 0;
 }
 
 static int get_outputs(Loop *loop, size_t index, int64_t begun, int all)
@@ -114,19 +202,16 @@ static int get_outputs(Loop *loop, size_t index, int64_t begun, int all)
     const Seat *seat = &loop->seats[index];
     for (size_t k = 0; k < seat->getter_count; k++) {
         const Exchange *getter = &seat->getters[k];
-        const size_t n = all ? getter->all : getter->live;
-        if (n == 0) {
+        const Part *part = all ? &getter->all : &getter->live;
+        if (part->references == 0) {
             continue;
         }
-        void *values = getter->whole != NULL ? (void *)getter->whole : (void *)getter->values;
-        const fmi2Status status = getter->function(seat->component, getter->references, n, values);
-        if (status > fmi2Warning) {
+        const int status = exchange(seat, getter, part);
+        if (status > WARNING) {
             return stop(loop, index, CALL_GET, k, status, begun);
         }
-        if (getter->whole != NULL) {
-            for (size_t i = 0; i < n; i++) {
-                getter->values[i] = (double)getter->whole[i];
-            }
+        if (getter->places != NULL) {
+            fetch(getter, part->elements);
         }
     }
     return 0;
@@ -138,7 +223,7 @@ static int check(Loop *loop, size_t index, int64_t begun)
     for (size_t i = 0; i < seat->output_count; i++) {
         const double difference = seat->outputs[i] - seat->outputs[i];
         if (!(difference == 0.0)) {
-            return stop(loop, index, CALL_CHECK, i, fmi2OK, begun);
+            return stop(loop, index, CALL_CHECK, i, 0, begun);
         }
     }
     return 0;

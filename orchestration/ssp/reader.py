@@ -15,7 +15,7 @@ from typing import Any
 from ..errors import InputError, hint
 from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
-from ..fmu.interfaces import starts_of
+from ..fmu.description import scalars_of, starts_of
 from ..fmu.model import Element, Variable
 from ..quantities import convert
 from ..scenario.source import Source
@@ -101,15 +101,9 @@ def _word(text: str) -> str:
 
 def _variables(fmu: Fmu) -> dict[str, tuple[Variable, int]]:
     """Variables and positions by FMI's names."""
-    labels = {
-        v.label(e.position): (v.at([e.position]), e.position) for v in fmu.model.variables.values() for e in v.elements
-    }
-    variables = {}
-    for scalar in fmu.description.modelVariables:
-        entry = labels.get("][".join(part.strip() for part in scalar.name.split(",")))
-        if entry is not None:
-            variables[scalar.name] = entry
-    return variables
+    known = fmu.model.variables
+    elements = ((name, element) for name, _, element in scalars_of(fmu.description, fmu.model))
+    return {name: (known[e.variable].at([e.position]), e.position) for name, e in elements}
 
 
 def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: bool) -> dict[str, Any]:

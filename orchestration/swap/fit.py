@@ -27,7 +27,7 @@ def fit(reference: Interface, theirs: Model, mapping: Mapping | None = None) -> 
     for name, ours in reference.model.variables.items():
         if name in mapping.ports or name in fitted.ignored or ours.causality not in ("input", "output", "parameter"):
             continue
-        same = theirs.variables.get(name)
+        same = theirs.named(name)
         if same is None or any(element in taken for element in same.elements):
             lacking(fitted, ours, taken)
         else:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ..errors import as_written, nearest, suggestion
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, convert, parse, value_in
@@ -88,8 +90,10 @@ def scalar(variable: Variable, position: int, value: Any) -> Scalar:
     if variable.type == "integer":
         if isinstance(value, bool) or not isinstance(value, int):
             raise QuantityError(f"expected a whole number, found {as_written(value)}")
-        if not -(2**31) <= value < 2**31:
-            raise QuantityError(f"expected a whole number of 32 bits, found {value}")
+        code = variable.native.code if variable.native else "i4"
+        if not np.iinfo(code).min <= value <= np.iinfo(code).max:
+            sign = " from 0 on" if code[0] == "u" else ""
+            raise QuantityError(f"expected a whole number of {8 * int(code[1])} bits{sign}, found {value}")
         return _limited(variable, position, value, value)
     return _limited(variable, position, _real(variable, value), value)
 

@@ -645,13 +645,13 @@ CASES = [
     ),
     Case(
         "FMI 1.0",
-        "motor.fmu is an FMU of FMI 1.0; expected FMI 2.0 for co-simulation",
+        "motor.fmu is an FMU of FMI 1.0; expected FMI 2.0 or 3.0 for co-simulation",
         spoil=_xml('fmiVersion="2.0"', 'fmiVersion="1.0"'),
     ),
     Case(
-        "FMI 3.0",
-        "motor.fmu is an FMU of FMI 3.0; expected FMI 2.0 for co-simulation",
-        spoil=_xml('fmiVersion="2.0"', 'fmiVersion="3.0"'),
+        "FMI 3.1",
+        "motor.fmu is an FMU of FMI 3.1; expected FMI 2.0 or 3.0 for co-simulation",
+        spoil=_xml('fmiVersion="2.0"', 'fmiVersion="3.1"'),
     ),
     Case(
         "model exchange only",
