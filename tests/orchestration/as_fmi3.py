@@ -95,7 +95,12 @@ def _types(variables: Iterable[Variable]) -> str:
 
 
 def _variable(model: Model, v: Variable, tag: str) -> str:
-    attributes = {"name": v.name, "valueReference": reference(v), "causality": v.causality, "variability": v.variability}
+    attributes = {
+        "name": v.name,
+        "valueReference": reference(v),
+        "causality": v.causality,
+        "variability": v.variability,
+    }
     if v.unit is not None and v.type == "real" and v.unit.exponents:
         attributes["unit"] = v.unit.name
     if v.items:
