@@ -9,7 +9,7 @@ from typing import Any
 from ..fmu.archive import expected_library, libraries, platform_of
 from ..fmu.model import Model
 from ..swap.findings import Finding
-from ..system.rates import sample_time
+from ..system.rates import sample_time, steps_inside
 from . import binaries
 from .loader import Unresolved, unresolved
 
@@ -43,7 +43,8 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
     if flags.canBeInstantiatedOnlyOncePerProcess:
         findings.append(Finding("note", "host", "one instance in a process only; in a process of its own it is alone"))
-    if not flags.canHandleVariableCommunicationStepSize:
+    inside = steps_inside(description)
+    if inside or not flags.canHandleVariableCommunicationStepSize:
         try:
             step = sample_time(description)
         except ValueError as error:
@@ -51,7 +52,8 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
             findings.append(Finding("error", "step", text, remedy))
             return
         if step is not None:
-            text = f"it cannot vary its step of {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
+            what = "steps inside by" if inside else "cannot vary its step of"
+            text = f"it {what} {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
             findings.append(Finding("note", "step", text))
         else:
             text = "it cannot vary its step, and does not say which it is; the scenario's is taken"

@@ -224,7 +224,10 @@ def starts_of(description: Any, model: Model) -> dict[Element, Any]:
             if scalar.shape:  # one value for all elements, or one for each
                 texts = text.split()
                 if len(texts) not in (1, math.prod(scalar.shape)):
-                    raise _wrong_start(scalar.name, f"{len(texts)} values", f"one or {math.prod(scalar.shape)} of them")
+                    raise InputError(
+                        f"modelDescription.xml: {scalar.name} has {len(texts)} start values; "
+                        f"expected one or {math.prod(scalar.shape)}"
+                    )
                 text = texts[element.position if len(texts) > 1 else 0]
             starts[element] = _start(model.variables[element.variable], name, text)
     return starts
@@ -235,12 +238,12 @@ def _start(variable: Variable, name: str, text: str) -> float | int | bool | str
         return text
     if variable.type == "boolean":
         if text.strip().lower() not in ("true", "1", "false", "0"):
-            raise _wrong_start(name, repr(text), "true or false")
+            raise _wrong_start(name, text, "true or false")
         return text.strip().lower() in ("true", "1")
     try:
         return float(text) if variable.type == "real" else _whole_number(text)
     except (ValueError, OverflowError):
-        raise _wrong_start(name, repr(text), "a number") from None
+        raise _wrong_start(name, text, "a number") from None
 
 
 def _whole_number(text: str) -> int:
@@ -251,4 +254,4 @@ def _whole_number(text: str) -> int:
 
 
 def _wrong_start(name: str, found: str, expected: str) -> InputError:
-    return InputError(f"modelDescription.xml: {name} has the start value {found}; expected {expected}")
+    return InputError(f"modelDescription.xml: {name} has the start value {found!r}; expected {expected}")

@@ -209,7 +209,8 @@ class Slave:
         if status >= _ERROR:
             self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
-        return self._error(call, f"gave status {_STATUS[status] if status in range(6) else status}")
+        known = _STATUS[:-1] if self.version.three else _STATUS  # FMI 3.0 has no pending
+        return self._error(call, f"gave status {known[status] if status < len(known) else status}")
 
     def _first_beyond(self, call: str) -> str:
         for setter in (setter for setter in self.setters if setter.name == call):

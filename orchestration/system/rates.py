@@ -56,9 +56,10 @@ def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
     given = entry.every if "every" in entry.model_fields_set else None
     step = base * (given or 1)
     ratio = own_step / step
-    why = f"its FMU cannot vary its step of {float(own_step):.10g} s"
+    inside = steps_inside(description)
+    why = f"its FMU {'steps inside by' if inside else 'cannot vary its step of'} {float(own_step):.10g} s"
     key: Key = ("blocks", name, "every") if given else ("blocks", name, "fmu")
-    if ratio == 1:
+    if ratio == 1 or (inside and (1 / ratio).denominator == 1):
         return source
     if 1 / ratio > _SUBSTEPS_MAX:
         message = f"{why}, more than {_SUBSTEPS_MAX} of them in each step of {float(step):.10g} s"
@@ -78,18 +79,30 @@ def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
 
 
 def sample_time(description: Any) -> Fraction | None:
-    """The step that an FMU insists on, s; None where it can vary it or does not say. Raises ValueError."""
-    experiment = description.defaultExperiment
-    step = experiment.stepSize if experiment is not None else None
-    if description.coSimulation.canHandleVariableCommunicationStepSize or step is None:
-        return None
+    """The step that an FMU insists on, or into which it divides all steps, s; None where it has none or does not say.
+
+    Raises ValueError.
+    """
+    if steps_inside(description):
+        name, step = "fixedInternalStepSize", description.coSimulation.fixedInternalStepSize
+    else:
+        experiment = description.defaultExperiment
+        name, step = "stepSize", experiment.stepSize if experiment is not None else None
+        if description.coSimulation.canHandleVariableCommunicationStepSize or step is None:
+            return None
     number = float(step)
     if not 0.0 < number < math.inf:
+        where = name if name != "stepSize" else "DefaultExperiment.stepSize"
         raise ValueError(
-            f"its FMU cannot vary its step, and its stepSize is {step}, expected a finite number above 0; "
-            "remedy: declare DefaultExperiment.stepSize in the FMU"
+            f"its FMU cannot vary its step, and its {name} is {step}, expected a finite number above 0; "
+            f"remedy: declare {where} in the FMU"
         )
     return Fraction(repr(number))
+
+
+def steps_inside(description: Any) -> bool:
+    """Whether an FMU of FMI 3.0 divides each step into steps of a fixed length, of which it has to be a multiple."""
+    return description.coSimulation.fixedInternalStepSize is not None
 
 
 def _steps(own_step: Fraction, base: Fraction) -> str:

@@ -198,7 +198,7 @@ API int fmi3Reset(void *instance)
 {
     return two.fmi2Reset(((Instance *)instance)->block);
 }
-#ifndef WITHOUT_STEP
+#ifndef WITHOUT_STEP_3
 API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bool *event, bool *end, bool *early, double *last)
 {
     *event = *end = *early = false;

@@ -1,6 +1,7 @@
 """Broken FMUs, and what `orchestrate` makes of each.
 
-`python -m tests.orchestration.broken > docs/broken-fmus.md` writes them as a page.
+`python -m tests.orchestration.broken > docs/broken-fmus.md` writes them as a page. It ends with an error where one does not end as
+its case says; the tests run all cases of FMI 2.0, and of those of FMI 3.0, which end alike, some.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ import re
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from time import perf_counter
@@ -22,7 +23,7 @@ from typing import Any
 
 import fmpy
 
-from . import fmus
+from . import as_fmi3, fmus
 
 _SCENARIO = """\
 name: run
@@ -251,9 +252,69 @@ CASES = [
         make=_xml("<fmiModelDescription ", '<!DOCTYPE f [<!ENTITY x SYSTEM "file:///etc/passwd">]>\n<fmiModelDescription '),
         status=2,
     ),
-    Case("FMI 3.0", "is an FMU of FMI 3.0; expected FMI 2.0", make=_xml('fmiVersion="2.0"', 'fmiVersion="3.0"'), status=2),
+    Case("FMI 3.1", "is an FMU of FMI 3.1; expected FMI 2.0 or 3.0", make=_xml('fmiVersion="2.0"', 'fmiVersion="3.1"'), status=2),
     Case("model exchange only", "is for model exchange only", make=_xml("<CoSimulation", "<ModelExchange"), status=2),
 ]  # fmt: skip
+
+# ---------------------------------------------------------------- FMI 3.0: the same block behind as_fmi3.c
+
+XML_3 = f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="vendor" instantiationToken="{{guid}}">
+  <CoSimulation modelIdentifier="broken"/>
+  <ModelVariables>
+    {as_fmi3.TIME}
+    <Float64 name="x" valueReference="{1 << 16}" causality="input" start="0"/>
+    <Float64 name="y" valueReference="{(1 << 16) + 1}" causality="output"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="{(1 << 16) + 1}" dependencies=""/>
+    <InitialUnknown valueReference="{(1 << 16) + 1}" dependencies=""/>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+_NAMES_3 = {
+    "fmi2SetReal": "fmi3SetFloat64",
+    "fmi2GetReal": "fmi3GetFloat64",
+    "fmi2SetupExperiment": "fmi3EnterInitializationMode",
+    "fmi2Instantiate": "fmi3InstantiateCoSimulation",
+    "fmi2": "fmi3",
+    "status pending": "status 5",
+}
+"""What is named otherwise than in FMI 2.0."""
+
+
+def _three(guid: str = "none-none", old: str = "", new: str = "", option: str = "-O1") -> Callable[[Path], object]:
+    xml = XML_3.format(guid=guid).replace(old, new) if old else XML_3.format(guid=guid)
+    assert new in xml, new
+    return lambda path: as_fmi3.pack(path, xml, fmus.library("broken", option, str(as_fmi3.SOURCE)), None, "broken")
+
+
+def _renamed(case: Case) -> Case:
+    names = {"an error on SetupExperiment": "", "status pending": "a status that there is not"}
+    message = case.message
+    for old, new in _NAMES_3.items():
+        message = message.replace(old, new)
+    return replace(case, name=names.get(case.name, case.name), message=message, guid="", make=_three(case.guid))
+
+
+_CLOCK = '<Clock name="tick" valueReference="7" causality="input" intervalVariability="triggered"/></ModelVariables>'
+CASES_3 = [
+    *(case for case in map(_renamed, (case for case in CASES if case.guid)) if case.name),
+    Case("a request for event mode", "fmi3DoStep at 1 s: asks for event mode", make=_three("step-event"), samples=11),
+    Case("a request to end the simulation", "fmi3DoStep at 1 s: asks to end the", make=_three("step-end"), samples=11),
+    Case("a return before its time", "fmi3DoStep at 1 s: has returned early", make=_three("step-early"), samples=11),
+    Case("a crash on loading", f"loading its library {_IN}: crashed with", make=_three(option="-DLOADING"), status=2),
+    Case("a missing symbol", "undefined symbol: vendor_runtime_start", make=_three(option="-DMISSING"), status=2),
+    Case("a function of FMI's missing", "undefined symbol: fmi3DoStep", make=_three(option="-DWITHOUT_STEP_3"), status=2),
+    Case("XML that breaks its schema", "is not valid", make=_three(old='"input"', new='"inptu"'), status=2),
+    Case("clocks", "has clocks, which need event mode: tick;", make=_three(old="</ModelVariables>", new=_CLOCK), status=2),
+    Case("an array without elements", "has the dimensions [0]", make=_three(old='start="0"/>', new='start="0"><Dimension start="0"/></Float64>'), status=2),
+    Case("too few start values", "x has 2 start values; expected one or 3", make=_three(old='start="0"/>', new='start="0 0"><Dimension start="3"/></Float64>'), status=2),
+    Case("model exchange only", "is for model exchange only", make=_three(old="<CoSimulation", new="<ModelExchange"), status=2),
+    Case("scheduled execution only", "is for scheduled execution only", make=_three(old="<CoSimulation", new="<ScheduledExecution"), status=2),
+]  # fmt: skip
+TESTED_3 = ("a segmentation fault", "NaN", "status fatal", "a return before its time", "an error on Set", "clocks")
+"""Of FMI 3.0, the cases that the tests run."""
 
 
 def outcome(case: Case, folder: Path) -> Outcome:
@@ -326,6 +387,10 @@ def _processes(folder: Path) -> set[str]:
 @cache
 def outcomes() -> dict[str, Outcome]:
     """What becomes of every case."""
+    return _outcomes(CASES)
+
+
+def _outcomes(cases: Sequence[Case]) -> dict[str, Outcome]:
     fmus.library("broken")
 
     def one(case: Case) -> Outcome:
@@ -333,29 +398,68 @@ def outcomes() -> dict[str, Outcome]:
             return outcome(case, Path(folder).resolve())
 
     with ThreadPoolExecutor(3) as several:
-        return dict(zip([case.name for case in CASES], several.map(one, CASES), strict=True))
+        return dict(zip([case.name for case in cases], several.map(one, cases), strict=True))
+
+
+@cache
+def tested_3() -> dict[str, Outcome]:
+    """What becomes of the cases of FMI 3.0 that the tests run."""
+    return _outcomes([case for case in CASES_3 if case.name in TESTED_3])
 
 
 def page() -> str:
-    """docs/broken-fmus.md."""
-    lines = [_HEAD]
-    for case in CASES:
-        found = outcomes()[case.name]
+    """docs/broken-fmus.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
+    found = _outcomes(CASES_3)
+    differing = [
+        (case.name, problems, found[case.name]) for case in CASES_3 if (problems := wrong(case, found[case.name]))
+    ]
+    assert not differing, differing
+    return "\n".join([HEAD, *rows(CASES, outcomes()), HEAD_3, *rows(CASES_3, found)]) + "\n"
+
+
+def wrong(case: Case, found: Outcome) -> list[str]:
+    """What is not as a case says, or is left behind."""
+    checks = {
+        "message": case.message in found.output,
+        "status": found.status == case.status,
+        "samples": found.samples == case.samples,
+        "seconds": found.seconds < 30.0,
+        "files": found.files == {"run.yaml", "vendor.fmu"},
+        "temporary files": found.temporary == set(),
+        "processes": found.processes == set(),
+        "messages": "Traceback" not in found.output and "internal error" not in found.output,
+    }
+    return [what for what, well in checks.items() if not well]
+
+
+def rows(cases: Iterable[Case], outcomes: Mapping[str, Outcome]) -> list[str]:
+    """The rows of the page."""
+    lines = []
+    for case in cases:
+        found = outcomes[case.name]
         first, *rest = [line for line in found.output.splitlines() if line]
         lines_said = list(dict.fromkeys(line.strip() for line in rest))
         # Where it was ended in the middle of a line, that one is left out.
         said = [a for a in lines_said if not any(b != a and b.startswith(a) for b in lines_said)][-2:]
         shown = "<br>".join(f"`{re.sub('[|`]', '¦', line)}`" for line in [first, *said])
         lines.append(f"| {case.name} | {shown} | {found.status} | {found.samples if found.status == 3 else ''} |")
-    return "\n".join(lines) + "\n"
+    return lines
 
 
-_HEAD = """\
+HEAD_3 = """
+## FMI 3.0
+
+The same block behind the functions of FMI 3.0, with arrays and types of its own ([swap.md](swap.md#fmus-of-fmi-30)).
+
+| what is broken | message | status | samples |
+|---|---|---|---|"""
+HEAD = """\
 # Broken FMUs
 
 What becomes of a run with an FMU that breaks, as its exit status (3: an FMU failed; 2: found before anything ran), its message and
 the samples on disk. Each row is a test, which also sees to it that the run ends by itself, that no process is left over and that no
-file lies where it should not. This page is made from their output by `python -m tests.orchestration.broken > docs/broken-fmus.md`.
+file lies where it should not. This page is made from their output by `python -m tests.orchestration.broken > docs/broken-fmus.md`,
+which tests all rows; of those of FMI 3.0, `make test` tests some.
 
 The FMU is given by its path, so it runs in a process of its own, here with `timeout: 1 s` (`20 s` where it takes memory) and `memory: 300 MB`; it breaks in the step
 that begins at 1 s, or where the row says. A sample is taken every 0.1 s from 0 on: 11 up to 1 s, 21 in a whole run.
