@@ -1,4 +1,4 @@
-"""Runs FMI 2.0 co-simulation FMUs from a scenario file.
+"""Runs co-simulation FMUs of FMI 2.0 and 3.0 from a scenario file.
 
 from orchestration import run
 

@@ -76,7 +76,7 @@ def _may_be_scenario(text: str) -> bool:
 @click.version_option(package_name="attitude-cosim")
 @click.pass_context
 def main(ctx: click.Context) -> None:
-    """Runs FMI 2.0 co-simulation FMUs from a scenario file: orchestrate SCENARIO.yaml
+    """Runs co-simulation FMUs of FMI 2.0 and 3.0 from a scenario file: orchestrate SCENARIO.yaml
 
     Exit status: 0 success, 1 an expectation failed, 2 wrong input, nothing was run, 3 an FMU failed,
     4 results not written, 128 + n ended by signal n.

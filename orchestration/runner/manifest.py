@@ -46,6 +46,7 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
             name: {
                 "file": str(fmu.path),
                 "sha256": fmu.sha256,
+                "fmi": fmu.model.fmi,
                 "guid": fmu.model.guid,
                 "model": fmu.model.name,
                 "generation_tool": fmu.model.tool,

@@ -402,7 +402,7 @@ def _outcomes(cases: Sequence[Case]) -> dict[str, Outcome]:
 
 
 @cache
-def tested_3() -> dict[str, Outcome]:
+def outcomes_3() -> dict[str, Outcome]:
     """What becomes of the cases of FMI 3.0 that the tests run."""
     return _outcomes([case for case in CASES_3 if case.name in TESTED_3])
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, outcomes, rows, tested_3, wrong
+from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, outcomes, rows, outcomes_3, wrong
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits are those of Linux")
 
@@ -19,7 +19,7 @@ def test_a_broken_fmu_is_told_and_nothing_is_left_behind(case: Case):
 
 @pytest.mark.parametrize("case", [case for case in CASES_3 if case.name in TESTED_3], ids=lambda case: case.name)
 def test_a_broken_fmu_of_fmi_3_is_told_and_nothing_is_left_behind(case: Case):
-    assert wrong(case, tested_3()[case.name]) == [], tested_3()[case.name]
+    assert wrong(case, outcomes_3()[case.name]) == [], outcomes_3()[case.name]
 
 
 def test_what_an_fmu_prints_does_not_disturb_the_table():
@@ -35,4 +35,4 @@ def test_the_page_of_broken_fmus_is_up_to_date():
     assert two == "\n".join([HEAD, *rows(CASES, outcomes()), ""]), remedy
     listed = three.splitlines()[1:]
     assert [line.split(" | ")[0] for line in listed] == [f"| {case.name}" for case in CASES_3], remedy
-    assert set(rows([case for case in CASES_3 if case.name in TESTED_3], tested_3())) <= set(listed), remedy
+    assert set(rows([case for case in CASES_3 if case.name in TESTED_3], outcomes_3())) <= set(listed), remedy

@@ -99,7 +99,7 @@ def test_the_manifest_says_what_was_run_and_runs_again(loop):
     assert manifest["outcome"] == "completed"
     assert manifest["steps"] == 20
     assert manifest["order"] == ["motor", "regulator"]
-    assert set(manifest["fmus"]["motor"]) == {"file", "sha256", "guid", "model", "generation_tool", "isolation"}
+    assert set(manifest["fmus"]["motor"]) == {"file", "sha256", "fmi", "guid", "model", "generation_tool", "isolation"}
     assert manifest["fmus"]["motor"]["guid"] == "probe"
     assert manifest["scenario"]["blocks"]["motor"]["start"]["mode"] == "brake"
     assert manifest["versions"]["fmpy"]
