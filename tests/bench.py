@@ -86,6 +86,25 @@ def again(runs: int) -> None:
     row("run() of V.B, later ones, beside their loop", f"{1e3 * statistics.median(walls[1:]):.1f} ms", "")
 
 
+def versions(runs: int) -> None:
+    """The orbit with plant, controller and allocator of FMI 3.0, which are those of FMI 2.0 behind as_fmi3.c, turn by turn."""
+    from tests.orchestration import as_fmi3
+
+    with tempfile.TemporaryDirectory() as folder:
+        scenarios = {"2.0": orbit("native", 4), "3.0": orbit("native", 4)}
+        for name, entry in scenarios["3.0"]["blocks"].items():
+            path = as_fmi3.write(Path(folder, f"{name}.fmu"), locate(name, ROOT, "native"))
+            scenarios["3.0"]["blocks"][name] = {**entry, "fmu": str(path), "isolation": "none"}
+        for compiled in (True, False):
+            walls: dict[str, list[float]] = {version: [] for version in scenarios}
+            for _ in range(runs):
+                for version, scenario in scenarios.items():
+                    walls[version].append(orchestration.run(scenario, compiled=compiled).wall)
+            two, three = (min(walls[version]) for version in scenarios)
+            name = f"FMI 3.0 beside 2.0, {'compiled' if compiled else 'Python'} loop, quickest run"
+            row(name, f"{three:.3f} s", f"{100 * (three / two - 1):+.1f} %")
+
+
 def calls(flavour: str, count: int) -> None:
     """What each FMU's doStep costs, called in a row without exchange."""
     from fmpy import extract, read_model_description
@@ -174,6 +193,7 @@ def main() -> None:
     machine(runs)
     loops(runs)
     again(runs)
+    versions(runs)
     calls("native", 20000)
     calls("python", 2000)
     process(runs)

@@ -22,6 +22,7 @@ from ..runner.read import load
 from ..runner.run import execute
 from ..scenario.source import Source
 from ..swap.own_claims import own_claims
+from ..system.starts import taken
 from ..system.wiring import fed
 from . import playback
 from .inputs import given, theirs_alone
@@ -113,7 +114,9 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
         mapping = swapped.prepared.fits[block].mapping
         assert mapping is not None
         entry = {**entry, "map": mapping.model_copy(update={"inputs": {}}).model_dump(exclude_none=True)}
-    played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs)
+    model = swapped.prepared.models[block]
+    shared = {str(name): value for name, value in with_theirs.shared.items() if taken(model, name)}
+    played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs, shared)
     names = [f"{block}.{v.name}" for v in ports if v.causality == "input" and v.name in played.model.variables]
     other = execute(load(_recording(theirs, block, names)))
     outputs = [v.name for v in other.models[block].of("output")]

@@ -73,11 +73,18 @@ class Recorded:
         """It holds nothing."""
 
 
-def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs: Mapping[str, Floats]) -> Played:
+def play(
+    name: str,
+    entry: Mapping[str, Any],
+    folder: str,
+    time: Floats,
+    inputs: Mapping[str, Floats],
+    shared: Mapping[str, Any] | None = None,
+) -> Played:
     """Runs the block of a scenario's entry on recorded inputs, (instants, *shape) by name, in our units.
 
     The inputs of each instant are handed over before the step that ends there, those of the first in
-    initialization, as in a run. Raises InputError where the block does not fit.
+    initialization, as in a run. `shared` are the values of the scenario that the block takes. Raises InputError where the block does not fit.
     """
     step = float(f"{(time[-1] - time[0]) / (len(time) - 1):.12g}")
     start = {**entry.get("start", {}), **{key: values[0].tolist() for key, values in inputs.items()}}
@@ -86,6 +93,7 @@ def play(name: str, entry: Mapping[str, Any], folder: str, time: Floats, inputs:
         "step": step,
         "duration": step * (len(time) - 1),
         "blocks": {name: {**entry, "start": start}},
+        "shared": dict(shared or {}),
         "record": {"signals": []},
     }
     source = Source(data)

@@ -114,19 +114,23 @@ def _groups(scalars: list[Any]) -> dict[str, _Group]:
     An array of FMI 3.0 is a whole of one variable.
     """
     by_name: dict[str, dict[tuple[int, ...], Any]] = {}
-    groups: dict[str, _Group] = {v.name: (v.shape, (), [v]) for v in scalars if v.shape}
+    arrays: dict[str, Any] = {}
     for scalar in scalars:
-        if scalar.shape:
-            continue
-        match = _INDEXED.fullmatch(scalar.name)
+        match = _INDEXED.fullmatch(scalar.name) if not scalar.shape else None
         name, index = (match[1], tuple(map(int, match[2].split(",")))) if match else (scalar.name, ())
-        by_name.setdefault(name, {})[index] = scalar
-    for name, members in by_name.items():
-        whole = _whole(members) if name not in groups else None
-        if whole is not None:
-            groups[name] = whole
+        members = by_name.setdefault(name, {})
+        if scalar.shape:
+            arrays[name] = scalar
         else:
-            groups.update((scalar.name, ((), (), [scalar])) for scalar in members.values())
+            members[index] = scalar
+    groups: dict[str, _Group] = {}
+    for name, members in by_name.items():
+        if name in arrays:
+            groups[name] = arrays[name].shape, (), [arrays[name]]
+        elif (whole := _whole(members)) is not None:
+            groups[name] = whole
+            continue
+        groups.update((scalar.name, ((), (), [scalar])) for scalar in members.values())
     return groups
 
 

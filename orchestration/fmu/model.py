@@ -70,7 +70,7 @@ class Variable:
     def elements(self) -> list[Element]:
         return [Element(self.name, position) for position in range(self.size)]
 
-    @property
+    @cached_property
     def is_array(self) -> bool:
         """Whether it is an array of FMI 3.0, which is exchanged in one piece."""
         return len(self.references) < self.size

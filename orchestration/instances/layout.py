@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -26,6 +27,9 @@ class Layout(NamedTuple):
 
     @classmethod
     def of(cls, model: Model, elements: Sequence[Element]) -> Layout:
+        if model.prefix == "fmi2":  # without arrays
+            scalars = [model.variables[name].references[position] for name, position in elements]
+            return cls(scalars, list(range(len(scalars))), len(scalars), {})
         references: list[int] = []
         slots: list[int] = []
         arrays: dict[str, int] = {}
@@ -89,13 +93,13 @@ def exchanges(
     groups: dict[Native, list[int]] = {}
     for place, element in enumerate(elements):
         groups.setdefault(model.native(element), []).append(place)
-    first = np.searchsorted([TYPES.index(model.native(e).type) for e in elements], range(len(TYPES)))
-    needed = {place for start, count in zip(first, live, strict=True) for place in range(start, start + count)}
+    counts = [sum(len(places) for native, places in groups.items() if native.type == kind) for kind in TYPES]
+    ends = dict(zip(TYPES, np.cumsum([0, *counts[:-1]]) + live, strict=True))
     made = []
     for native, places in groups.items():
         members = [elements[place] for place in places]
-        alive = [elements[place] for place in places if place in needed]
-        layout, some = Layout.of(model, members), Layout.of(model, alive)
+        layout = Layout.of(model, members)
+        some = Layout.of(model, members[: bisect_left(places, ends[native.type])])
         where, slots = np.array(places, np.int64), np.array(layout.slots, np.int64)
         direct = native.code == "f8" and follow(where) and layout.slots == list(range(layout.length))
         buffer = values[places[0] : places[-1] + 1] if direct else np.zeros(layout.length, native.code)

@@ -207,6 +207,7 @@ def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping
     errors = []
     for block, model in models.items():
         started = {name for key in scenario.blocks[block].start for name in (key, key.variable)}
+        started |= {model.aliases[name] for name in started & model.aliases.keys()}
         for variable in model.of("input"):
             free = [p for p in range(variable.size) if Node(block, Element(variable.name, p)) not in taken]
             whole = len(free) == variable.size

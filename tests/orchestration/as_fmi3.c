@@ -1,9 +1,9 @@
 /* FMI 3.0 for co-simulation on top of an FMU of FMI 2.0, for tests: the same block behind either version.
  *
  * The FMU of FMI 2.0 is linked with this file, or, with -DLOADS, loaded from the file "block" in the resources. A value
- * reference holds the type (0 real, 1 integer, 2 boolean, 3 text), the number of elements and the first of their references
- * in FMI 2.0, which follow each other: type << 28 | elements << 16 | reference. Nothing is used of the parts of the standard
- * that a master without clocks, events and states does not need; those functions give an error, as they may. */
+ * reference holds the type (0 real, 1 integer, 2 boolean, 3 text), the causality, the number of elements and the first of their
+ * references in FMI 2.0, which follow each other: type << 28 | causality << 24 | elements << 16 | reference. What a master
+ * without clocks, events and states does not call gives an error, as it may. */
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -104,7 +104,7 @@ static long expand(const uint32_t references[], size_t count, size_t values, uns
 {
     size_t n = 0;
     for (size_t i = 0; i < count; i++)
-        for (uint32_t k = 0; k < (references[i] >> 16 & 0xfff) && n < MOST; k++)
+        for (uint32_t k = 0; k < (references[i] >> 16 & 0xff) && n < MOST; k++)
             into[n++] = (references[i] & 0xffff) + k;
     return n == values ? (long)n : -1;
 }

@@ -73,7 +73,8 @@ def reference(variable: Variable) -> int:
     """As as_fmi3.c reads it."""
     first = variable.references[0]
     assert variable.references == tuple(range(first, first + variable.size))
-    return _KIND[variable.type] << 28 | variable.size << 16 | first
+    causality = ("output", "input", "parameter").index(variable.causality)
+    return _KIND[variable.type] << 28 | causality << 24 | variable.size << 16 | first
 
 
 def _units(model: Model) -> str:

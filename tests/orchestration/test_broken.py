@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, outcomes, rows, outcomes_3, wrong
+from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, outcomes, outcomes_3, rows, wrong
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits are those of Linux")
 
