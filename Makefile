@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight release format docs site authorities clean
+.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight references release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -86,6 +86,12 @@ docs: $(VENV)/test
 	$(BIN)/python -m tests.orchestration.broken > docs/broken-fmus.md
 	$(BIN)/python -m docs.site.packages
 	$(BIN)/python -m fmus.native
+
+# The reference data that our FMUs carry; needed where the behaviour of a block is meant to change.
+references: $(VENV)/test
+	for block in plant plant/judge plant/sensors controller controller/planned allocator allocator/bounded; do \
+	  $(BIN)/orchestrate reference $$(echo $$block | tr / _) --out $$block/reference_data || exit; \
+	done
 
 # The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
 site: $(VENV)/test

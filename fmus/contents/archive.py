@@ -10,16 +10,21 @@ from pathlib import Path
 from ..interface import INTERFACES, Interface
 from .documentation import index_html
 from .icon import png
+from .references import references
 from .terminals import terminals_and_icons
 
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def common(interface: Interface, licence: Path | None, host: str) -> dict[str, bytes]:
-    """Documentation, licence, terminals and icon by their paths in the archive. `host` says what a host must have."""
+def common(interface: Interface, folder: Path, licence: Path | None, host: str) -> dict[str, bytes]:
+    """Documentation, licence, terminals, icon and reference data by their paths in the archive.
+
+    `folder` is that of the block; `host` says what a host must have.
+    """
     found = {
         "documentation/index.html": index_html(interface, host),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface),
+        **references(folder),
     }
     if licence is not None and licence.exists():
         found["documentation/licenses/license.txt"] = licence.read_bytes()

@@ -44,7 +44,7 @@ def package(
     guid = guid_from(_digest(interface, folder, generated))
     files = {
         "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
-        **common(interface, licence, HOST),
+        **common(interface, folder, licence, HOST),
     }
     for name, library in libraries(interface, folder, guid, chosen, generated).items():
         files[f"binaries/{name}/{interface.name}{PLATFORMS[name].suffix}"] = library

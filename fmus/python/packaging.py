@@ -85,7 +85,7 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
         | {
             "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool, NEEDS),
             "resources/requirements.txt": REQUIREMENTS.encode(),
-            **common(interface, licence, HOST),
+            **common(interface, folder, licence, HOST),
             **_licence_of_pythonfmu(),
         }
     )

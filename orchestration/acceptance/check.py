@@ -1,7 +1,7 @@
-"""Whether an FMU can take a block's place, before anything of it runs.
+"""Whether an FMU can take a block's place.
 
-Everything comes from its files: modelDescription.xml, and the tables of its libraries. A swap fits the
-ports by the same rules, see `fit`.
+All but what its reference data say comes from its files, before anything of it runs: modelDescription.xml, and the tables
+of its libraries. A swap fits the ports by the same rules, see `fit`.
 """
 
 from __future__ import annotations
@@ -22,15 +22,22 @@ from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
 from ..swap.own_claims import own_claims
-from . import feedthrough, inputs, library, starts
+from . import feedthrough, inputs, library, references, starts
 
 
 def check(
-    path: Path, as_: str, map_: Path | None = None, lenient: bool = False, scenario: Scenario | None = None
+    path: Path,
+    as_: str,
+    map_: Path | None = None,
+    lenient: bool = False,
+    scenario: Scenario | None = None,
+    tolerance: float | None = None,
 ) -> tuple[list[Finding], Fit | None]:
     """All findings, and how its ports fit where they could be looked at.
 
     `lenient`: what is not valid in its description is a warning, as it is for a block with `validation: lenient`.
+    `tolerance`: where the FMU can be loaded, the reference data that it carries are played, in a process of its own; it
+    counts where they have none, relative to each output's largest value. None: nothing of the FMU runs.
     With a scenario the findings name the expectations that would rest on what the FMU says of itself.
     Raises InputError where the FMU, the interface or the mapping cannot be read at all, the FMU cannot be unpacked, or the
     scenario has no such block.
@@ -49,6 +56,8 @@ def check(
     with tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True) as folder:
         zipped.unpack(path, Path(folder), "FMU")
         library.look(description, theirs, library.files(Path(folder)), findings)
+    if tolerance is not None and not any(finding.level == "error" for finding in findings):
+        references.look(path, theirs, description.defaultExperiment, tolerance, findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
     starts.look(fitted, starts_of(description, theirs), findings)

@@ -111,9 +111,9 @@ def play(
     with ExitStack() as stack:
         block = opened.adapted(opened.instantiate(stack)[name])
         master = Master(
-            {recorded.name: recorded, name: block},
-            Wiring([Link("playback", sources, targets)]),
-            Order([recorded.name, name], [list(sources)]),
+            {recorded.name: recorded, name: block} if rows else {name: block},
+            Wiring([Link("playback", sources, targets)] if rows else []),
+            Order([recorded.name, name], [list(sources)]) if rows else Order([name], [[]]),
             plan.clock,
             [Node(name, element) for variable in outputs for element in variable.elements],
             {name: every},

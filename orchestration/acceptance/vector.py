@@ -7,10 +7,13 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from fmus import kit
 
 from ..errors import InputError
 from ..fmu.archive import shown
@@ -68,6 +71,16 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     return len(result.time)
 
 
+def scenario_of(block: str) -> Path:
+    """A run of the project in which a block of it has a part: the kits' own, where it has. Raises InputError."""
+    runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
+    found = next((run for run in runs if name_of(load(run), block)), None)
+    if found is None:
+        remedy = f"remedy: --scenario FILE with 'fmu: {block}'"
+        raise InputError(f"no scenario of the project has the block {block!r}; {remedy}")
+    return found
+
+
 def name_of(scenario: Scenario, block: str) -> str | None:
     """What a block of the project is called in a scenario; None where it has no part in it."""
     return next((name for name, entry in scenario.blocks.items() if entry.fmu == block), None)
@@ -86,8 +99,8 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
         text = f"not run, since a test vector holds the ports of {fitted.reference.name} only, and the mapping needs {names}"
         return [Finding("error", "vector", text, "orchestrate compare, which takes them from a run of the scenario")]
     model = fitted.reference.model
-    header, table = _table(folder / "vector.csv")
-    columns = _columns(model, header, folder)
+    header, table = read_table(folder / "vector.csv")
+    columns = columns_of(model, header, folder)
     time = table[:, 0]
     inputs = {
         name: _shaped(table[:, places], model.variables[name])
@@ -95,7 +108,11 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
         if model.variables[name].causality == "input"
     }
     expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
-    entry = {"fmu": str(fmu.resolve()), "interface": fitted.reference.name, "start": _parameters(fitted, folder)}
+    entry = {
+        "fmu": str(fmu.resolve()),
+        "interface": fitted.reference.name,
+        "start": parameters_of(model, folder, {*fitted.missing, *fitted.ignored}),
+    }
     if fitted.mapping is not None:
         entry["map"] = fitted.mapping.model_dump(exclude_none=True)
     played = playback.play("block", entry, ".", time, inputs)
@@ -121,7 +138,8 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
     return findings
 
 
-def _table(path: Path) -> tuple[list[str], Any]:
+def read_table(path: Path) -> tuple[list[str], Any]:
+    """Header and rows of a vector.csv. Raises InputError."""
     try:
         with path.open(encoding="utf-8") as file:
             header = file.readline().strip().split(",")
@@ -135,7 +153,8 @@ def _table(path: Path) -> tuple[list[str], Any]:
     return header, table
 
 
-def _columns(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
+def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
+    """The columns of each variable's elements. Raises InputError."""
     labels = {v.label(p): Element(v.name, p) for v in model.variables.values() for p in range(v.size)}
     columns: dict[str, dict[int, int]] = {}
     for column, label in enumerate(header[1:], start=1):
@@ -150,9 +169,8 @@ def _shaped(values: Any, variable: Variable) -> Any:
     return shaped.astype(bool) if variable.type == "boolean" else shaped
 
 
-def _parameters(fitted: Fit, folder: Path) -> dict[str, Any]:
-    """The vector's parameters, for a scenario; those that theirs lacks are left out."""
-    model = fitted.reference.model
+def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> dict[str, Any]:
+    """The vector's parameters, for a scenario. Raises InputError."""
     values: dict[str, Any] = {}
     path = folder / "parameters.csv"
     rows = list(csv.reader(path.read_text("utf-8").splitlines()))[1:] if path.exists() else []
@@ -161,7 +179,7 @@ def _parameters(fitted: Fit, folder: Path) -> dict[str, Any]:
         variable = model.variables.get(name)
         if variable is None:
             raise InputError(f"{path}: {model.name} has no parameter {label!r}")
-        if name in fitted.missing or name in fitted.ignored:
+        if name in left_out:
             continue
         values[label.replace("][", ",")] = _value(variable, text)
     return values

@@ -33,7 +33,14 @@ from .status import DOES_NOT_FIT
     "--tolerance",
     default=1e-6,
     show_default=True,
-    help="Tolerance of the vector, relative to each output's largest value.",
+    help="Tolerance of the vector, and of reference data without one, relative to each output's largest value.",
+)
+@click.option(
+    "--play/--no-play",
+    "play_",
+    default=True,
+    help="Play the reference data that it carries (FMI-LS-REF), in a process of its own.",
+    show_default=True,
 )
 @click.option(
     "--lenient", is_flag=True, help="Report errors of its description as warnings, as 'validation: lenient' does."
@@ -48,15 +55,16 @@ def command(
     scenario: Path | None,
     vector: Path | None,
     tolerance: float,
+    play_: bool,
     lenient: bool,
     json_: bool,
 ) -> None:
     """Check whether an FMU can replace a block, and list what to change.
 
-    The FMU is run only with --vector. Exit status: 0 it fits, 1 it does not, 2 wrong input.
+    The FMU is run only with --vector, and where it carries reference data. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
     judged = load(read(scenario)) if scenario is not None else None
-    findings, fitted = check(fmu, as_, map_, lenient, judged)
+    findings, fitted = check(fmu, as_, map_, lenient, judged, tolerance if play_ else None)
     if vector is not None and fitted is not None and not _errors(findings):
         findings += play(fmu, fitted, vector, tolerance)
     fits = not _errors(findings)

@@ -30,6 +30,7 @@ COMMANDS = {
     "export": "orchestration.cli.export",
     "fmus": "orchestration.cli.fmus",
     "new": "orchestration.cli.new",
+    "reference": "orchestration.cli.reference",
     "run": "orchestration.cli.run",
     "scenarios": "orchestration.cli.scenarios",
     "schema": "orchestration.cli.schema",

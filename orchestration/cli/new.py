@@ -9,10 +9,9 @@ import click
 from fmus import kit
 from fmus.interface import BLOCKS, load
 
-from ..acceptance.vector import name_of, record
+from ..acceptance.vector import record, scenario_of
 from ..errors import InputError, hint
 from ..fmu.archive import shown
-from ..runner.read import load as load_scenario
 from .console import say
 from .paths import PATH
 
@@ -37,12 +36,7 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
     target = folder or Path(f"{block}_{lang}")
-    runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
-    run = scenario or next((run for run in runs if name_of(load_scenario(run), block)), None)
-    if run is None:
-        raise InputError(
-            f"no scenario of the project has the block {block!r}; remedy: --scenario FILE with 'fmu: {block}'"
-        )
+    run = scenario or scenario_of(block)
     if not run.exists():
         raise InputError(
             f"{shown(run)}: there is no such file; --scenario names the run that the test vector is taken from"

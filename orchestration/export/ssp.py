@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -27,7 +27,7 @@ def write(system: System, path: Path) -> None:
     for component in system.components:
         files[_resource(system, component)] = component.fmu.path.read_bytes()
         if component.values:
-            files[f"resources/{component.name}.ssv"] = _parameter_set(component)
+            files[f"resources/{component.name}.ssv"] = parameter_set(component.values)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             info = zipfile.ZipInfo(name, _DATE)
@@ -113,10 +113,11 @@ def _component(parent: ET.Element, component: Component, source: str) -> None:
         _element(bindings, "ssd:ParameterBinding", attributes)
 
 
-def _parameter_set(component: Component) -> bytes:
+def parameter_set(values: Sequence[Value]) -> bytes:
+    """The document of start values."""
     root = _element(None, "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
     parameters = _element(root, "ssv:Parameters")
-    for value in component.values:
+    for value in values:
         kind = value.variable.type
         parameter = _element(parameters, "ssv:Parameter", name=value.name)
         entry = _element(parameter, f"ssv:{_TAGS[kind]}", value=_text(value))
@@ -124,7 +125,7 @@ def _parameter_set(component: Component) -> bytes:
             entry.set("unit", value.variable.unit.name)
         if kind == "enumeration":
             entry.set("name", value.variable.name)
-    variables = [value.variable for value in component.values]
+    variables = [value.variable for value in values]
     _enumerations(root, "ssv", ((variable.name, variable.items) for variable in variables))
     _units(root, "ssv", (variable.unit for variable in variables))
     return _bytes(root)

@@ -127,14 +127,15 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: b
         fed = variable.causality == "input" and structure.source(End(place, name)) is not None
         if variable.causality == "parameter" or (variable.causality == "input" and (delayed or not fed)):
             try:
-                starts[variable.label(position)] = _value(given, variable)
+                starts[variable.label(position)] = start_value(given, variable)
             except (ValueError, OverflowError) as error:
                 value = f"the value {given.value!r} of {'.'.join(place)}.{name}"
                 raise InputError(f"{shown(path)}: {value}: {error}") from None
     return starts
 
 
-def _value(given: Given, variable: Variable) -> Any:
+def start_value(given: Given, variable: Variable) -> Any:
+    """A value of a parameter set as a scenario has it. Raises ValueError."""
     if given.kind == "Boolean":
         return given.value in ("true", "1")
     if given.kind in ("Integer", "Real") and variable.type == "enumeration":

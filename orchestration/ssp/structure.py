@@ -171,7 +171,7 @@ class _System:
                 values = inline
             else:
                 continue
-            values_by_name = {f"{binding.get('prefix', '')}{name}": given for name, given in _parameters(values)}
+            values_by_name = {f"{binding.get('prefix', '')}{name}": given for name, given in parameters(values)}
             mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
             if mapping is not None:
                 values_by_name = self._mapped(values_by_name, mapping)
@@ -220,7 +220,8 @@ def _named(end: End) -> str:
     return ".".join((*end.element, end.connector))
 
 
-def _parameters(values: Any) -> Iterator[tuple[str, Given]]:
+def parameters(values: Any) -> Iterator[tuple[str, Given]]:
+    """Names and values of a parameter set."""
     units = {entry.get("name"): _unit(entry) for entry in values.findall("ssv:Units/ssc:Unit", NAMESPACES)}
     for parameter in values.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
         for entry in parameter:

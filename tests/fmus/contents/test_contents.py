@@ -162,10 +162,12 @@ def test_an_icon_s_png_shows_what_its_svg_draws(name: str) -> None:
     assert zlib.crc32(data[12:29]) == struct.unpack(">I", data[29:33])[0]
 
 
-def test_a_block_without_an_icon_of_its_own_has_that_of_the_block_in_whose_place_it_stands() -> None:
+def test_a_block_without_an_icon_of_its_own_has_that_of_the_block_in_whose_place_it_stands(tmp_path: Path) -> None:
     text = load("allocator").source
     icons = [
-        common(parse(text.replace('name = "allocator"', f'name = "{name}"')), None, "")["documentation/icon.svg"]
+        common(parse(text.replace('name = "allocator"', f'name = "{name}"')), tmp_path, None, "")[
+            "documentation/icon.svg"
+        ]
         for name in ("allocator", "allocator_other", "other")
     ]
     assert icons[0] == icons[1] != icons[2]

@@ -104,6 +104,27 @@ def test_orchestrate_plays_the_vector_too(c_kit):
     assert right.stdout.count("vector ") >= len(load(block).of("output"))
 
 
+@needs_compiler
+def test_a_kit_packs_reference_data_that_are_played_and_tell_a_later_change(tmp_path):
+    folder = tmp_path / "kit"
+    assert orchestrate("new", "allocator", folder).exit_code == 0
+    source = folder / "allocator.c"
+    text = source.read_text()
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    made = subprocess.run(
+        ["make", "CFLAGS=-O0", "reference"], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    fmu = folder / "allocator.fmu"
+    assert validate_fmu(str(fmu)) == []
+    right = orchestrate("check", fmu, "--as", "allocator")
+    assert (right.exit_code, "outputs as expected over 6 s" in right.stdout) == (0, True), right.stdout
+    source.write_text(text.replace("Outputs){0};", "Outputs){.holding = true};"))
+    assert make(folder, "CFLAGS=-O0").returncode == 0
+    wrong = orchestrate("check", fmu, "--as", "allocator")
+    assert (wrong.exit_code, "smoke-test: holding differs by 1" in wrong.stdout) == (1, True), wrong.stdout
+
+
 def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
     folder = tmp_path / "mine"
     assert orchestrate("new", "allocator", folder, "--lang", "python").exit_code == 0

@@ -1,0 +1,49 @@
+"""`orchestrate reference`: the reference data that an FMU is to carry."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import click
+
+from fmus.build import ensure
+from fmus.interface import load
+
+from ..acceptance.reference_data import write
+from ..acceptance.vector import record, scenario_of
+from ..errors import InputError
+from ..fmu.archive import shown
+from ..fmu.interfaces import is_path, own
+from .console import say
+from .paths import PATH
+
+
+@click.command("reference")
+@click.argument("fmu")
+@click.option("--vector", type=PATH, metavar="DIR", help="Test vector of a kit, from which the inputs are taken.")
+@click.option(
+    "--out", type=PATH, default=Path("reference_data"), show_default=True, metavar="DIR", help="Where to write."
+)
+def command(fmu: str, vector: Path | None, out: Path) -> None:
+    """Write reference inputs, outputs and tolerances of an FMU (FMI-LS-REF), for it to carry.
+
+    FMU is a file with the test vector of its kit, or a block of this project, whose inputs are taken from one of its runs.
+    """
+    if is_path(fmu):
+        if vector is None:
+            raise InputError(f"{fmu}: expected --vector DIR, the test vector of its kit")
+        files = write(Path(fmu), vector, out)
+    else:
+        if fmu not in own():
+            raise InputError(
+                f"there is no block {fmu!r}; expected a path that ends in .fmu, or one of {', '.join(own())}"
+            )
+        flavours = [ensure(fmu, flavour) for flavour in sorted(load(fmu).flavours)]  # native before python
+        with tempfile.TemporaryDirectory() as folder:
+            source = Path(folder) if vector is None else vector
+            if vector is None:
+                record(scenario_of(fmu), fmu, source)
+            files = write(flavours[0], source, out, flavours[1:])
+    for path in files:
+        say(str(shown(path)))
