@@ -1,0 +1,105 @@
+"""Other tools reproduce the reference data that our FMUs carry, read from the FMU as a user of the tool would."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.util import read_csv
+from lxml import etree
+
+from fmus.build import ensure
+from fmus.contents.references import FOLDER
+
+from .measure import ONES, Recipe
+from .test_importers import needs
+
+READ = """\
+import json, sys
+fmu, step, start, names, inputs, outputs = json.loads(sys.stdin.read())  # inputs: a row of numbers an instant
+"""
+SCRIPTS = {
+    "FMPy": """
+import numpy as np
+from fmpy import simulate_fmu
+columns = [("time", float), *((name, float) for name in names)]
+signals = np.array([(step * k, *row) for k, row in enumerate(inputs)], dtype=columns)
+result = simulate_fmu(fmu, stop_time=step * (len(inputs) - 1), output_interval=step, start_values=start, input=signals, output=outputs)
+rows = [[float(row[name]) for name in outputs] for row in result][1:]
+""",
+    "libcosim": """
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+from libcosimpy.CosimManipulator import CosimManipulator
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+log_output_level(CosimLogLevel.ERROR)
+execution = CosimExecution.from_step_size(round(1e9 * step))
+block = execution.add_local_slave(CosimLocalSlave(fmu_path=fmu, instance_name="block"))
+reference = {v.name.decode(): v.reference for v in execution.slave_variables(block)}
+for name, value in {**start, **dict(zip(names, inputs[0]))}.items():
+    set_initial = execution.string_initial_value if isinstance(value, str) else execution.real_initial_value
+    set_initial(block, reference[name], value)
+observer, manipulator = CosimObserver.create_last_value(), CosimManipulator.create_override()
+execution.add_observer(observer), execution.add_manipulator(manipulator)
+rows = []
+for row in inputs[:-1]:
+    manipulator.slave_real_values(block, [reference[name] for name in names], row)
+    execution.step()
+    rows.append(observer.last_real_values(block, [reference[name] for name in outputs]))
+""",
+    "ecos": """
+from ecospy import EcosSimulation, EcosSimulationStructure
+structure = EcosSimulationStructure()
+structure.add_model("block", fmu)
+structure.add_parameter_set("start", {f"block::{k}": v for k, v in {**start, **dict(zip(names, inputs[0]))}.items()})
+rows = []
+with EcosSimulation(structure=structure, step_size=step) as simulation:
+    simulation.init(parameter_set="start")
+    for row in inputs[:-1]:
+        for name, value in zip(names, row):
+            simulation.set_real(f"block::{name}", value)
+        simulation.step()
+        rows.append([simulation.get_real(f"block::{name}") for name in outputs])
+""",
+}
+BLOCKS = ("plant", "controller", "allocator")
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+@pytest.mark.parametrize("recipe", ONES, ids=lambda r: r.tool)
+def test_a_tool_reproduces_what_the_fmu_carries(recipe: Recipe, block: str, tmp_path: Path) -> None:
+    needs(recipe)
+    fmu = tmp_path / f"{block}.fmu"
+    fmu.write_bytes(ensure(block).read_bytes())
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path / "unpacked", [n for n in archive.namelist() if n.startswith(FOLDER)])
+    folder = tmp_path / "unpacked" / FOLDER
+    given, expected = (read_csv(str(folder / name)) for name in ("inputs.csv", "outputs.csv"))  # FMPy's reader
+    values = {p.get("name"): p[0] for p in etree.parse(str(folder / "parameters.ssv")).findall(".//{*}Parameter")}
+    start = {k: v.get("value") if v.tag.endswith("String") else float(v.get("value")) for k, v in values.items()}
+    experiment = etree.parse(str(folder / "smoke-test.exp")).find("Experiment")
+    step = float(experiment.get("stepSize"))
+    tolerances = {t.get("name"): float(t.get("absolute")) for t in experiment.iter("Tolerance")}
+    names, outputs = [name.replace("][", ",") for name in given.dtype.names[1:]], list(tolerances)
+    task = (str(fmu), step, start, names, [list(row)[1:] for row in given.tolist()], outputs)
+    script = f"{READ}{SCRIPTS[recipe.tool]}\nprint('\\n@' + json.dumps(rows))"
+    run = subprocess.run(
+        [sys.executable, "-c", script],
+        input=json.dumps(task),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert run.returncode == 0, run.stdout[-2000:] + run.stderr[-2000:]
+    rows = np.array(json.loads(run.stdout.rpartition("\n@")[2]))
+    assert len(rows) == len(expected) - 1
+    for i, name in enumerate(outputs):
+        difference = np.abs(rows[:, i] - expected[name.replace(",", "][")][1:]).max()
+        assert difference <= tolerances[name], f"{name}: {difference}"
