@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pickle
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 from filelock import FileLock
 
 from fmus import places
 
+T = TypeVar("T")
 FOLDER = places.work() / "tests"
 """What is kept from one run of the tests to the next, by a hash of all that it is made of."""
 
@@ -57,3 +60,10 @@ def once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], obje
             make(folder)
             (folder / ".made").touch()
     return folder
+
+
+def computed(factory: pytest.TempPathFactory, name: str, compute: Callable[[], T]) -> T:
+    """What `compute` returns, for all processes of this run of the tests; the first that asks computes it."""
+    folder = once(factory, name, lambda folder: (folder / "result").write_bytes(pickle.dumps(compute())))
+    result: T = pickle.loads((folder / "result").read_bytes())
+    return result
