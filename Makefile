@@ -101,12 +101,13 @@ clean:
 	rm -rf $(VENV) out dist results
 
 $(VENV)/run: pyproject.toml
+	@$(PYTHON) -c 'import sys; v = sys.version_info; v >= (3, 11) or sys.exit("attitude-cosim needs Python 3.11 or later; $(PYTHON) is Python %d.%d; remedy: make PYTHON=python3.12" % v[:2])'
 	@echo "installing into $(VENV): about a minute"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[build]'
+	$(BIN)/python -m pip install --disable-pip-version-check --editable '.[build]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/run
 	@echo "installing the test tools into $(VENV): a minute or two"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(BIN)/python -m pip install --disable-pip-version-check --editable '.[test]'
 	@touch $@

@@ -13,7 +13,6 @@ import os
 import re
 import shutil
 import sys
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +44,8 @@ _BY_NAME = {"import_module", "__import__", "find_spec", "files", "run_module"}
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
     """What hatchling needs, and the project's own requirements that build FMUs."""
+    import tomllib  # here, so that an older Python comes as far as pip's line that it is too old  # noqa: PLC0415
+
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     listed = [*project["dependencies"], *project["optional-dependencies"]["build"]]
     needed = [line for line in listed if re.match(r"[\w-]+", line)[0] in _BUILDING]  # type: ignore[index]

@@ -61,10 +61,10 @@ def build(
     chosen = [Block.named(b) if isinstance(b, str) else b for b in (blocks_of(flavour) if blocks is None else blocks)]
     for block in chosen:
         _check_flavour(block.interface, flavour)
-    for block in chosen:
+    for number, block in enumerate(chosen, start=1):
         path = _path(block.name, flavour, out)
         stamp = _fingerprint(block, flavour).encode()
-        _LOG.info("building %s (%s) ...", path.name, flavour)
+        _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
         try:
             data = package(block.interface, block.folder, places.shared("LICENSE"))
         except Exception as error:

@@ -8,8 +8,14 @@ result.time, result["plant.x"]
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+if sys.version_info < (3, 11):  # one line, where the imports below would end in a traceback  # noqa: UP036
+    raise SystemExit(
+        f"attitude-cosim needs Python 3.11 or later; this is Python {sys.version_info[0]}.{sys.version_info[1]}"
+    )
 
 from .errors import BlockError, InputError
 

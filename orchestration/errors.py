@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
 
@@ -14,6 +16,13 @@ class InputError(ValueError):
     def __init__(self, *messages: str) -> None:
         super().__init__("\n".join(messages))
         self.messages = messages
+
+
+class NoRoom(InputError):
+    """A folder of this machine cannot take what a run needs there: no error of the scenario, and nothing was run. Exit status 2."""
+
+    def __init__(self, what: str, folder: Path, error: OSError) -> None:
+        super().__init__(f"{what} in {folder}: {reason(error)}; remedy: room there, or another folder in TMPDIR")
 
 
 class BlockError(RuntimeError):
@@ -44,6 +53,26 @@ class ResultsError(RuntimeError):
     """The results could not be written. Exit status 4. `result` is what could not be, where it is known."""
 
     result: Any = None
+
+
+_PLAIN = {
+    errno.EACCES: "no permission",
+    errno.EPERM: "no permission",
+    errno.EISDIR: "it is a folder; expected a file",
+    errno.ENOTDIR: "a part of this path is a file; expected a folder",
+    errno.ENOENT: "there is no such file or folder",
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk quota is used up",
+    errno.EROFS: "the disk is read-only",
+    errno.ENAMETOOLONG: "the name is too long",
+    errno.ELOOP: "its links lead in a circle",
+}
+"""What the system reports, in plain words."""
+
+
+def reason(error: BaseException) -> str:
+    """Why the system refused something, in plain words."""
+    return _PLAIN.get(getattr(error, "errno", None) or 0) or getattr(error, "strerror", None) or str(error)
 
 
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")

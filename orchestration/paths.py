@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, reason
 
 
 def located(text: str, folder: Path | None = None) -> Path:
@@ -21,5 +21,5 @@ def located(text: str, folder: Path | None = None) -> Path:
     except ValueError as error:
         raise InputError(f"{text!r} is no path: {error}") from None
     except OSError as error:
-        raise InputError(f"{text if len(text) < 80 else text[:60] + '...'}: {error.strerror}") from None
+        raise InputError(f"{text if len(text) < 80 else text[:60] + '...'}: {reason(error)}") from None
     return path

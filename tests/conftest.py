@@ -14,6 +14,9 @@ from fmus.build import blocks_of, ensure
 # Each of the hundreds of processes that the tests start would otherwise compile all that it imports.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# pytest imports readline, which states a terminal of 80 columns, also for other processes.
+os.environ.pop("COLUMNS", None)
+os.unsetenv("COLUMNS")
 
 HERE = Path(__file__).parent
 MARKERS = {

@@ -7,7 +7,7 @@ Closed loop: the whole run with theirs in the place, its expectations beside tho
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ import numpy as np
 from ..errors import BlockError, InputError
 from ..expectations.judge import Outcome
 from ..fmu.model import TYPES, Variable
-from ..quantities import with_unit
 from ..results.result import Result
 from ..runner.open import open_scenario
 from ..runner.read import load
@@ -29,7 +28,9 @@ from .inputs import given, theirs_alone
 from .tolerances import Tolerance, tolerances
 
 ROUNDING = 1e-15
-"""A difference this small is rounding, however small the output itself."""
+"""A difference of so much of an output's nominal value is rounding and counts as zero, however small the output itself."""
+WIDE = 0.01
+"""A difference beyond this share of our output's largest value is named in the verdict, though a tolerance allows it."""
 
 
 @dataclass
@@ -45,9 +46,19 @@ class Difference:
     element: str = ""
     time: float | None = None
     share: float | None = None
-    """`largest` over our output's largest value."""
+    """`largest` over `scale`; 0 where it is rounding."""
     rms: float | None = None
+    rms_share: float | None = None
+    scale: float | None = None
+    """Our output's largest value."""
+    zero: float = 0.0
+    """A difference up to this is rounding."""
     note: str = ""
+
+    @property
+    def wide(self) -> bool:
+        """Whether a tolerance allows it, though it is no small one."""
+        return self.passed and self.share is not None and self.share > WIDE
 
 
 @dataclass
@@ -62,6 +73,9 @@ class Comparison:
     differences: list[Difference] = field(default_factory=list)
     interval: float = 0.0
     """From one instant to the next at which outputs are compared, s."""
+    instants: int = 0
+    end: float = 0.0
+    """The last of these instants, s."""
 
     @property
     def failure(self) -> BlockError | None:
@@ -123,8 +137,9 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     other.warnings += [str(finding) for finding in own_claims(other.scenario, block, outputs)]
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
-    rows = played.rows
-    comparison.interval = float(ours.time[rows[1]] - ours.time[rows[0]]) if len(rows) > 1 else 0.0
+    at = ours.time[played.rows]
+    comparison.interval = float(at[1] - at[0]) if len(at) > 1 else 0.0
+    comparison.instants, comparison.end = len(at), float(at[-1]) if len(at) else 0.0
     return comparison
 
 
@@ -145,105 +160,34 @@ def _differences(
     for variable in (v for v in ports if v.causality == "output"):
         bound = bounds[variable.name]
         unit = str(variable.unit) if variable.unit is not None and str(variable.unit) != "1" else ""
-        tolerance = " and ".join(
-            f"{b.text}{how}" for b, how in ((bound.largest, ""), (bound.rms, " rms")) if b is not None
-        )
         if variable.name not in played.outputs:
-            differences.append(Difference(variable.name, unit, True, tolerance, note="theirs lacks it"))
+            differences.append(Difference(variable.name, unit, True, bound.text, note="theirs lacks it"))
             continue
         a = ours[f"{comparison.block}.{variable.name}"].reshape(len(ours.time), -1)[rows].astype(float)
         b = played.outputs[variable.name][chosen]
-        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit, tolerance))
+        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit))
     return differences
 
 
-def _difference(
-    variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str, tolerance: str
-) -> Difference:
+def _difference(variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str) -> Difference:
+    found = Difference(variable.name, unit, False, bound.text, note="" if len(time) else "nothing to compare")
     if not len(time):
-        return Difference(variable.name, unit, False, tolerance, note="nothing to compare")
+        return found
     error = np.abs(theirs - ours)
     if variable.type != "real":
         differing = (error > 0.0).any(axis=1)
-        share = float(differing.mean())
-        passed = all(share <= b.limit(1.0) for b in (bound.largest, bound.rms) if b is not None)
-        first = float(time[differing][0]) if differing.any() else None
-        return Difference(
-            variable.name,
-            "",
-            passed,
-            tolerance,
-            share,
-            "",
-            first,
-            share,
-            note=f"{int(differing.sum())} of {len(time)} samples",
-        )
+        found.largest = found.share = share = float(differing.mean())
+        found.unit, found.passed = "", share <= min(bound.largest.limit(1.0), bound.rms.limit(1.0))
+        found.time = float(time[differing][0]) if differing.any() else None
+        found.note = f"{int(differing.sum())} of {len(time)} samples"
+        return found
     row, column = np.unravel_index(int(error.argmax()), error.shape)
-    largest, peak = float(error[row, column]), float(np.abs(ours).max())
+    largest, scale = float(error[row, column]), float(np.abs(ours).max())
     rms = float(np.sqrt((error * error).mean(axis=0).max()))
+    found.largest, found.rms, found.scale, found.zero = largest, rms, scale, ROUNDING * variable.nominal
     pairs = [(largest, bound.largest), (rms, bound.rms)]
-    passed = all(value <= max(b.limit(peak), ROUNDING) for value, b in pairs if b is not None)
-    element = variable.label(int(column)) if variable.shape else ""
-    at = float(time[row]) if largest > 0.0 else None
-    return Difference(
-        variable.name, unit, passed, tolerance, largest, element, at, largest / peak if peak else None, rms
-    )
-
-
-def summary(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as plain data."""
-    return {
-        "block": comparison.block,
-        "fmu": comparison.fmu,
-        "passed": comparison.passed,
-        "equivalent": comparison.equivalent,
-        "claims_hold": comparison.met,
-        "failure": None if comparison.failure is None else str(comparison.failure),
-        "open_loop": [asdict(difference) for difference in comparison.differences],
-        "claims": [
-            {"name": a.name, "ours": asdict(a), "theirs": None if b is None else asdict(b)}
-            for a, b in comparison.claims
-        ],
-        "notes": comparison.theirs.warnings,
-    }
-
-
-def verdict(comparison: Comparison) -> str:
-    """The verdict in a sentence."""
-    compared = [d for d in comparison.differences if d.largest is not None]
-    within = sum(d.passed for d in compared)
-    outcomes = comparison.theirs.outcomes
-    met = sum(outcome.passed for outcome in outcomes)
-    left = len(comparison.ours.outcomes) - len(outcomes)
-    text = f"{'equivalent' if comparison.equivalent else 'not equivalent'}: {within} of {len(compared)} outputs within tolerance; "
-    text += f"{met} of {len(outcomes)} expectations met" + (f", {left} not evaluated" if left else "")
-    return f"an FMU failed; {text}" if comparison.failure is not None else text
-
-
-def rows_of_differences(comparison: Comparison) -> list[tuple[bool, tuple[str, ...]]]:
-    """Whether it is within its tolerance, and the cells: output, largest, relative, when, rms, tolerance."""
-    rows: list[tuple[bool, tuple[str, ...]]] = []
-    for d in comparison.differences:
-        if d.largest is None:
-            rows.append((d.passed, (d.output, d.note, "", "", "", "")))
-        elif d.note:
-            at = f"first at {d.time:.5g} s" if d.time is not None else ""
-            rows.append((d.passed, (d.output, d.note, f"{d.share:.2g}", at, "", d.tolerance)))
-        else:
-            at = f"{d.time:.5g} s" if d.time is not None else ""
-            where = f"{d.element} " if d.element and d.largest else ""
-            share = f"{d.share:.2g}" if d.share is not None else ""
-            cells = (
-                d.output,
-                with_unit(d.largest, d.unit),
-                share,
-                f"{where}{at}",
-                with_unit(d.rms or 0.0, d.unit),
-                d.tolerance,
-            )
-            rows.append((d.passed, cells))
-    return rows
-
-
-DIFFERENCES = ("output", "largest difference", "relative", "when", "rms", "tolerance")
+    found.passed = all(value <= max(b.limit(scale), found.zero) for value, b in pairs)
+    found.share, found.rms_share = (0.0 if d <= found.zero else d / scale if scale else None for d in (largest, rms))
+    if largest > found.zero:
+        found.element, found.time = variable.label(int(column)) if variable.shape else "", float(time[row])
+    return found

@@ -7,13 +7,14 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..quantities import ONE, with_unit
 from ..results.html import Page, each, items, joined, part, pieces, rows, verdict
 from ..results.plots import CURVES, ROWS, Curve, axis, plot
-from ..results.report import figure
-from . import compare
-from .compare import DIFFERENCES, Comparison, Difference, rows_of_differences
+from ..results.report import figure, public
+from . import verdict as words
+from .compare import Comparison, Difference
+from .verdict import DIFFERENCES, colour, meaning, rows_of_differences
 
 _TEMPLATE = "comparison.html"
 
@@ -25,7 +26,7 @@ def write(comparison: Comparison, folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         path.write_text(page(comparison), "utf-8", errors="replace", newline="\n")
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
+        raise InputError(f"{path}: {reason(error)}") from None
     return path
 
 
@@ -38,14 +39,16 @@ def page(comparison: Comparison) -> str:
         **title,
         scenario=ours.scenario.name,
         description=ours.scenario.description,
-        kind="good" if comparison.passed else "bad",
-        verdict=compare.verdict(comparison),
+        kind={"green": "good", "yellow": "warn", "red": "bad"}[colour(comparison)],
+        verdict=words.verdict(comparison),
         failure=comparison.failure or "",
     )
     parts = [
         header,
         _open_loop(comparison, made),
-        pieces(_TEMPLATE)["closed_loop"].format(claims=rows(_claims(comparison))),
+        pieces(_TEMPLATE)["closed_loop"].format(
+            claims=rows(_claims(comparison), ("status", "expectation", "ours", "theirs", "expected"))
+        ),
         part(_TEMPLATE, "key_figures", rows(_key_figures(comparison))),
         part(_TEMPLATE, "figures", joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)),
         part(_TEMPLATE, "notes", items(theirs.warnings)),
@@ -55,15 +58,12 @@ def page(comparison: Comparison) -> str:
 
 
 def _open_loop(comparison: Comparison, made: Page) -> Markup:
-    table = [
-        [verdict("" if not cells[5] else "ok" if passed else "differs"), *cells]
-        for passed, cells in rows_of_differences(comparison)
-    ]
+    table = [[verdict(status), *cells] for status, cells in rows_of_differences(comparison)]
     compared = [difference for difference in comparison.differences if difference.largest is not None]
     return pieces(_TEMPLATE)["open_loop"].format(
-        interval=f"{comparison.interval:.10g} s",
+        meaning=each(Markup("<p>{}</p>\n"), meaning(comparison)),
         head=each(Markup('<th scope="col">{}</th>'), DIFFERENCES),
-        differences=rows(table),
+        differences=rows(table, ("status", *DIFFERENCES)),
         hint=pieces("pieces.html")["hint"] if compared else "",
         figures=joined(_output(comparison, difference, made) for difference in compared),
     )
@@ -111,7 +111,7 @@ def _fmus(comparison: Comparison) -> list[list[object]]:
     found: list[list[object]] = []
     for whose, result in (("ours", comparison.ours), ("theirs", comparison.theirs)):
         fmu: dict[str, Any] = result.manifest.get("fmus", {}).get(comparison.block, {})
-        path = Markup('<span class="path">{}</span>').format(fmu.get("file", ""))
+        path = Markup('<span class="path">{}</span>').format(public(fmu.get("file", "")))
         code = Markup("<code>{}</code>").format(str(fmu.get("sha256", ""))[:16])
         found.append([whose, fmu.get("model", ""), path, code])
     return found

@@ -1,13 +1,15 @@
 """How far an output may differ from ours: absolute with a unit, or a share of our output's largest value.
 
-A tolerance is a number or text, for the largest difference, or `{largest: ..., rms: ...}`. Under `default`
+Each output has a tolerance of its largest difference and one of the rms difference. A number or text is that of both;
+`{largest: ..., rms: ...}` gives each, `any` asks nothing of it, and one that is not given is the default. Under `default`
 stands what counts for outputs without their own: a share. Of a boolean it is the share of samples that differ.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +19,13 @@ from ..quantities import ONE, QuantityError, parse
 from ..scenario.text import read
 
 DEFAULT = 1e-6
+ANY = "any"
+"""The tolerance of a difference of which nothing is asked."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A bound on a difference. `share` is of our output's largest value, `absolute` in the port's unit."""
+    """A bound on a difference. `share` is of our output's largest value, `absolute` in the port's unit; infinite for any."""
 
     share: float | None = None
     absolute: float | None = None
@@ -35,8 +39,14 @@ class Bound:
 class Tolerance:
     """What is asked of one output."""
 
-    largest: Bound | None
-    rms: Bound | None = None
+    largest: Bound
+    rms: Bound
+
+    @property
+    def text(self) -> str:
+        if self.largest == self.rms:
+            return self.largest.text
+        return f"{self.largest.text}; rms {self.rms.text}"
 
 
 def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
@@ -45,8 +55,8 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
     Raises InputError where one is no tolerance, or of an output that there is not.
     """
     outputs = {v.name: v for v in model.of("output")}
-    default = Tolerance(Bound(share=DEFAULT, text=f"{DEFAULT:g} of the largest"))
-    bounds: dict[str, Tolerance] = {}
+    default = _both(Bound(share=DEFAULT, text=f"{DEFAULT:g} of ours"))
+    given: dict[str, dict[str, Bound]] = {}
     for text in texts:
         if text.endswith((".yaml", ".yml")):
             source = read(Path(text))
@@ -65,16 +75,21 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
                 raise InputError(f"{where}: there is no output {name!r}{hint(name, outputs)}")
             try:
                 if name == "default":
-                    default = Tolerance(_share(value))
+                    default = _both(_share(value))
                 else:
-                    bounds[name] = _tolerance(value, outputs[name])
+                    given[name] = _tolerance(value, outputs[name])
             except QuantityError as error:
                 raise InputError(f"{where}: {error}") from None
     # A boolean either is as ours or is not: the default share of a number's size means nothing for it.
-    same = Tolerance(Bound(share=0.0, text="no sample"))
-    for name, variable in outputs.items():
-        bounds.setdefault(name, default if variable.type == "real" else same)
-    return bounds
+    same = _both(Bound(share=0.0, text="no sample"))
+    return {
+        name: replace(default if variable.type == "real" else same, **given.get(name, {}))
+        for name, variable in outputs.items()
+    }
+
+
+def _both(bound: Bound) -> Tolerance:
+    return Tolerance(bound, bound)
 
 
 def _share(value: Any) -> Bound:
@@ -86,25 +101,27 @@ def _share(value: Any) -> Bound:
     ):
         raise QuantityError(f"expected a share such as 1e-6 or '0.1 %', found {as_written(value)}")
     share = number * (unit.factor if unit else 1.0)
-    return Bound(share=share, text=f"{share:g} of the largest")
+    return Bound(share=share, text=f"{share:g} of ours")
 
 
-def _tolerance(value: Any, variable: Variable) -> Tolerance:
+def _tolerance(value: Any, variable: Variable) -> dict[str, Bound]:
     if isinstance(value, dict):
         if not value or set(value) - {"largest", "rms"}:
             raise QuantityError(f"expected largest and rms, found {', '.join(map(str, value)) or 'nothing'}")
-        return Tolerance(*(_bound(value[key], variable) if key in value else None for key in ("largest", "rms")))
-    return Tolerance(_bound(value, variable))
+        return {key: _bound(bound, variable) for key, bound in value.items()}
+    return dict.fromkeys(("largest", "rms"), _bound(value, variable))
 
 
 def _bound(value: Any, variable: Variable) -> Bound:
+    if value == ANY:
+        return Bound(absolute=math.inf, text=ANY)
     number, unit = parse(value) if isinstance(value, str) else (value, None)
     if isinstance(number, bool) or not isinstance(number, (int, float)) or not 0.0 <= number < float("inf"):
         raise QuantityError(
             f"expected a tolerance such as '0.1 %' or '0.2 {variable.unit or ONE}', found {as_written(value)}"
         )
     if unit is not None and unit.name == "%":
-        what = "of samples" if variable.type != "real" else "of the largest"
+        what = "of samples" if variable.type != "real" else "of ours"
         return Bound(share=number / 100, text=f"{number:g} % {what}")
     own = variable.unit or ONE
     if unit is not None and not unit.fits(own):

@@ -15,7 +15,7 @@ import numpy as np
 
 from fmus import kit
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..fmu.archive import shown
 from ..fmu.interfaces import reference
 from ..fmu.model import Element, Model, Variable
@@ -145,7 +145,7 @@ def read_table(path: Path) -> tuple[list[str], Any]:
             header = file.readline().strip().split(",")
             table = np.loadtxt(file, delimiter=",", ndmin=2)
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; expected a test vector, as 'orchestrate new' writes it") from None
+        raise InputError(f"{path}: {reason(error)}; expected a test vector, as 'orchestrate new' writes it") from None
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
     if header[0] != "time" or table.shape[0] < 2 or table.shape[1] != len(header):

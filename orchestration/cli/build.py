@@ -9,13 +9,19 @@ import click
 from fmus.build import BLOCKS, BuildError, blocks_of
 from fmus.build import build as build_fmus
 
-from ..errors import InputError, hint
+from ..errors import InputError, hint, reason
 from ..fmu.archive import shown
 from .console import say
-from .paths import PATH
+from .help import examples
+from .options import out_folder
 
 
-@click.command("build")
+@click.command(
+    "build",
+    epilog=examples(
+        "orchestrate build", "orchestrate build plant allocator", "orchestrate build --flavour python -o fmus"
+    ),
+)
 @click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
 @click.option(
     "--flavour",
@@ -24,12 +30,7 @@ from .paths import PATH
     show_default=True,
     help="Compiled C, which runs in any tool, or the Python reference.",
 )
-@click.option(
-    "--out",
-    type=PATH,
-    metavar="DIR",
-    help="Folder for the FMUs; default: build/fmus/FLAVOUR.",
-)
+@out_folder("Folder for the FMUs; default: out/fmus/FLAVOUR.")
 def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""
     for block in blocks:
@@ -40,7 +41,7 @@ def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     except BuildError as error:
         raise InputError(str(error)) from None
     except OSError as error:
-        raise InputError(f"{error.filename or 'the disk'}: {error.strerror}") from None
+        raise InputError(f"{error.filename or 'the disk'}: {reason(error)}") from None
     for path in paths.values():
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
     for block in () if blocks else BLOCKS:

@@ -17,29 +17,30 @@ from ..campaign.replay import Replayed, replay, worst
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
-from ..scenario.text import parse
 from .campaign_summary import summary
-from .console import complain, is_terminal, lost, notes, say, table
+from .console import complain, is_terminal, lost, notes, open_page, say, table
+from .help import examples
+from .options import OPEN, SET, out_folder
+from .overrides import settings
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
 from .summary import mark
 from .summary import summary as run_summary
 
 
-@click.command("campaign")
-@click.argument("file", type=PATH)
-@click.option(
-    "--out", type=PATH, metavar="DIR", help="Folder for the results; default: results/NAME, NAME being the campaign's."
+@click.command(
+    "campaign",
+    epilog=examples(
+        "orchestrate campaign scenarios/campaigns/paper_settling.yaml",
+        "orchestrate campaign campaign.yaml --runs 200 --workers 4 --open",
+        "orchestrate campaign campaign.yaml --replay worst",
+    ),
 )
+@click.argument("file", type=PATH)
+@out_folder("Folder for the results; default: results/NAME, NAME being the campaign's.")
 @click.option("--runs", type=int, metavar="N", help="Number of runs instead of the file's.")
 @click.option("--seed", type=int, metavar="N", help="Seed instead of the file's.")
-@click.option(
-    "--set",
-    "sets",
-    multiple=True,
-    metavar="BLOCK.PARAMETER=VALUE",
-    help="A start value for all runs; may be repeated.",
-)
+@SET
 @click.option(
     "--workers",
     type=click.IntRange(min=0),
@@ -56,7 +57,8 @@ from .summary import summary as run_summary
     metavar="INDEX|worst",
     help="Only write the scenario of this run, or of the worst case that a search found, and fly it.",
 )
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@OPEN
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
     ctx: click.Context,
@@ -69,15 +71,16 @@ def command(
     scheduler: str | None,
     dashboard: bool,
     index: str | None,
+    open_: bool,
     quiet: bool,
 ) -> None:
-    """Fly a campaign: a scenario with values that vary, and requirements on its runs.
+    """Fly a scenario many times, with values that vary.
 
-    The same command goes on where it was stopped. Exit status: 0 all requirements met, 1 one not met or undecided, 2 wrong input,
+    FILE is a campaign: the scenario, what varies, and requirements on the runs. The same command goes on where it was stopped. Exit status: 0 all requirements met, 1 one not met or undecided, 2 wrong input,
     3 every run failed.
     """
     overrides = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
-    case = read_campaign(file, overrides, _values(sets))
+    case = read_campaign(file, overrides, settings(sets))
     target = out or Path("results") / case.campaign.name
     if index is not None:
         ctx.exit(_replay(case, index, target, quiet))
@@ -96,18 +99,10 @@ def command(
         if finished.failed:
             say(f"\nthe first run that failed: {finished.reason}", fg="yellow")
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
+    if open_ and finished.page is not None:
+        open_page(finished.page)
     status = _status(case, finished, quiet)
     ctx.exit(UNWRITTEN if lost() else status)
-
-
-def _values(sets: tuple[str, ...]) -> dict[str, Any]:
-    values = {}
-    for text in sets:
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"--set {text}: expected block.parameter=value")
-        values[name.strip()] = parse(value, f"--set {text}").data
-    return values
 
 
 def _note(text: str) -> None:

@@ -13,12 +13,20 @@ from ..acceptance.vector import play
 from ..fmu.archive import shown
 from ..runner.read import load, read
 from ..swap.findings import Finding
-from .console import say, say_json
+from .console import folded, say, say_json
+from .help import examples
 from .paths import PATH
 from .status import DOES_NOT_FIT
 
 
-@click.command("check")
+@click.command(
+    "check",
+    epilog=examples(
+        "orchestrate check vendor.fmu --as allocator",
+        "orchestrate check vendor.fmu --as allocator --map mapping.yaml --scenario loop.yaml",
+        "orchestrate check allocator.fmu --as allocator --vector vector --json",
+    ),
+)
 @click.argument("fmu", type=PATH)
 @click.option("--as", "as_", required=True, metavar="BLOCK", help="The block that it replaces, or a reference .fmu.")
 @click.option("--map", "map_", type=PATH, metavar="FILE", help="Mapping of its ports to ours.")
@@ -59,8 +67,9 @@ def command(
     lenient: bool,
     json_: bool,
 ) -> None:
-    """Check whether an FMU can replace a block, and list what to change.
+    """Check whether an FMU can replace a block.
 
+    Lists what fits and what to change.
     The FMU is run only with --vector, and where it carries reference data. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
     judged = load(read(scenario)) if scenario is not None else None
@@ -94,10 +103,9 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
     for finding in findings:
         level = "ERROR" if finding.level == "error" else finding.level
         head = click.style(f"{level:<8}", **styles[finding.level])
-        first, *more = finding.text.splitlines()
-        say(f"{finding.topic:<{width}}  {first}", head=head)
-        for line in [*more, *([f"-> {finding.remedy}"] if finding.remedy else [])]:
-            say(f"{'':8}{'':{width}}  {line}")
+        margin = " " * (8 + width + 2)
+        body = folded(finding.text + (f"\n-> {finding.remedy}" if finding.remedy else ""), margin)
+        say(f"{finding.topic:<{width}}  {body[len(margin) :]}", head=head)
     counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}
     counted = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
     say()

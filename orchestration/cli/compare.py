@@ -3,24 +3,39 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from ..acceptance.compare import DIFFERENCES, Comparison, compare, rows_of_differences, summary, verdict
+from ..acceptance.compare import Comparison, compare
 from ..acceptance.page import write
+from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
 from ..errors import BlockError, InputError
-from ..results.place import check_writable, put
+from ..results.place import put, refuse_foreign
 from ..runner.read import load, read
 from ..swap.option import swapped
-from .console import complain, notes, say, say_json, table
+from .console import complain, folded, notes, open_page, say, say_json, table
+from .help import examples
+from .options import DURATION, OPEN, SET, STEP, out_folder
 from .overrides import overridden
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
 from .summary import mark
 
+FILES = ("ours", "theirs", "comparison.html", "comparison.json")
+"""What it leaves in its folder."""
 
-@click.command("compare")
+
+@click.command(
+    "compare",
+    epilog=examples(
+        "orchestrate compare loop.yaml --swap allocator=vendor.fmu --map mapping.yaml",
+        "orchestrate compare loop.yaml --swap allocator=vendor.fmu --tolerance '0.1 %' --open",
+        "orchestrate compare loop.yaml --swap allocator=vendor.fmu --tolerance dipole_cmd='0.2 A.m2'",
+        "orchestrate compare loop.yaml --swap allocator=vendor.fmu --tolerance tolerances.yaml -o out",
+    ),
+)
 @click.argument("scenario", type=PATH)
 @click.option(
     "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
@@ -33,10 +48,11 @@ from .summary import mark
     metavar="[OUTPUT=]VALUE|FILE",
     help="Of an output ('0.2 A.m2', '1 %'), of all ('0.1 %'), or a YAML of them; default: 1e-6 of our largest value.",
 )
-@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value, for both.")
-@click.option("--out", type=PATH, metavar="DIR", help="Folder of the report; default: results/NAME-BLOCK.")
-@click.option("--step", metavar="T", help="Base step instead of the scenario's, for both.")
-@click.option("--duration", metavar="T", help="Duration instead of the scenario's, for both.")
+@SET
+@out_folder("Folder of the report; default: results/NAME-BLOCK.")
+@STEP
+@DURATION
+@OPEN
 @click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
 @click.pass_context
 def command(
@@ -49,11 +65,12 @@ def command(
     out: Path | None,
     step: str | None,
     duration: str | None,
+    open_: bool,
     json_: bool,
 ) -> None:
-    """Compare an FMU with the block that it replaces: on the same inputs, and in the loop.
+    """Compare an FMU with the block that it replaces.
 
-    Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all expectations met,
+    It is compared on the same inputs, and in the loop. Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all expectations met,
     1 not, 2 wrong input, 3 an FMU failed.
     """
     if len(swaps) != 1:
@@ -62,7 +79,7 @@ def command(
     block = swaps[0].partition("=")[0].strip()
     theirs = swapped(source, swaps, maps)
     target = out or Path("results") / f"{load(source).name}-{block}"
-    check_writable(target)
+    refuse_foreign(target, FILES)
     try:
         comparison = compare(source, theirs, block, wanted)
     except BlockError as error:
@@ -80,6 +97,8 @@ def command(
         say_json(data)
     else:
         _print(comparison, page)
+    if open_:
+        open_page(page)
     if comparison.failure is not None:
         complain(f"theirs: {comparison.failure}")
         ctx.exit(BLOCK_FAILED)
@@ -92,16 +111,24 @@ def _print(comparison: Comparison, page: Path) -> None:
     say(f"{scenario.name}: {comparison.block} against {Path(comparison.fmu).name}", bold=True)
     say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
     rows = rows_of_differences(comparison)
-    header, *lines = table(DIFFERENCES, [cells for _, cells in rows])
-    say(header, head=mark())
-    for (passed, cells), line in zip(rows, lines, strict=True):
-        say(line, head=mark("" if cells[5] == "" else "ok" if passed else "differs"))
+    _table(DIFFERENCES, rows)
     say("\nclosed loop: the expectations of the scenario")
     claims = [(a.name, a.text, "not evaluated" if b is None else b.text, a.expected) for a, b in comparison.claims]
-    header, *lines = table(("expectation", "ours", "theirs", "expected"), claims)
-    say(header, head=mark())
-    for (_, b), line in zip(comparison.claims, lines, strict=True):
-        say(line, head=mark("" if b is None else b.status))
+    statuses = ("not evaluated" if b is None else b.status for _, b in comparison.claims)
+    _table(("expectation", "ours", "theirs", "expected"), list(zip(statuses, claims, strict=True)))
     say()
-    say(verdict(comparison), bold=True, fg="green" if comparison.passed else "red")
+    say(folded(verdict(comparison)), bold=True, fg=colour(comparison))
+    for sentence in meaning(comparison):
+        say(folded(sentence, "  "))
     say(f"report in {page}")
+
+
+def _table(header: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]) -> None:
+    """Prints a table, before each row its status."""
+    if not rows:
+        return
+    width = 2 + max(len(status) for status, _ in rows)
+    first, *lines = table(header, [cells for _, cells in rows], width)
+    say(first, head=mark(width=width))
+    for (status, _), line in zip(rows, lines, strict=True):
+        say(line, head=mark(status, width))

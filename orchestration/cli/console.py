@@ -5,18 +5,24 @@ from __future__ import annotations
 import json
 import logging
 import os
+import shutil
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from itertools import zip_longest
+from pathlib import Path
+from textwrap import wrap
 from time import perf_counter
 from typing import Any, TextIO
 
 import click
 
-from ..errors import printable, printable_json
+from ..errors import printable, printable_json, reason
 
 _PATIENCE = 0.3
 """Seconds that a run may last without a progress bar."""
+_WORD = 8
+"""Letters of a word up to which the narrowest table leaves it in one piece."""
 _lost: list[OSError] = []
 """Why what was to be printed could not be."""
 
@@ -38,7 +44,7 @@ def say(text: str = "", error: bool = False, head: str = "", **style: Any) -> No
         silence(error)
         if not error and not isinstance(problem, BrokenPipeError):  # who closes a pipe has seen enough
             _lost.append(problem)
-            complain(f"what was to be printed cannot be written: {problem.strerror}")
+            complain(f"what was to be printed cannot be written: {reason(problem)}")
 
 
 def say_json(data: Any) -> None:
@@ -78,15 +84,20 @@ def complain(message: str) -> None:
 def notes(warnings: Iterable[str]) -> None:
     """Prints the warnings of a run."""
     for warning in warnings:
-        say(f"note: {warning}", error=True, fg="yellow")
+        say(folded(f"note: {warning}"), error=True, fg="yellow")
+
+
+def is_quiet() -> bool:
+    """Whether the command that runs was given --quiet."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.params.get("quiet"))
 
 
 class _Builds(logging.Handler):
     """Prints which FMU is being built, but for a command with --quiet."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        context = click.get_current_context(silent=True)
-        if context is None or not context.params.get("quiet"):
+        if not is_quiet():
             say(record.getMessage(), error=True)
 
 
@@ -133,7 +144,55 @@ class Progress:
             self._bar.stop()
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table, its columns in line."""
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in [header, *rows]]
+def width() -> int | None:
+    """The columns of the terminal, or those that COLUMNS states; None where lines may have any length."""
+    if not is_terminal(sys.stdout) and not os.environ.get("COLUMNS"):
+        return None
+    return shutil.get_terminal_size().columns
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: int = 0) -> list[str]:
+    """Lines of a table, its columns in line; where a terminal is narrower, long cells run over several lines.
+
+    `indent` is the width of what is printed before each line; what runs on is moved by it.
+    """
+    cells = [[printable(cell) for cell in row] for row in [header, *rows]]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    limit = width()
+    room = sum(widths) if limit is None else limit - indent - 2 * (len(widths) - 1)
+    words = [max(len(word) for cell in column for word in cell.split() or [""]) for column in zip(*cells, strict=True)]
+    longest = next((n for n in range(max(words), _WORD, -1) if sum(min(word, n) for word in words) <= room), _WORD)
+    floors = [min(word, longest) for word in words]
+    room = max(room, sum(floors))
+    while sum(widths) > room:
+        spare = [w - floor for w, floor in zip(widths, floors, strict=True)]
+        widest = max((w for w, left in zip(widths, spare, strict=True) if left > 0))
+        widths[next(i for i, w in enumerate(widths) if w == widest and spare[i] > 0)] -= 1
+    return [_row(row, widths, " " * indent) for row in cells]
+
+
+def _row(cells: Sequence[str], widths: Sequence[int], indent: str) -> str:
+    parts = [wrap(cell, w, break_on_hyphens=False) for cell, w in zip(cells, widths, strict=True)]
+    lines = zip_longest(*parts, fillvalue="") if any(parts) else [["" for _ in parts]]
+    filled = ("  ".join(part.ljust(w) for part, w in zip(line, widths, strict=True)).rstrip() for line in lines)
+    return f"\n{indent}".join(filled)
+
+
+def folded(text: str, indent: str = "") -> str:
+    """A text in lines that fit the terminal, each after the indent."""
+    limit = width()
+    lines = text.splitlines()
+    if limit is not None:
+        room = max(limit - len(indent), 20)
+        lines = [part for line in lines for part in wrap(line, room, break_on_hyphens=False) or [""]]
+    return "\n".join(indent + line for line in lines)
+
+
+def open_page(page: Path) -> None:
+    """Opens a page in the browser; where there is none, or no screen, says where the page is."""
+    import webbrowser  # here, since it takes time and most commands open nothing  # noqa: PLC0415
+
+    linux = sys.platform.startswith("linux")
+    blind = linux and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))
+    if blind or not webbrowser.open(page.absolute().as_uri()):
+        say(f"note: there is no browser here; the page is {page.absolute()}", error=True, fg="yellow")

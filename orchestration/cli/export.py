@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..export import container as container_writer
 from ..export import ssp as ssp_writer
 from ..export.system import check_plain, flat
@@ -15,11 +15,20 @@ from ..fmu.interfaces import is_path
 from ..runner.read import load, read
 from ..scenario.scenario import Scenario
 from .console import say
+from .help import examples
+from .options import FLAVOUR, STEP
 from .overrides import overridden
 from .paths import PATH
 
 
-@click.command("export")
+@click.command(
+    "export",
+    epilog=examples(
+        "orchestrate export loop.yaml --ssp loop.ssp",
+        "orchestrate export loop.yaml --ssp loop.ssp --for-orchestrate",
+        "orchestrate export loop.yaml --container loop.fmu --step 0.5",
+    ),
+)
 @click.argument("scenario", type=PATH)
 @click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, connections and values.")
 @click.option(
@@ -33,8 +42,8 @@ from .paths import PATH
     is_flag=True,
     help="Keep rates, faults and delays in the SSP archive's annotation, which only orchestrate reads.",
 )
-@click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
-@click.option("--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's.")
+@STEP
+@FLAVOUR
 def command(
     scenario: Path,
     ssp: Path | None,
@@ -70,7 +79,7 @@ def command(
         try:
             (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)
         except OSError as error:
-            raise InputError(f"{path}: {error.strerror}") from None
+            raise InputError(f"{path}: {reason(error)}") from None
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 
 

@@ -9,13 +9,17 @@ import click
 
 from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..fmu.archive import shown
 from .console import say
+from .help import examples
 from .paths import PATH
 
 
-@click.command("fmus")
+@click.command(
+    "fmus",
+    epilog=examples("orchestrate fmus", "orchestrate fmus --copy .", "orchestrate fmus --copy python --flavour python"),
+)
 @click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 @click.option(
     "--flavour",
@@ -25,7 +29,10 @@ from .paths import PATH
     help="Compiled C, which runs in any tool, or the Python reference, which needs a host that holds Python.",
 )
 def command(copy: Path | None, flavour: str) -> None:
-    """List the project's own FMUs, or copy them; builds them if necessary."""
+    """List the project's own FMUs, or copy them.
+
+    Those that are missing or older than their sources are built first.
+    """
     try:
         paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:
@@ -43,4 +50,4 @@ def copied(path: Path, folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         return Path(shutil.copyfile(path, folder.absolute() / path.name))
     except OSError as error:
-        raise InputError(f"{error.filename or folder}: {error.strerror}") from None
+        raise InputError(f"{error.filename or folder}: {reason(error)}") from None

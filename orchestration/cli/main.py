@@ -1,6 +1,6 @@
 """The command `orchestrate`.
 
-Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, nothing was run; 3 an FMU failed;
+Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, no step was run; 3 an FMU failed;
 4 the results could not be written; 70 an error of this program; 128 + n ended by signal n, so 130 by Ctrl-C;
 141 the reader of its output closed the pipe before anything was read.
 """
@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import cast
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import InputError, nearest, suggestion
 from .console import tell_builds
+from .help import examples
 from .status import Commands
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -29,11 +31,13 @@ COMMANDS = {
     "compare": "orchestration.cli.compare",
     "export": "orchestration.cli.export",
     "fmus": "orchestration.cli.fmus",
+    "info": "orchestration.cli.info",
     "new": "orchestration.cli.new",
     "reference": "orchestration.cli.reference",
     "run": "orchestration.cli.run",
     "scenarios": "orchestration.cli.scenarios",
     "schema": "orchestration.cli.schema",
+    "validate": "orchestration.cli.validate",
 }
 """The commands, and the modules whose `command` they are; each is imported when it is called, for a quick start."""
 
@@ -55,9 +59,13 @@ class _Lazy(Commands):
             gc.enable()
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if args and args[0] not in (*COMMANDS, "--help", "--version") and _may_be_scenario(args[0]):
+        if args and args[0] not in (*COMMANDS, "-h", "--help", "--version") and _may_be_scenario(args[0]):
             args = ["run", *args]
         return super().parse_args(ctx, args)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """The commands, and the files that may be scenarios."""
+        return [*super().shell_complete(ctx, incomplete), CompletionItem(incomplete, type="file")]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -73,14 +81,25 @@ def _may_be_scenario(text: str) -> bool:
     return text[:1] in ("-", "") or Path(text).suffix != "" or Path(text).name != text or os.path.exists(text)
 
 
-@click.group(cls=_Lazy, context_settings={"help_option_names": ["--help"], "max_content_width": 100})
+_EPILOG = f"""
+{examples("orchestrate scenarios --copy mine", "orchestrate mine/minimal.yaml --open", "orchestrate info plant", "orchestrate run -h")}
+
+\b
+Completion of commands, options and files by bash (also zsh and fish):
+eval "$(_ORCHESTRATE_COMPLETE=bash_source orchestrate)"
+"""
+
+
+@click.group(
+    cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=_EPILOG
+)
 @click.version_option(package_name="attitude-cosim")
 @click.pass_context
 def main(ctx: click.Context) -> None:
     """Runs co-simulation FMUs of FMI 2.0 and 3.0 from a scenario file: orchestrate SCENARIO.yaml
 
-    Exit status: 0 success, 1 an expectation failed, 2 wrong input, nothing was run, 3 an FMU failed,
-    4 results not written, 128 + n ended by signal n.
+    Exit status: 0 success, 1 an expectation failed, 2 wrong input, no step was run, 3 an FMU failed in its initialization
+    or in the run, 4 results not written, 128 + n ended by signal n.
     """
     tell_builds(ctx)
 

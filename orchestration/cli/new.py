@@ -10,13 +10,21 @@ from fmus import kit
 from fmus.interface import BLOCKS, load
 
 from ..acceptance.vector import record, scenario_of
-from ..errors import InputError, hint
+from ..errors import InputError, hint, reason
 from ..fmu.archive import shown
 from .console import say
+from .help import examples
 from .paths import PATH
 
 
-@click.command("new")
+@click.command(
+    "new",
+    epilog=examples(
+        "orchestrate new allocator",
+        "orchestrate new controller mine --lang python",
+        "orchestrate new plant --scenario loop.yaml",
+    ),
+)
 @click.argument("block")
 @click.argument("folder", required=False, type=PATH, metavar="[DIR]")
 @click.option(
@@ -29,9 +37,9 @@ from .paths import PATH
     help="The run of which the test vector is a part; default: one of the project's own.",
 )
 def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -> None:
-    """Write a project that builds an FMU with a block's exact interface, for another team to complete.
+    """Write a project from which another team makes its FMU.
 
-    It contains the build files (C needs only a compiler and make), a README and a test vector.
+    Its FMU has the block's exact interface. The project contains the build files (C needs only a compiler and make), a README and a test vector.
     """
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
@@ -50,7 +58,7 @@ def command(block: str, folder: Path | None, lang: str, scenario: Path | None) -
     except kit.InUse as error:
         raise InputError(str(error)) from None
     except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror}; expected a folder that can be written") from None
+        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     build = "make" if lang == "c" else "python build.py"
     say(f"\n  cd {target} && {build}")

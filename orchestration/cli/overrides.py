@@ -2,11 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 from ..errors import InputError
+from ..runner.read import load, read
+from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..scenario.text import parse
+from ..swap.option import swapped
+from .console import is_quiet, notes
+
+
+def settings(sets: Iterable[str]) -> dict[str, Any]:
+    """The value of each --set by the name that it is for; of several for one name the last, and the user is told. Raises InputError."""
+    values: dict[str, Any] = {}
+    given: dict[str, str] = {}
+    for text in sets:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name or not value:
+            raise InputError(f"--set {text}: expected block.parameter=value")
+        name = name.removeprefix("shared.")
+        if (earlier := given.get(name)) is not None and not is_quiet():
+            notes([f"--set {earlier} has no effect: --set {text}, which follows, counts"])
+        given[name], values[name] = text, parse(value, f"--set {text}").data
+    return values
 
 
 def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -> Source:
@@ -14,12 +35,19 @@ def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -
 
     Raises InputError.
     """
-    for text in sets:
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"--set {text}: expected block.parameter=value")
-        source = source.with_start(name.strip(), parse(value, f"--set {text}").data, option="--set ")
-    for key, given in values.items():
-        if given is not None:
-            source = source.with_value(key, given, f"--{key}")
+    for name, value in settings(sets).items():
+        source = source.with_start(name, value, option="--set ")
+    for key, wanted in values.items():
+        if wanted is not None:
+            source = source.with_value(key, wanted, f"--{key}")
     return source
+
+
+def loaded(
+    path: Path, sets: Iterable[str] = (), swaps: Sequence[str] = (), maps: Sequence[str] = (), **values: str | None
+) -> Scenario:
+    """The scenario of a file as the options change it. Raises InputError."""
+    source = read(path)
+    if swaps or maps:
+        source = swapped(source, swaps, maps)
+    return load(overridden(source, sets, **values))

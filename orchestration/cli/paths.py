@@ -18,7 +18,7 @@ class _PathType(click.Path):
         try:
             return located(str(value))
         except InputError as error:
-            option = f"{param.opts[0]}: " if isinstance(param, click.Option) else ""
+            option = f"{max(param.opts, key=len)}: " if isinstance(param, click.Option) else ""
             raise InputError(f"{option}{error}") from None
 
 

@@ -16,19 +16,23 @@ from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path, own
 from .console import say
+from .help import examples
 from .paths import PATH
 
 
-@click.command("reference")
+@click.command(
+    "reference",
+    epilog=examples("orchestrate reference allocator", "orchestrate reference vendor.fmu --vector vector -o resources"),
+)
 @click.argument("fmu")
 @click.option("--vector", type=PATH, metavar="DIR", help="Test vector of a kit, from which the inputs are taken.")
 @click.option(
-    "--out", type=PATH, default=Path("reference_data"), show_default=True, metavar="DIR", help="Where to write."
+    "-o", "--out", type=PATH, default=Path("reference_data"), show_default=True, metavar="DIR", help="Where to write."
 )
 def command(fmu: str, vector: Path | None, out: Path) -> None:
-    """Write reference inputs, outputs and tolerances of an FMU (FMI-LS-REF), for it to carry.
+    """Write the reference data that an FMU is to carry.
 
-    FMU is a file with the test vector of its kit, or a block of this project, whose inputs are taken from one of its runs.
+    These are inputs, outputs and tolerances (FMI-LS-REF). FMU is a file with the test vector of its kit, or a block of this project, whose inputs are taken from one of its runs.
     """
     if is_path(fmu):
         if vector is None:

@@ -2,58 +2,51 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import click
 
+from ..fmu.model import Model
 from ..results import formats
 from ..results.figures import require
-from ..results.place import reserved
+from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..runner import run as runner
-from ..runner.read import load, read
-from ..swap.option import swapped
 from ..swap.own_claims import own_claims
-from .console import Progress, complain, lost, notes, say
-from .overrides import overridden
+from ..system.wiring import Node
+from .console import Progress, complain, lost, notes, open_page, say
+from .help import examples
+from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder
+from .overrides import loaded
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
 from .summary import summary
 
 
-@click.command("run")
+@click.command(
+    "run",
+    epilog=examples(
+        "orchestrate scenarios/minimal.yaml",
+        "orchestrate scenarios/paper_singularity.yaml --figures --open",
+        "orchestrate loop.yaml --set plant.inclination='51.6 deg' -o results/other",
+        "orchestrate loop.yaml --swap allocator=vendor.fmu --map mapping.yaml",
+        "orchestrate loop.ssp --duration '2 orbits' --format parquet -q",
+    ),
+)
 @click.argument("scenario", type=PATH)
-@click.option(
-    "--set",
-    "sets",
-    multiple=True,
-    metavar="BLOCK.PARAMETER=VALUE",
-    help="A start value, such as plant.angle='51.6 deg' or plant.x=[1,2,3]; may be repeated.",
+@SET
+@SWAP
+@MAP
+@out_folder(
+    "Folder for the results; default: results/NAME, NAME being the scenario's, or the file's of an SSP archive."
 )
-@click.option(
-    "--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place; may be repeated."
-)
-@click.option(
-    "--map",
-    "maps",
-    multiple=True,
-    metavar="[BLOCK=]FILE",
-    help="Mapping of the swapped FMU's ports to ours; with several swaps BLOCK=FILE.",
-)
-@click.option(
-    "--out",
-    type=PATH,
-    metavar="DIR",
-    help="Folder for the results; default: results/NAME, NAME being the scenario's.",
-)
-@click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
-@click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
-@click.option("--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's.")
-@click.option(
-    "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
-)
-@click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
+@STEP
+@DURATION
+@FLAVOUR
+@FORMAT
+@FIGURES
+@OPEN
 @click.option(
     "--loop",
     type=click.Choice(["compiled", "python"]),
@@ -61,7 +54,7 @@ from .summary import summary
     help="The step loop: compiled C where possible (the default), or Python; the results are the same.",
 )
 @click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def command(
     ctx: click.Context,
@@ -75,25 +68,31 @@ def command(
     flavour: str | None,
     format_: str,
     figures: bool,
+    open_: bool,
     loop: str,
     log: bool,
     quiet: bool,
 ) -> None:
-    """Run a scenario (the default command)."""
+    """Run a scenario (the default command).
+
+    SCENARIO is a YAML file or an SSP archive. Writes signals, a manifest and a report, and prints a summary.
+    """
     formats.check(format_)
-    source = read(scenario)
-    if swaps or maps:
-        source = swapped(source, swaps, maps)
-    loaded = load(overridden(source, sets, step=step, duration=duration, flavour=flavour))
+    chosen = loaded(scenario, sets, swaps, maps, step=step, duration=duration, flavour=flavour)
     if figures:
-        require(loaded)
-    target = out or Path("results") / loaded.name
-    progress = Progress(loaded.duration, not quiet)
+        require(chosen)
+    target = out or Path("results") / (scenario.stem if scenario.suffix == ".ssp" else chosen.name)
+    refuse_foreign(target)
+
+    def accept(columns: Iterable[Node], models: Mapping[str, Model]) -> None:
+        formats.check_names(columns, models, format_)
+        if out is None:
+            refuse_other(target, str(scenario))
+
+    progress = Progress(chosen.duration, not quiet)
     with reserved(target):
         try:
-            result = runner.execute(
-                loaded, progress, log, loop == "compiled", partial(formats.check_names, format=format_)
-            )
+            result = runner.execute(chosen, progress, log, loop == "compiled", accept)
         finally:
             progress.close()
         for block in (text.partition("=")[0].strip() for text in swaps):
@@ -112,6 +111,8 @@ def command(
             result.draw(target / "figures")
     if not quiet:
         say(f"\nresults in {target}")
+    if open_:
+        open_page(target / "report.html")
     ctx.exit(UNWRITTEN if lost() else status)
 
 

@@ -12,10 +12,11 @@ from ..errors import InputError
 from ..fmu.archive import shown
 from .console import say
 from .fmus import copied
+from .help import examples
 from .paths import PATH
 
 
-@click.command("scenarios")
+@click.command("scenarios", epilog=examples("orchestrate scenarios", "orchestrate scenarios --copy mine"))
 @click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
 def command(copy: Path | None) -> None:
     """List the project's own scenarios, or copy them."""

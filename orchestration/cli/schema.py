@@ -7,10 +7,11 @@ import click
 from ..campaign.file import schema as campaign_text
 from ..scenario.schema import text
 from .console import lost, say
+from .help import examples
 from .status import UNWRITTEN
 
 
-@click.command("schema")
+@click.command("schema", epilog=examples("orchestrate schema > scenario.schema.json"))
 @click.option("--campaign", is_flag=True, help="That of campaign files.")
 @click.pass_context
 def command(ctx: click.Context, campaign: bool) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from ..errors import BlockError, InputError, ResultsError
+from ..errors import BlockError, InputError, ResultsError, reason
 from ..interrupt import stoppable
 from .console import complain, open_streams, silence
 
@@ -36,7 +36,7 @@ class Commands(click.Group):
             if error.errno != errno.ENOSPC:
                 raise
             silence()
-            complain(f"{error.filename or 'standard output'} cannot be written: {error.strerror}")
+            complain(f"{error.filename or 'standard output'} cannot be written: {reason(error)}")
             raise SystemExit(UNWRITTEN) from None
 
     def invoke(self, ctx: click.Context) -> Any:

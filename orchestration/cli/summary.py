@@ -14,7 +14,7 @@ def mark(word: str = "", width: int = 13) -> str:
     """A verdict before a line of a table, in its colour and as wide as the widest of the table."""
     if word in ("met", "ok"):
         return click.style(f"{word:<{width}}", fg="green")
-    if word == "not evaluated":
+    if word in ("not evaluated", "allowed"):
         return click.style(f"{word:<{width}}", fg="yellow")
     return click.style(f"{word:<{width}}", fg="red", bold=True) if word else " " * width
 
@@ -35,11 +35,11 @@ def summary(result: Result) -> None:
         for line in table(("key figure", "at the end", "largest"), rows):
             say(line)
     if outcomes := [*result.outcomes, *result.not_evaluated]:
-        width = 15 if result.not_evaluated else 13
+        width = 2 + max(len(outcome.status) for outcome in outcomes)
         lines_ = [
             (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit)) for o in outcomes
         ]
-        header, *lines = table(("expectation", "found", "expected", "margin"), lines_)
+        header, *lines = table(("expectation", "found", "expected", "margin"), lines_, width)
         say(header, head=f"\n{mark(width=width)}")
         for outcome, line in zip(outcomes, lines, strict=True):
             say(line, head=mark(outcome.status, width))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -29,10 +29,12 @@ __all__ = [
     "Unsupported",
     "check_version",
     "described",
+    "examined",
     "expected_library",
     "libraries",
     "open_fmu",
     "platform_of",
+    "platforms",
     "read_head",
     "shown",
 ]
@@ -115,12 +117,16 @@ def expected_library(description: Any) -> str:
     return f"binaries/{platform_of(description)}/{identifier}{fmpy.sharedLibraryExtension}"
 
 
-def libraries(names: Iterable[str], platform: str) -> str:
+def libraries(names: Collection[str], platform: str) -> str:
     """The libraries among the names of an FMU's entries, for a message: those for this platform, else the platforms."""
     files = sorted(name for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name))
     here = [name for name in files if name.split("/")[1] == platform]
-    platforms = sorted({name.split("/")[1] for name in files})
-    return ", ".join(here) or f"binaries for {', '.join(platforms) or 'none'}"
+    return ", ".join(here) or f"binaries for {', '.join(platforms(names)) or 'none'}"
+
+
+def platforms(names: Iterable[str]) -> list[str]:
+    """The platforms for which an FMU has binaries, of the names of its entries."""
+    return sorted({name.split("/")[1] for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name)})
 
 
 def open_fmu(path: Path, lenient: bool = False) -> Fmu:
@@ -154,18 +160,24 @@ def _digest(path: Path) -> str:
 
 
 def _open(path: Path, lenient: bool) -> Fmu:
+    fmu = examined(path, lenient)
+    names = zipped.names(path, "FMU")
+    if fmu.library not in names:
+        found = libraries(names, platform_of(fmu.description))
+        raise InputError(f"{shown(path)} has no binary for this platform: expected {fmu.library}, found {found}")
+    return fmu
+
+
+def examined(path: Path, lenient: bool = False) -> Fmu:
+    """An FMU as `open_fmu` reads it, whether it has a binary for this platform or not. Raises InputError."""
     if not path.exists():
         near = hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
-    names = zipped.names(path, "FMU")
+    zipped.names(path, "FMU")
     head = read_head(path)
     # The version decides first: the schema's complaints about another version would only confuse.
     check_version(path, head)
     description, model, problems = described(path, head, lenient)
-    library = expected_library(description)
-    if library not in names:
-        found = libraries(names, platform_of(description))
-        raise InputError(f"{shown(path)} has no binary for this platform: expected {library}, found {found}")
     return Fmu(path, _digest(path), description, model, tuple(problems))
 
 

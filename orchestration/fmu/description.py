@@ -180,10 +180,17 @@ def _variable(
         display_unit=displays.get(named[0]) if len(set(named)) == 1 else None,
         minima=tuple(float(attribute("min", v) or "-inf") for v in scalars) * repeat if ordered else (),
         maxima=tuple(float(attribute("max", v) or "inf") for v in scalars) * repeat if ordered else (),
+        nominal=min(_nominal(attribute("nominal", v)) for v in scalars) if native.type == "real" else 1.0,
         items=tuple((item.name, int(item.value)) for item in declared.items) if declared is not None else (),
         description=scalar.description or "",
         first_index=first,
     )
+
+
+def _nominal(declared: Any) -> float:
+    """What a description declares as nominal; 1 where it declares none that is a size."""
+    size = abs(float(declared or 1.0))
+    return size if 0.0 < size < math.inf else 1.0
 
 
 def _dependencies(unknowns: list[Any], elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:

@@ -120,6 +120,7 @@ def _variable(variable: Any) -> Variable:
         items=tuple((item, number) for number, item in enumerate(variable.items, start=1)),
         description=variable.description,
         optional=variable.optional,
+        frame=variable.frame,
         quantity=variable.quantity,
     )
 

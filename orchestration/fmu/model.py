@@ -52,6 +52,8 @@ class Variable:
     minima: tuple[float, ...] = ()
     maxima: tuple[float, ...] = ()
     """Limits of each element, infinite where there are none; empty for none at all."""
+    nominal: float = 1.0
+    """The usual size of its elements, the smallest of theirs; 1 in its unit where the FMU declares none, as FMI has it."""
     items: tuple[tuple[str, int], ...] = ()
     """Names and values of an enumeration."""
     description: str = ""
@@ -59,6 +61,8 @@ class Variable:
     """What FMI calls the first element: 1 or 0 in each dimension; 1 by default."""
     optional: bool = False
     """An input that may stay unconnected at its own start value, as its FMU says."""
+    frame: str | None = None
+    """The frame of its components, where an interface of the project names one; FMI has no place for it."""
     quantity: str | None = None
     """Of a parameter: the quantity that it states. All blocks of a loop should be given the same value of it."""
 

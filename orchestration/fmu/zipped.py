@@ -6,6 +6,7 @@ size that its directory declares, so the declared sizes bound what is unpacked.
 
 from __future__ import annotations
 
+import errno
 import lzma
 import stat
 import struct
@@ -16,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, NoRoom, reason
 
 ARCHIVE_MAX, UNPACKED_MAX = 10**9, 2 * 10**9
 """Bytes of the file, and of what it unpacks to."""
@@ -49,7 +50,7 @@ def reading(path: Path, what: str) -> Iterator[zipfile.ZipFile]:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from None
+        raise InputError(f"{shown(path)} cannot be read: {reason(error)}") from None
     except _DAMAGED as error:
         raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
 
@@ -65,8 +66,11 @@ def unpack(path: Path, folder: Path, what: str, names: Iterable[str] | None = No
     with reading(path, what) as archive:
         try:
             archive.extractall(folder, names)
-        except OSError as error:  # also what bz2 raises for damaged data, which has no strerror
-            raise InputError(f"{shown(path)} cannot be unpacked: {error.strerror or error}") from None
+        except OSError as error:
+            if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES):
+                raise NoRoom(f"{shown(path)} cannot be unpacked", folder, error) from None
+            # Also what bz2 raises for damaged data, which has no number.
+            raise InputError(f"{shown(path)} cannot be unpacked: {reason(error)}") from None
 
 
 def _check_file(path: Path, what: str) -> None:

@@ -19,7 +19,7 @@ from time import monotonic
 from typing import Any
 
 from .. import interrupt
-from ..errors import BlockError, InputError
+from ..errors import BlockError, NoRoom
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Floats, Model
 from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send
@@ -51,8 +51,7 @@ class IsolatedBlock:
         try:
             self._memory = Memory(shared, fmu.model)
         except OSError as error:
-            message = f"the memory shared with its process cannot be made in {folder.parent}: {error.strerror}"
-            raise InputError(f"{message}; remedy: room there, or another folder in TMPDIR") from None
+            raise NoRoom(f"{name}: the memory shared with its process cannot be made", folder.parent, error) from None
         self._memory.call = "starting its process"
         self._process = Process(home)
         self._to, self._from = self._process.to, self._process.source

@@ -22,6 +22,7 @@ from ..fmu.types import Native
 from . import calls, library
 from .calls import ANSWERS, BEYOND, WARNING, Call, Exchange, Stepper, Stride
 from .layout import Arrays, Layout, exchanges
+from .loading import in_words
 from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
@@ -67,8 +68,7 @@ class Slave:
         try:
             return library.load(self.version, self.name, *identity, folder, self._shared)
         except Exception as error:
-            reason = str(error).replace(f"{folder}{os.sep}", "")
-            raise self._error("loading its library", reason) from None
+            raise self._error("loading its library", in_words(str(error).replace(f"{folder}{os.sep}", ""))) from None
 
     @property
     def log(self) -> Sequence[str]:

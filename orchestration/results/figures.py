@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, ResultsError
+from ..errors import InputError, ResultsError, reason
 from ..fmu.model import Floats
 from ..quantities import ONE, Unit, value_in
 from ..scenario.faults import sentence
@@ -82,7 +82,7 @@ def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         return [_draw(entry, result, folder / f"{entry.name}.{format}") for entry in result.scenario.figures]
     except OSError as error:
-        raise ResultsError(f"figures cannot be written: {error.filename or folder}: {error.strerror}") from None
+        raise ResultsError(f"figures cannot be written: {error.filename or folder}: {reason(error)}") from None
 
 
 def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from pathlib import Path
 
-from ..errors import InputError, ResultsError
+from ..errors import InputError, ResultsError, reason
 from . import formats, place, report
 from .data import RunData, json_text
 
@@ -40,7 +40,7 @@ def write(result: RunData, folder: Path, format: str = "csv") -> Path:
     except (OSError, ValueError) as error:  # a value that the format does not take, whatever library says so
         if isinstance(error, InputError):
             raise
-        where = f"{getattr(error, 'filename', None) or folder}: {getattr(error, 'strerror', None) or error}"
+        where = f"{getattr(error, 'filename', None) or folder}: {reason(error)}"
         problem = ResultsError(f"the results cannot be written: {where}")
         problem.result = result
         raise problem from None

@@ -11,7 +11,7 @@ import base64
 import hashlib
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,23 +58,30 @@ def items(values: Iterable[object]) -> Markup:
     return each(Markup("<li>{}</li>\n"), values)
 
 
-def rows(cells: Iterable[Iterable[object]]) -> Markup:
-    """Rows of a table."""
-    return each(Markup("<tr>{}</tr>\n"), (each(Markup("<td>{}</td>"), row) for row in cells))
+def rows(cells: Iterable[Iterable[object]], labels: Sequence[str] = ()) -> Markup:
+    """Rows of a table. With labels, the names of its columns, a row becomes a card on a narrow screen."""
+    cell = Markup('<td data-label="{}">{}</td>')
+    named = (joined(cell.format(label, value) for label, value in zip(labels, row, strict=True)) for row in cells)
+    return each(Markup("<tr>{}</tr>\n"), named if labels else (each(Markup("<td>{}</td>"), row) for row in cells))
 
 
 def verdict(word: str) -> Markup:
     """A verdict of one word or two, in its colour; a dash where there is none."""
-    kind = (
-        "good"
-        if word in ("met", "ok")
-        else "plain"
-        if word in ("", "not evaluated")
-        else "warn"
-        if word == "undecided"
-        else "bad"
-    )
+    kinds = {
+        "": "plain",
+        "not evaluated": "plain",
+        "allowed": "plain",
+        "met": "good",
+        "ok": "good",
+        "undecided": "warn",
+    }
+    kind = kinds.get(word, "bad")
     return Markup('<span class="{}">{}</span>').format(kind, word or "\N{EN DASH}")
+
+
+def key(kind: str, text: str) -> Markup:
+    """An entry of a plot's legend: a sample of what is drawn (shade, fault, limit, mark), and what it is."""
+    return Markup('<span class="key {}"></span>{}').format(kind, text)
 
 
 class Page:
@@ -97,14 +104,14 @@ class Page:
         """Plots side by side, with a title above and a caption below. `kind` is the class of their frame."""
         plots, notes = list(plots), list(notes)
         if lines := list(dict.fromkeys(plot.get("lines_are", "limits") for plot in plots if plot["lines"])):
-            notes.append(f"dashed: {', '.join(lines)}")
+            notes.append(key("limit", f"dashed: {', '.join(lines)}"))
         if self._data["faults"]:
-            notes.append("red: injected faults")
+            notes.append(key("fault", "red: injected faults"))
         if any(plot["thinned"] for plot in plots):
             notes.append("samples thinned out; lowest and highest values are kept")
         places = [self._place(plot, title) for plot in plots]
         return pieces("pieces.html")["figure"].format(
-            title=title, about=about, plots=joined(places), kind=kind, caption="; ".join(notes)
+            title=title, about=about, plots=joined(places), kind=kind, caption=Markup("; ").join(notes)
         )
 
     def _place(self, plot: dict[str, Any], title: str) -> Markup:

@@ -12,13 +12,14 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import get_ident
+from typing import Any
 from uuid import uuid4
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..interrupt import held
 
 try:
@@ -37,7 +38,7 @@ def check_writable(folder: Path) -> None:
     try:
         existing = next((p for p in (folder, *folder.absolute().parents) if p.exists()), folder)
     except (OSError, ValueError) as error:
-        raise InputError(f"the results cannot be written to {str(folder)!r}: {_reason(error)}") from None
+        raise InputError(f"the results cannot be written to {str(folder)!r}: {reason(error)}") from None
     if not existing.is_dir():
         raise InputError(f"the results cannot be written to {folder}: {existing} is a file")
     if not os.access(existing, os.W_OK | os.X_OK):
@@ -47,6 +48,50 @@ def check_writable(folder: Path) -> None:
             raise InputError(
                 f"the results cannot be written to {folder}: {folder / name} is a folder; expected a file, or none"
             )
+
+
+def refuse_foreign(folder: Path, own: Iterable[str] = ()) -> None:
+    """Refuses a folder that could not be written, or has files in it that are no results. Raises InputError, which names them.
+
+    A folder with the manifest of a run is one of results, and a hidden file is no one's; `own` are further names of ours.
+    """
+    check_writable(folder)
+    try:
+        there = {path.name for path in folder.iterdir()}
+    except OSError:  # it is not there
+        return
+    foreign = sorted(name for name in there - set(own) if not name.startswith("."))
+    if not foreign or _READY in there or "scenario" in _manifest(folder):
+        return
+    more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
+    raise InputError(
+        f"{folder} holds files that are no results: {', '.join(foreign[:3])}{more}; expected a new or empty folder, "
+        f"or one with the results of a run, which new ones replace; remedy: --out {folder / 'results'}"
+    )
+
+
+def refuse_other(folder: Path, scenario: str) -> None:
+    """Refuses a folder with the results of another scenario file, one that is still there. Raises InputError."""
+    earlier = _manifest(folder).get("scenario_file")
+    if not isinstance(earlier, str):
+        return
+    try:
+        same = os.path.samefile(earlier, scenario)
+    except (OSError, ValueError):
+        return
+    if not same:
+        raise InputError(
+            f"{folder} holds the results of another scenario, {earlier}; remedy: --out DIR, or another name in {scenario}"
+        )
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    """The manifest in a folder; nothing where there is none of ours."""
+    try:
+        data = json.loads((folder / MANIFEST).read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}
 
 
 @contextmanager
@@ -65,7 +110,7 @@ def reserved(folder: Path) -> Iterator[None]:
         message = f"the results cannot be written to {folder}: another run writes there; remedy: wait for it, or another folder (--out)"
         raise InputError(message) from None
     except (OSError, ValueError) as error:
-        raise InputError(f"the results cannot be written to {folder}: {_reason(error)}") from None
+        raise InputError(f"the results cannot be written to {folder}: {reason(error)}") from None
     if release is None:
         yield
         return
@@ -187,7 +232,3 @@ def put(path: Path, text: str) -> None:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
@@ -12,10 +13,11 @@ from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry
 from . import plots
 from .data import RunData, json_text
-from .html import Page, items, joined, part, pieces, rows, verdict
+from .html import Page, items, joined, key, part, pieces, rows, verdict
 
 _CROSSINGS = 6
 """Crossings that a caption lists one by one."""
+_CLAIMS = ("status", "expectation", "found", "expected", "margin", "signal")
 _part = partial(part, "report.html")
 _pieces = partial(pieces, "report.html")
 
@@ -30,7 +32,7 @@ def page(result: RunData) -> str:
     made = Page(result)
     parts = [
         _header(result),
-        _part("expectations", rows(_expectations(result))),
+        _part("expectations", rows(_expectations(result), _CLAIMS)),
         _part("columns", _events(result)),
         _part("notes", items(result.warnings)),
         *(
@@ -39,7 +41,7 @@ def page(result: RunData) -> str:
             else []
         ),
         _part("fmus", rows(_fmus(result))),
-        _part("manifest", json_text(result.manifest) if result.manifest else ""),
+        _part("manifest", json_text(public(result.manifest)) if result.manifest else ""),
     ]
     return made.html(f"{result.scenario.name}: {_outcome(result)[1]}", parts)
 
@@ -84,7 +86,7 @@ def _header(result: RunData) -> Markup:
         steps=f"{result.steps} of {scenario.step:.6g} s, {scenario.exchange}",
         wall=f"{result.wall:.2f} s{speed}",
         recorded=f"{len(result.columns)} signals, {len(result.time)} samples",
-        scenario=manifest.get("scenario_file") or "",
+        scenario=public(manifest.get("scenario_file") or ""),
         options=", ".join(map(str, manifest.get("options", ()))),
         finished=str(manifest.get("finished", "")).replace("T", " ").replace("+00:00", " UTC"),
     )
@@ -130,11 +132,11 @@ def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None
     panels = [plots.of_panel(result, entry, panel, made.arrays, over) for panel in entry.panels]
     notes = []
     if entry.shade and any(panel["shade"] for panel in panels):
-        notes.append(f"shaded: {entry.shade}")
+        notes.append(key("shade", f"shaded: {entry.shade}"))
     if times := plots.crossings(result, entry):
         listed = ", ".join(f"{time:.2f} s" for time in times[:_CROSSINGS])
         more = f" and {len(times) - _CROSSINGS} more" if len(times) > _CROSSINGS else ""
-        notes.append(f"dotted: {entry.mark} = 0 at {listed}{more}")
+        notes.append(key("mark", f"dotted: {entry.mark} = 0 at {listed}{more}"))
     return made.figure(entry.title or entry.name, panels, notes=notes, kind=f"n{min(len(panels), 3)}")
 
 
@@ -174,7 +176,8 @@ def _block(name: str, groups: list[plots.Group], made: Page, paper: str) -> Mark
 
 def _group(group: plots.Group, made: Page, kind: str = "") -> Markup:
     assert group.plot is not None
-    return made.figure(group.name, [group.plot], group.description, [group.note] if group.note else [], kind)
+    notes = [key("shade", "shaded: held")] if group.plot["shade"] else []
+    return made.figure(group.name, [group.plot], group.description, [*notes, *filter(None, [group.note])], kind)
 
 
 def _fmus(result: RunData) -> list[list[object]]:
@@ -183,10 +186,22 @@ def _fmus(result: RunData) -> list[list[object]]:
         [
             name,
             fmu.get("model") or "",
-            path.format(fmu.get("file") or ""),
+            path.format(public(fmu.get("file") or "")),
             fmu.get("generation_tool") or "",
             fmu.get("isolation") or "",
             code.format(str(fmu.get("sha256", ""))[:12]),
         ]
         for name, fmu in result.manifest.get("fmus", {}).items()
     ]
+
+
+def public(data: Any) -> Any:
+    """Data without the folders of this machine, for a page that is passed on: a path from the current folder on, or its name."""
+    if isinstance(data, dict):
+        return {key: public(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [public(value) for value in data]
+    if not isinstance(data, str) or not Path(data).is_absolute():
+        return data
+    here, path = Path.cwd(), Path(data)
+    return str(path.relative_to(here)) if path.is_relative_to(here) else path.name

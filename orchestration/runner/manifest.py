@@ -83,6 +83,9 @@ def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
     data = plan.scenario.model_dump(exclude_none=True)
     data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": recorded}
+    data["expect"] += [
+        entry.model_dump(exclude_none=True) for entry, _ in plan.not_evaluated
+    ]  # a restart names them, too
     for key in ("shared", "extends"):  # each value stands where it is taken
         data.pop(key)
     for block, values in plan.starts.items():

@@ -16,7 +16,7 @@ from typing import Any
 from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, unchanging
 from fmus.interface import load as load_interface
 
-from ..errors import BlockError, InputError, hint
+from ..errors import BlockError, InputError, NoRoom, hint, reason
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
@@ -79,6 +79,8 @@ class Opened:
             for name in blocks:  # all processes have been started before the first is waited for
                 if isinstance(block := blocks[name], IsolatedBlock):
                     block.started()
+        except NoRoom:
+            raise
         except InputError as error:
             message = f"{error}{_remedy(str(error), scenario, name)}"
             raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
@@ -200,7 +202,7 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
     except OSError as error:
         where = error.filename or "the disk"
-        raise InputError(f"the block {fmu!r} cannot be built: {where}: {error.strerror}") from None
+        raise InputError(f"the block {fmu!r} cannot be built: {where}: {reason(error)}") from None
 
 
 def _remedy(message: str, scenario: Scenario, name: str) -> str:

@@ -16,7 +16,7 @@ from ..fmu.model import Floats, Model
 from ..instances.block import Block
 from ..master.master import Master
 from ..master.recording import Progress, Watch
-from ..results.place import reserved
+from ..results.place import refuse_foreign, reserved
 from ..results.result import Result, target
 from ..scenario.scenario import Scenario
 from ..system.wiring import Node
@@ -52,6 +52,8 @@ def run(
     """
     times = {key: value for key, value in (("duration", duration), ("step", step)) if value is not None}
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, {**(overrides or {}), **times})
+    if out is not None:
+        refuse_foreign(target(out, loaded))
     with reserved(target(out, loaded)) if out is not None else nullcontext():
         result = execute(loaded, progress, verbose, compiled)
         if out is not None:

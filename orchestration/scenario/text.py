@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from ..errors import InputError, hint
+from ..errors import InputError, hint, reason
 from .source import Key, Source
 
 _NODES_MAX, _DEPTH_MAX = 100_000, 50
@@ -32,7 +32,7 @@ def read(path: Path) -> Source:
     except UnicodeDecodeError:
         raise InputError(f"{path}: expected text in UTF-8") from None
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
+        raise InputError(f"{path}: {reason(error)}") from None
     except ValueError as error:
         raise InputError(f"{str(path)!r} is no path: {error}") from None
     source = parse(text, str(path))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 from ..errors import InputError, hint
@@ -63,9 +64,9 @@ class _Stated:
 
     def __init__(self, block: str, variable: Variable, values: list[Any]) -> None:
         self.label, self.variable, self.values = f"{block}.{variable.name}", variable, values
-        names = {number: item for item, number in variable.items}
+        self._names = names = {number: item for item, number in variable.items}
         factor, offset = (variable.unit.factor, variable.unit.offset) if variable.unit else (1.0, 0.0)
-        self.plain = [v * factor + offset if variable.type == "real" else names.get(v, v) for v in values]
+        self.plain = [v * factor + offset if variable.type == "real" else names.get(v, _instant(v)) for v in values]
 
     def agrees(self, other: _Stated) -> bool:
         """Whether the values are the same to nine figures of the largest; those of another shape are not compared."""
@@ -83,8 +84,19 @@ class _Stated:
     def at(self, position: int) -> str:
         """The value of an element in words."""
         value, unit = self.values[position], self.variable.unit
-        text = f"{value:.10g}" if isinstance(value, float) else str(self.plain[position])
+        text = f"{value:.10g}" if isinstance(value, float) else str(self._names.get(value, value))
         return f"{text} {unit}" if unit and str(unit) != "1" else text
+
+
+def _instant(value: Any) -> Any:
+    """An instant in UTC where a text is one, since `...T00:00:00Z` and `...T00:00:00.0+00:00` are the same."""
+    if not isinstance(value, str) or "-" not in value:
+        return value
+    try:
+        instant = datetime.fromisoformat(value)
+    except ValueError:
+        return value
+    return instant.replace(tzinfo=UTC) if instant.tzinfo is None else instant.astimezone(UTC)
 
 
 def _sentence(name: str, groups: list[list[_Stated]]) -> str:

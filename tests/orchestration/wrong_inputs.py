@@ -109,7 +109,7 @@ CASES = [
     Case("no such scenario", "lop.yaml: there is no such file; did you mean 'loop.yaml'?", options=("lop.yaml",)),
     Case(
         "a folder instead of a scenario",
-        "results: Is a directory",
+        "results: it is a folder; expected a file",
         options=("results",),
         spoil=lambda f: (f / "results").mkdir(),
     ),
@@ -666,7 +666,7 @@ CASES = [
     ),
     Case(
         "a binary that is none",
-        "motor.fmu: motor: loading its library in initialization: Failed to load shared library",
+        "motor.fmu: motor: loading its library in initialization: binaries/",
         spoil=lambda f: fmus.write(f / "motor.fmu", fmus.description("motor")),
     ),
     Case(

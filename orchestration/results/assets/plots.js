@@ -79,8 +79,15 @@
     const font = "12px system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif";
     const axis = { font, labelFont: font, stroke: css("--quiet"), labelSize: 18, ticks: { show: false }, grid: { stroke: css("--grid"), width: 1 },
       border: { show: true, stroke: css("--limit"), width: 1 } };
-    const splits = (period) => (u, i, low, high) =>
-      ticks(low / period, high / period, Math.floor((u.bbox.width / uPlot.pxRatio || 400) / (printing ? 55 : 75))).map((v) => v * period);
+    // As many ticks of time as have room for their labels.
+    const splits = (period) => (u, i, low, high) => {
+      const wide = u.bbox.width / uPlot.pxRatio || 400;
+      for (let count = Math.floor(wide / (printing ? 55 : 75)); ; count--) {
+        const at = ticks(low / period, high / period, count);
+        const room = at.length > 1 ? ((at[1] - at[0]) * period * wide) / (high - low) : wide;
+        if (count <= 1 || room >= 7 * Math.max(...labels(at).map((t) => t.length)) + 14) return at.map((v) => v * period);
+      }
+    };
     const named = (at) => at.map((v) => plot.items[v] ?? ""); // names in place of numbers
     const axes = [
       { ...axis, label: plot.xlabel || "time, s", size: 28, gap: 4, splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1),
@@ -90,7 +97,7 @@
         size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
     ];
     if (page.cycle && !plot.xlabel) {
-      axes.push({ ...axis, side: 0, scale: "x", label: page.cycle.name, size: 26, gap: 2, grid: { show: false },
+      axes.push({ ...axis, side: 0, scale: "x", label: page.cycle.name, size: 30, gap: 6, grid: { show: false },
         splits: splits(page.cycle.period), values: (u, at) => labels(at.map((t) => t / page.cycle.period)) });
     }
     const time = (u, v) => (v == null ? "\u2013" : `${figures(v, 7)} s` + (page.cycle ? `, ${figures(v / page.cycle.period, 4)} ${page.cycle.name}` : ""));

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def test_the_largest_difference_is_found_with_its_time_and_share(tmp_path, monke
     d = outputs()["voltage"]
     assert (d["largest"], d["share"], d["time"]) == (pytest.approx(0.2, rel=1e-12), pytest.approx(0.1, rel=1e-12), 0.0)
     assert (d["unit"], d["passed"]) == ("V", False)
-    assert "0.2 V" in next(line for line in result.stdout.splitlines() if line.startswith("differs      voltage"))
+    assert "0.2 V" in next(line for line in result.stdout.splitlines() if line.startswith("differs  voltage"))
     assert "not equivalent: 1 of 2 outputs within tolerance; 1 of 1 expectations met" in result.stdout
 
 
@@ -92,8 +93,10 @@ def test_a_claim_that_theirs_fails_fails_the_comparison(tmp_path, monkeypatch):
     of_gain(0.9)
     result = orchestrate(*ARGUMENTS, "--tolerance", "20 %")
     assert result.exit_code == 1
-    assert "equivalent: 2 of 2 outputs within tolerance; 0 of 1 expectations met" in result.stdout
-    assert "failed       the motor stops" in result.stdout
+    assert (
+        "equivalent within wide tolerances: 2 of 2 outputs within tolerance; 0 of 1 expectations met" in result.stdout
+    )
+    assert "failed  the motor stops" in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -119,7 +122,7 @@ def test_what_theirs_lacks_is_listed_and_not_judged(tmp_path, monkeypatch):
     Path("mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
     result = orchestrate(*ARGUMENTS)
     assert result.exit_code == 0, result.output
-    assert "samples  theirs lacks it" in result.stdout
+    assert re.search(r"samples +theirs lacks it", result.stdout)
     assert "1 of 1 expectations met, 1 not evaluated" in result.stdout
 
 
@@ -219,7 +222,7 @@ def test_tolerances_of_a_file_hold_for_largest_and_mean(tmp_path):
     model = reference("allocator", tmp_path).model
     (tmp_path / "t.yaml").write_text("default: 1 %\ndipole_cmd: {rms: 100 mA.m2}\nholding: 5 %\n")
     found = tolerances([str(tmp_path / "t.yaml")], model)
-    assert found["dipole_cmd"].largest is None
+    assert found["dipole_cmd"].largest.limit(2.0) == pytest.approx(0.02), "what a file says nothing of is the default"
     assert found["dipole_cmd"].rms.limit(99.0) == pytest.approx(0.1)
     assert found["b_wheel"].largest.limit(2.0) == pytest.approx(0.02)
     assert found["holding"].largest.limit(1.0) == pytest.approx(0.05)

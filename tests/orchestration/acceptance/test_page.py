@@ -55,7 +55,13 @@ def test_a_run_of_theirs_that_ended_early_leaves_a_gap():
 
 def test_it_says_what_became_of_each_output_and_expectation():
     words = Reader(pages.page(compared())).words
-    for text in ("differs x 0.5 rad", "ok y 0", "\N{EN DASH} on theirs lacks it", "failed norm", "met stays below 2"):
+    for text in (
+        "differs x 0 0.5 rad (0.5) 0.1 rad",
+        "ok y 0",
+        "\N{EN DASH} on theirs lacks it",
+        "failed norm",
+        "met stays below 2",
+    ):
         assert text in words, text
 
 

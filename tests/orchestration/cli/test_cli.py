@@ -29,7 +29,7 @@ def test_a_run_ends_with_a_table_and_says_where_the_results_are(loop):
     result = orchestrate(loop.name)
     assert result.exit_code == 0
     assert "loop: ran 2 s" in result.stdout
-    assert "met          the motor stops  19.1 rpm at 0 s  always < 30 rpm  10.9 rpm" in result.stdout
+    assert "met  the motor stops  19.1 rpm at 0 s  always < 30 rpm  10.9 rpm" in result.stdout
     assert f"results in {Path('results/loop')}" in result.stdout
     assert {p.name for p in Path("results/loop").iterdir()} >= {"signals.csv", "manifest.json", "expectations.json"}
     assert "\x1b" not in result.output, "no control codes where there is no terminal"

@@ -5,15 +5,18 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
+import re
 import tempfile
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from orchestration import BlockError, run
+from orchestration import BlockError, InputError, run
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.model import Element
+from orchestration.instances.loading import in_words
 from orchestration.instances.slave import Slave
 
 from .. import fmus
@@ -145,3 +148,36 @@ def test_vectors_limits_units_and_dependencies_are_read_from_the_fmu(tmp_path):
     regulator = open_fmu(tmp_path / "regulator.fmu").model
     assert regulator.feedthrough[Element("voltage", 0)] == {Element("speed", 0)}
     assert regulator.feedthrough[Element("samples", 1)] == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("loader", "words"),
+    [
+        (
+            "Failed to load shared library binaries/linux64/x.so. libfoo.so.3: cannot open shared object file: No such file or directory",
+            "it needs the library libfoo.so.3, which is not on this machine; remedy: install it, or pack it into the FMU beside its library",
+        ),
+        ("x.so: undefined symbol: start", "x.so needs the symbol start, which no library that is loaded has"),
+        ("x.so: undefined symbol: fmi2DoStep", "x.so lacks the function fmi2DoStep"),
+        ("x.so: wrong ELF class: ELFCLASS32", "x.so is for another processor"),
+        (
+            "/lib/libc.so.6: version `GLIBC_2.99' not found (required by x.so)",
+            "x.so needs GLIBC_2.99, which the libraries of this system are too old for",
+        ),
+        ("something else", "something else"),
+    ],
+)
+def test_what_the_loader_says_is_put_in_plain_words(loader, words):
+    assert in_words(loader) == words
+
+
+def test_a_full_disk_while_unpacking_is_named_and_not_blamed_on_the_scenario(loop, monkeypatch):
+    def full(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(zipfile.ZipFile, "extractall", full)
+    with pytest.raises(InputError) as info:
+        run(loop)
+    place = re.escape(f"{tempfile.gettempdir()}{os.sep}")
+    expected = rf"motor\.fmu cannot be unpacked in {place}.*: the disk is full; remedy: room there, or another folder in TMPDIR"
+    assert re.fullmatch(expected, str(info.value))

@@ -226,6 +226,6 @@ def test_a_closed_output_is_no_error_and_no_file_takes_its_place(loop):
 def test_a_full_output_is_told_and_is_no_internal_error(loop, arguments):
     done = shell(f"{sys.executable} -m orchestration {arguments} >/dev/full")
     assert done.returncode == 4
-    assert "No space left on device" in done.stderr
+    assert "the disk is full" in done.stderr
     assert "internal error" not in done.stderr
     assert "Traceback" not in done.stderr

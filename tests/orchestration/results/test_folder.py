@@ -85,7 +85,7 @@ def test_a_full_disk_is_told_by_the_command_and_loses_nothing(loop, monkeypatch)
     told = orchestrate(loop.name, "--set", "motor.speed0=3")
     assert told.exit_code == 4
     assert "loop: ran 2 s" in told.stdout, "the summary comes before the folder is written"
-    assert f"the results cannot be written: {Path('results/loop/signals.csv')}: No space left" in told.stderr
+    assert f"the results cannot be written: {Path('results/loop/signals.csv')}: the disk is full" in told.stderr
     assert contents("results/loop") == WHOLE
     assert Path("results/loop/signals.csv").read_bytes() == before
 

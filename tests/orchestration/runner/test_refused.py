@@ -105,7 +105,11 @@ def test_a_build_folder_that_cannot_be_written_is_named(loop, monkeypatch, error
 
     monkeypatch.setattr("orchestration.runner.open.ensure", ensure)
     told = refused(loop, "fmu: motor.fmu", "fmu: plant")
-    place = "build/fmus: Not a directory" if error.filename else "the disk: No space left"
+    place = (
+        "build/fmus: a part of this path is a file; expected a folder"
+        if error.filename
+        else "the disk: the disk is full"
+    )
     assert told == f"loop.yaml:6: blocks.motor.fmu: the block 'plant' cannot be built: {place}"
 
 

@@ -108,7 +108,7 @@ def test_no_scenario_of_ours_has_a_claim_that_reads_what_a_controller_says_of_it
 def test_a_controller_without_errors_flies_the_papers_scenario_and_is_judged(without_errors, tmp_path):
     result = orchestrate(PAPER, "--swap", f"controller={without_errors}", "--out", tmp_path / "out")
     assert result.exit_code == 1, result.output
-    assert f"failed       {SETTLED[0]}" in result.stdout
+    assert f"failed  {SETTLED[0]}" in result.stdout
     assert "its FMU lacks the outputs attitude_error, rate_error_B, not recorded then" in result.stderr
 
 

@@ -131,6 +131,9 @@ def test_expectations_that_are_not_evaluated_are_counted_apart_from_those_that_a
     assert "1 expectation met, 1 not evaluated" in page
     assert "the expectation is met" not in page
     assert "regulator.samples is not there" in page
+    again = run(json.loads(Path("out/manifest.json").read_text())["scenario"])
+    assert [(e.name, e.status) for e in again.not_evaluated] == [("sampled", "not evaluated")], "as in the first run"
+    assert [outcome.name for outcome in again.outcomes] == [told["expectations"][0]["name"]]
 
 
 @pytest.mark.parametrize(

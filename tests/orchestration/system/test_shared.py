@@ -66,6 +66,13 @@ def test_an_epoch_changed_in_the_plant_alone_is_warned_of():
     assert note.startswith("plant.epoch = 2010-08-10T00:00:00Z and controller.epoch = 2009-08-10T00:00:00Z")
 
 
+@pytest.mark.parametrize(
+    "text", ["2009-08-10", "2009-08-10T00:00", "2009-08-10T00:00:00.000+00:00", "2009-08-10 00:00:00"]
+)
+def test_one_instant_written_in_two_ways_is_one_epoch(text):
+    assert notes(FLIGHT, plant__epoch=text) == []
+
+
 def test_a_matrix_is_warned_of_by_its_first_element_that_differs():
     (note,) = notes(PAPER, plant__J_B=[[0.0426, 0, 0], [0, 0.07, 0], [0, 0, 0.08]])
     assert "plant.J_B[2][2] = 0.07 kg.m2 and controller.J_B[2][2] = 0.0608 kg.m2 (and 1 more elements)" in note

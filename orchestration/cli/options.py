@@ -1,0 +1,43 @@
+"""Options that several commands have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from .paths import PATH
+
+SET = click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="[BLOCK.]PARAMETER=VALUE",
+    help="A start value, such as plant.angle='51.6 deg' or plant.x=[1,2,3]; without a block that of a shared value; may be repeated.",
+)
+SWAP = click.option(
+    "--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place; may be repeated."
+)
+MAP = click.option(
+    "--map",
+    "maps",
+    multiple=True,
+    metavar="[BLOCK=]FILE",
+    help="Mapping of the swapped FMU's ports to ours; with several swaps BLOCK=FILE.",
+)
+STEP = click.option("--step", metavar="T", help="Base step instead of the scenario's, in s or with a unit.")
+DURATION = click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
+FLAVOUR = click.option(
+    "--flavour", metavar="native|python", help="Build of the project's own blocks instead of the scenario's."
+)
+FORMAT = click.option(
+    "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
+)
+FIGURES = click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
+OPEN = click.option("--open", "open_", is_flag=True, help="Open the report in the browser.")
+
+
+def out_folder(help: str) -> Callable[[Any], Any]:
+    """The option `--out DIR`."""
+    return click.option("-o", "--out", type=PATH, metavar="DIR", help=help)

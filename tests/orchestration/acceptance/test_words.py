@@ -1,0 +1,75 @@
+"""A comparison in words: what "equivalent" stands for, and when a difference is nothing."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration.acceptance.compare import _difference
+from orchestration.acceptance.tolerances import tolerances
+from orchestration.acceptance.verdict import _cells, status
+from orchestration.fmu.model import Model, Variable
+from orchestration.quantities import parse_unit
+
+from ..swapped import orchestrate, swapped
+from .test_compare import ARGUMENTS, of_gain
+
+TIME = np.array([0.0, 1.0, 2.0])
+
+
+def found(ours, theirs, *wanted, nominal=1.0):
+    variable = Variable("torque", "output", unit=parse_unit("N.m"), nominal=nominal)
+    bound = tolerances(wanted, Model("regulator", {"torque": variable}))["torque"]
+    return _difference(variable, np.array(ours)[:, None], np.array(theirs)[:, None], TIME, bound, "N.m")
+
+
+def test_a_difference_of_rounding_is_zero_however_small_the_output_is():
+    d = found([1e-20, 2e-20, 0.0], [0.2e-20, 2e-20, 0.0])
+    assert (d.passed, status(d)) == (True, "ok")
+    assert _cells(d)[1:4] == ("0", "0", "0")
+
+
+@pytest.mark.parametrize(("nominal", "passed"), [(1.0, True), (1e-9, False)])
+def test_what_counts_as_rounding_goes_by_the_nominal_value(nominal, passed):
+    assert found([1e-16, 0.0, 0.0], [2e-16, 0.0, 0.0], nominal=nominal).passed is passed
+
+
+@pytest.mark.parametrize(
+    ("wanted", "passed", "word"),
+    [
+        ((), False, "differs"),
+        (("torque=0.6 N.m",), True, "allowed"),
+        (("torque=0.4 N.m",), False, "differs"),
+        (("torque=any",), True, "allowed"),
+    ],
+)
+def test_a_difference_that_only_a_wide_tolerance_allows_is_no_plain_ok(wanted, passed, word):
+    d = found([1.0, 1.0, 1.0], [1.0, 1.5, 1.0], *wanted)
+    assert (d.passed, status(d), d.share, d.rms_share) == (passed, word, 0.5, pytest.approx(0.5 / 3**0.5))
+
+
+def test_a_tolerance_of_the_rms_alone_leaves_the_default_for_the_largest(tmp_path):
+    path = tmp_path / "t.yaml"
+    path.write_text("torque: {rms: 1 N.m}\n")
+    assert not found([1.0, 1.0, 1.0], [1.0, 1.5, 1.0], str(path)).passed
+    path.write_text("torque: {largest: any, rms: 1 N.m}\n")
+    assert found([1.0, 1.0, 1.0], [1.0, 1.5, 1.0], str(path)).passed
+
+
+def test_the_verdict_says_what_was_compared_and_which_difference_is_wide(tmp_path, monkeypatch):
+    swapped(tmp_path, monkeypatch)
+    of_gain(1.1)
+    result = orchestrate(*ARGUMENTS, "--tolerance", "11 %")
+    assert result.exit_code == 0, result.output
+    assert "equivalent within wide tolerances: 2 of 2 outputs within tolerance" in result.stdout
+    assert "within its tolerance at 21 instants, every 0.1 s, from 0 to 2 s" in result.stdout
+    assert re.search(
+        r"voltage: its largest difference is 0\.1 of our largest value; only its tolerance, 0\.11", result.stdout
+    )
+    data = json.loads(Path("out/comparison.json").read_text())
+    assert data["meaning"][-1] in result.stdout.replace("\n  ", " ")
+    assert 'class="badge warn">equivalent within wide tolerances' in Path("out/comparison.html").read_text()

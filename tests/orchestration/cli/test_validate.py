@@ -1,0 +1,66 @@
+"""`orchestrate validate`: all checks and no run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from orchestration.instances.slave import Slave
+
+from ..swapped import orchestrate
+
+
+@pytest.fixture
+def unrun(loop, monkeypatch):
+    """The loop, whose FMUs refuse to be loaded."""
+
+    def loaded(*arguments, **options):
+        raise AssertionError("an FMU is loaded")
+
+    monkeypatch.setattr(Slave, "__init__", loaded)
+    return loop
+
+
+def test_it_says_what_would_run_and_runs_nothing(unrun):
+    told = orchestrate("validate", unrun.name)
+    assert (told.exit_code, told.stderr) == (0, "")
+    assert "loop: valid scenario; nothing was run" in told.stdout
+    words = [line.split() for line in told.stdout.splitlines()]
+    assert ["motor", "motor.fmu", "0.1", "s", "this", "process", "2"] in words
+    assert ["steps", "20", "of", "0.1", "s:", "2", "s,", "sequential"] in words
+    assert not Path("results").exists()
+
+
+def test_what_it_says_is_what_a_run_does(loop):
+    told = orchestrate("validate", loop.name, "--duration", "1.05 s").stdout
+    orchestrate(loop.name, "--duration", "1.05 s", "-q")
+    manifest = json.loads(Path("results/loop/manifest.json").read_text())
+    signals = len(Path("results/loop/signals.csv").read_text().splitlines()[0].split(",")) - 1
+    assert f"{manifest['steps']} of 0.1 s: 1.1 s" in told
+    assert f"{signals} signals every 0.1 s: {manifest['samples']} samples" in told
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            ("--set", "motor.inertai=1"),
+            "--set motor.inertai=1: motor has no parameter 'inertai'; did you mean 'inertia'?",
+        ),
+        (("--step", "0.3 rpm"), "--step 0.3 rpm: "),
+        (("--format", "xls"), "xls"),
+        (("--swap", "motor=none.fmu"), "there is no FMU none.fmu"),
+    ],
+)
+def test_what_a_run_refuses_it_refuses(unrun, options, message):
+    checked, run = orchestrate("validate", unrun.name, *options), orchestrate(unrun.name, *options)
+    assert (checked.exit_code, run.exit_code) == (2, 2)
+    assert checked.stderr == run.stderr
+    assert message in checked.stderr
+
+
+def test_quiet_says_nothing_of_what_is_valid(unrun):
+    told = orchestrate("validate", unrun.name, "-q")
+    assert (told.exit_code, told.output) == (0, "")
