@@ -86,11 +86,13 @@ def fly(
         earlier = _earlier(case, folder)
         data = Dataset(folder, case.job, case.runs)
         state, interrupted, verdicts = "running", 0, list[Verdict]()
+        extended = _extended(case, earlier)
         more: dict[str, Any] = {key: earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in earlier}
 
         def note() -> None:
             record = manifest(case, state, data, verdicts, perf_counter() - begun, earlier)
-            write(folder / MANIFEST, {**record, **more})
+            looked = record["early"] or extended or (state == "interrupted" and not data.done.all())
+            write(folder / MANIFEST, {**record, "early": looked, "extended": extended, **more})
 
         @cache
         def hands() -> Crew:
@@ -101,7 +103,7 @@ def fly(
 
         note()
         try:
-            state, verdicts = _flown(case, data, hands, tell)
+            state, verdicts = _flown(case, data, hands, tell, extended)
             data.flush()
             note()  # before what follows, which may take as long again
             analyse(case, folder, hands, more, remark)
@@ -112,19 +114,21 @@ def fly(
             with held():
                 data.flush()
                 if state in ("running", "interrupted"):
-                    state, verdicts = "interrupted", decided(case, data)
+                    state, verdicts = "interrupted", decided(case, data, extended)
                 note()
         page = _page(folder, remark)
     counts = int(data.done.sum()), int(data.failed.sum())
     return Finished(state, *counts, verdicts, data.reason, perf_counter() - begun, interrupted, page)
 
 
-def _flown(case: Case, data: Any, hands: Callable[[], Crew], tell: Tell | None) -> tuple[str, list[Verdict]]:
+def _flown(
+    case: Case, data: Any, hands: Callable[[], Crew], tell: Tell | None, extended: bool
+) -> tuple[str, list[Verdict]]:
     """Flies up to the end, or until all is decided."""
     begun, there = perf_counter(), int(data.done.sum())
     if case.campaign.stop != "decided":
         _up_to(case, data, hands, case.runs, begun, there, tell)
-        return "completed", decided(case, data)
+        return "completed", decided(case, data, extended)
     verdicts: list[Verdict] = []
     for look in statistics.looks(case.runs):
         _up_to(case, data, hands, look, begun, there, tell)
@@ -160,11 +164,22 @@ def claims(case: Case) -> list[Claim]:
     return [Claim(claim.name, claim.probability, claim.confidence) for claim in case.job.claims]
 
 
-def decided(case: Case, data: Any) -> list[Verdict]:
-    """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often."""
+def decided(case: Case, data: Any, extended: bool) -> list[Verdict]:
+    """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often.
+
+    Where these are not the runs that were planned first, the campaign is looked at more than once, and the bounds allow for that.
+    """
     there = case.runs if data.done.all() else int(data.done.argmin())
     met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
-    return statistics.verdicts(claims(case), met, there, case.runs, early=case.campaign.stop == "decided")
+    early = extended or there < case.runs or case.campaign.stop == "decided"
+    return statistics.verdicts(claims(case), met, there, case.runs, early=early)
+
+
+def _extended(case: Case, earlier: dict[str, Any]) -> bool:
+    """Whether runs were added to a campaign that had its verdicts on fewer."""
+    runs = earlier.get("runs", {})
+    judged = bool(earlier.get("verdicts")) and runs["flown"] == runs["wanted"] < case.runs
+    return judged or bool(earlier.get("extended"))
 
 
 def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:

@@ -273,7 +273,7 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
     shown = plots.search(found, metric, made.arrays)
     return _pieces()["search"].format(
         found=text,
-        command="orchestrate worst.yaml" if found["values"] is not None else "",
+        command=_replay(manifest, "worst") if found["values"] is not None else "",
         failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
         content=rows([name, _value(value)] for name, value in (found["values"] or {}).items()),
         figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")

@@ -95,9 +95,7 @@ def command(
     finally:
         bar.close()
     if not quiet:
-        summary(json.loads((target / MANIFEST).read_text("utf-8")))
-        if finished.failed:
-            say(f"\nthe first run that failed: {finished.reason}", fg="yellow")
+        summary(json.loads((target / MANIFEST).read_text("utf-8")), finished.reason)
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     if open_ and finished.page is not None:
         open_page(finished.page)

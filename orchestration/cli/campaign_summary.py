@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -24,8 +23,8 @@ _NAMED = 4
 """Varied entries that are named for each metric at most."""
 
 
-def summary(manifest: Mapping[str, Any], folder: Path | None = None, reason: str | None = None) -> None:
-    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from the campaign.json of a folder.
+def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
+    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from its campaign.json.
 
     `reason` is why the first run failed that did.
     """
@@ -42,7 +41,7 @@ def summary(manifest: Mapping[str, Any], folder: Path | None = None, reason: str
             if verdict["status"] == "undecided":
                 say(f"{verdict['name']}: undecided: {verdict['text']}", fg="yellow")
     _influence(manifest.get("sensitivity"))
-    _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]}, folder)
+    _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]})
 
 
 def _verdicts(manifest: Mapping[str, Any]) -> Table:
@@ -90,7 +89,7 @@ def _influence(found: Mapping[str, Any] | None) -> None:
             say(f"    {indices['note']}", fg="yellow")
 
 
-def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str], folder: Path | None) -> None:
+def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str]) -> None:
     if found is None:
         return
     at = f"{found['worst']} {found['metric']} of a search with {found['runs']:,} runs"
@@ -99,6 +98,4 @@ def _worst(found: Mapping[str, Any] | None, units: Mapping[str, str], folder: Pa
         return
     value = "never" if found["value"] is None else with_unit(found["value"], units.get(found["metric"], ""))
     failed = f", {found['failed']:,} failed" if found["failed"] else ""
-    say(f"\n{at}: {value}{failed}")
-    if folder is not None:
-        say(f"  orchestrate {folder / 'worst.yaml'} flies it")
+    say(f"\n{at}: {value}{failed}; --replay worst flies it")

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from orchestration.campaign import engine
 from orchestration.campaign.analysis import Search
 from orchestration.campaign.evaluate import evaluator
 from orchestration.campaign.load import read_campaign
 from orchestration.campaign.search import run as search
+from orchestration.campaign.statistics import fixed, sequence
 from orchestration.cli.main import main
 from orchestration.errors import InputError
 
@@ -99,6 +101,22 @@ def test_too_few_runs_for_a_requirement_are_told_before_the_first(campaign):
     assert read_campaign(campaign, {"runs": 4}).notes == [
         "no larger than 16: 4 runs cannot show a probability of 0.5 at 95% confidence; 5 are needed at least"
     ]
+
+
+def test_runs_that_are_added_to_a_judged_campaign_are_a_second_look_and_the_bounds_allow_for_it(campaign):
+    campaign.write_text(
+        "\n".join(line for line in FILE.splitlines() if line.split(":")[0] not in ("sensitivity", "search")), "utf-8"
+    )
+
+    def flown(runs):
+        engine.fly(read_campaign(campaign, {"runs": runs}), Path("out"), workers=0)
+        manifest = json.loads(Path("out/campaign.json").read_text("utf-8"))
+        return manifest["early"], manifest["verdicts"][0]
+
+    for runs, early in ((20, False), (20, False), (30, True), (30, True)):
+        looked, verdict = flown(runs)
+        assert (looked, verdict["flown"]) == (early, runs)
+        assert verdict["low"] == (sequence if early else fixed)(verdict["met"], runs, 0.95).low
 
 
 def test_a_search_on_a_manoeuvre_of_the_paper_finds_a_worse_case_than_as_many_random_runs(tmp_path):
