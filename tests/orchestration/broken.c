@@ -84,6 +84,10 @@ static int broken(Block *b, double t)
     if (is(b, "deaf"))
         for (int i = 0; i < 64; i++)
             close(i);
+#if !defined(_WIN32)
+    while (is(b, "hang")) /* as one that waits for a device; the other one is busy */
+        pause();
+#endif
     if (is(b, "hang") || is(b, "deaf"))
         for (volatile int i = 0;; i = 1) {
         }

@@ -20,14 +20,6 @@ def test_wmm_agrees_with_pygeomag_at_random_places_and_dates(model):
     assert authority.against_pygeomag(model) < 0.1
 
 
-def test_igrf_agrees_with_ppigrf_at_random_places_and_dates():
-    assert authority.field_igrf14() < 0.1
-
-
-def test_the_field_at_the_satellite_agrees_through_sidereal_time_and_geodetic_coordinates():
-    assert authority.field_at_the_satellite() < 0.1
-
-
 def test_interpolation_along_the_orbit_is_within_a_thousandth_of_a_nanotesla():
     assert authority.interpolation() < 1e-3
 
