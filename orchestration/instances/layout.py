@@ -61,11 +61,18 @@ class Arrays:
         for name, first in layout.arrays.items():
             variable = self._model.variables[name]
             if name not in self._held:
-                starts = [self._model.starts.get(element, 0) for element in variable.elements]
-                self._held[name] = np.array(starts, buffer.dtype)
+                self._held[name] = np.array(self._starts(name), buffer.dtype)
             parts[name] = buffer[first : first + variable.size]
             parts[name][:] = self._held[name]
         return parts
+
+    def _starts(self, name: str) -> list[Any]:
+        return [self._model.starts.get(element, 0) for element in self._model.variables[name].elements]
+
+    def reset(self) -> None:
+        """Holds the start values again."""
+        for name, held in self._held.items():
+            held[:] = self._starts(name)
 
     def keep(self, parts: dict[str, NDArray[Any]]) -> None:
         """Takes over values that have been set."""

@@ -139,10 +139,11 @@ class Slave:
             raise self.failed(call, status)
 
     def reset(self) -> None:
-        """Back to where it stood after it was instantiated, by fmi2Reset; what is wired stays so. Raises BlockError where it cannot."""
+        """Back to where it stood after it was instantiated, by fmi2Reset or fmi3Reset; what is wired stays so. Raises BlockError where it cannot."""
         self._log.lines.clear()
         self._initialized = False
-        self._plain("fmi2Reset")
+        self._arrays.reset()
+        self._plain(f"{self.model.prefix}Reset")
 
     # ------------------------------------------------------------ steps
 

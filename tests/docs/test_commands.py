@@ -19,6 +19,8 @@ NOT_RUN = {
     "make test": "this test is part of it",
     "python3 -m venv .venv && . .venv/bin/activate": "installs the environment that this test runs in",
     "pip install -e '.[build]'": "installs the environment that this test runs in",
+    "pip install -e '.[campaign]'": "installs the environment that this test runs in",
+    "orchestrate campaign scenarios/campaigns/paper_settling.yaml": "takes a minute; docs/campaigns.md has a smaller one",
     "pip install -e '.[tools]'": "installs the environment that this test runs in",
 }
 """Commands that are not run, each with the reason."""

@@ -141,7 +141,7 @@ def _killed_clients(folder: Path, kills: int, choose: random.Random) -> int:
             time.sleep(choose.uniform(1.0, 12.0))
             process.send_signal(choose.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT)))
         process.communicate()
-        time.sleep(1.0)
+        time.sleep(10.0)  # workers have some seconds to see that their client is gone
         left += len(subprocess.run(["pgrep", "-g", str(process.pid)], capture_output=True, text=True).stdout.split())
         if starts > kills:
             break
