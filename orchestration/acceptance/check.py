@@ -6,16 +6,17 @@ of its libraries. A swap fits the ports by the same rules, see `fit`.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from fmpy.validation import validate_fmu
+from fmpy.validation import validate_model_description
 
 from ..errors import InputError
 from ..fmu import zipped
 from ..fmu.archive import Head, Unsupported, check_version, described, open_fmu, read_head
-from ..fmu.interfaces import reference, starts_of
+from ..fmu.interfaces import reference
 from ..fmu.model import Model
 from ..scenario.mapping import load
 from ..scenario.scenario import Scenario
@@ -60,7 +61,7 @@ def check(
         references.look(path, theirs, description.defaultExperiment, tolerance, findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
-    starts.look(fitted, starts_of(description, theirs), findings)
+    starts.look(fitted, theirs.starts, findings)
     inputs.look(fitted, findings)
     feedthrough.look(fitted, findings)
     if scenario is not None:
@@ -68,7 +69,7 @@ def check(
         given = [port.name for port in ports if port.causality == "output"]
         for block in blocks:
             findings += own_claims(scenario, block, given)
-    _validator(path, findings)
+    _validator(path, description, findings)
     return findings, fitted
 
 
@@ -102,12 +103,32 @@ def _description(path: Path, head: Head, findings: list[Finding], lenient: bool)
     return description, model
 
 
-def _validator(path: Path, findings: list[Finding]) -> None:
+_BNAME = r"(?:[_a-zA-Z][_a-zA-Z0-9]*|'(?:[_a-zA-Z0-9!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['\"?\\abfnrtv])+')"
+_INDICES = r"(?:\[\d+(?:,\d+)*\])?"
+_IDENTIFIER = rf"{_BNAME}{_INDICES}(?:\.{_BNAME}{_INDICES})*"
+_STRUCTURED = re.compile(rf"{_IDENTIFIER}|der\({_IDENTIFIER}(?:,\d+)?\)", re.ASCII)
+"""A name by the convention "structured" (FMI 2.0, 2.2.9). FMPy's own grammar takes 2 ms a name."""
+
+
+def _validator(path: Path, description: Any, findings: list[Finding]) -> None:
     known = {finding.text.removeprefix("modelDescription.xml: ") for finding in findings}
-    problems = [problem for problem in validate_fmu(str(path)) if problem not in known]
+    found = validate_model_description(description, validate_variable_names=False, validate_model_structure=True)
+    problems = [problem for problem in [*_misnamed(description), *found] if problem not in known]
     for problem in problems[:10]:
         findings.append(Finding("warning", "validator", " ".join(problem.split()), "correct it in the exporting tool"))
     if len(problems) > 10:
         findings.append(Finding("warning", "validator", f"and {len(problems) - 10} more", f"fmpy validate {path}"))
     if not problems:
         findings.append(Finding("ok", "validator", "FMPy's validator has no findings"))
+
+
+def _misnamed(description: Any) -> list[str]:
+    """The names that the naming convention does not allow."""
+    flat = description.variableNamingConvention == "flat"
+    legal = (lambda name: not re.search(r"[\r\n\t]", name)) if flat else _STRUCTURED.fullmatch
+    convention = "flat" if flat else "structured"
+    return [
+        f'"{v.name}" (line {v.sourceline}) is not a legal variable name for naming convention "{convention}".'
+        for v in description.modelVariables
+        if not legal(v.name)
+    ]

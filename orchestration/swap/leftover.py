@@ -16,8 +16,8 @@ from .findings import Fit, named
 
 
 def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
-    free = [v for v in fitted.theirs.of(ours.causality) if v.name not in fitted.reference.model.variables]
-    free = [v for v in free if not any(element in taken for element in v.elements)]
+    gone = {*fitted.reference.model.variables, *(element.variable for element in taken)}
+    free = [v for v in fitted.theirs.of(ours.causality) if v.name not in gone]
     match = nearest(ours.name, (v.name for v in free))
     meant = [match] if match else []
     alike = [v.name for v in free if v.type == ours.type and v.size == ours.size and _unit_fits(ours, v)]
