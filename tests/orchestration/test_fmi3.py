@@ -150,6 +150,50 @@ def test_a_mapping_stands_before_an_fmu_of_fmi_3(three, tmp_path, monkeypatch):
     np.testing.assert_allclose(run(scenario)["motor.speed"], expected["motor.speed"], rtol=1e-12)
 
 
+PYTHON = """
+import numpy as np
+from pythonfmu3 import Dimension, Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
+
+CONTINUOUS = Fmi3Variability.continuous
+
+
+class Regulator(Fmi3Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.time, self.speed, self.gain, self.samples = 0.0, 0.0, -1.0, np.zeros(2)
+        pair = [Dimension(start="2")]
+        self.register_variable(Float64("time", causality=Fmi3Causality.independent, variability=CONTINUOUS))
+        self.register_variable(Float64("speed", causality=Fmi3Causality.input, variability=CONTINUOUS))
+        self.register_variable(Float64("gain", causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable))
+        self.register_variable(Float64("voltage", causality=Fmi3Causality.output, variability=CONTINUOUS))
+        self.register_variable(
+            Float64("samples", causality=Fmi3Causality.output, variability=CONTINUOUS, dimensions=pair)
+        )
+
+    @property
+    def voltage(self):
+        return self.gain * self.speed
+
+    def do_step(self, time, step):
+        self.samples = np.array([self.speed, time])
+        return True
+"""
+
+
+def test_an_fmu_by_pythonfmu3_takes_the_place_of_the_regulator(three, tmp_path, monkeypatch):
+    from pythonfmu3.builder import FmuBuilder
+
+    (tmp_path / "regulator_in_python.py").write_text(PYTHON, "utf-8")
+    fmu = FmuBuilder.build_FMU(script_file=tmp_path / "regulator_in_python.py", dest=tmp_path)
+    monkeypatch.chdir(three)
+    (three / "loop.yaml").write_text(SCENARIO + "isolation: none\n", "utf-8")
+    swap = f"{fmu}\n    interface: regulator.fmu\n    map: {{ignore: [enabled, fault, fault_time]}}"
+    (three / "swapped.yaml").write_text(SCENARIO.replace("regulator.fmu", swap), "utf-8")
+    expected, found = run(three / "loop.yaml"), run(three / "swapped.yaml")
+    assert found["motor.speed"].tobytes() == expected["motor.speed"].tobytes()
+    assert found["regulator.samples"][-1].tolist() == [found["motor.speed"][-1], 1.9]
+
+
 # ---------------------------------------------------------------- types
 
 VALUES = {

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 import zipfile
+from functools import cache
 from pathlib import Path
 from random import Random
 
 import click
 import fmpy
 
-from ..orchestration import fmus
+from orchestration.fmu.archive import open_fmu
+
+from ..orchestration import as_fmi3, fmus
 from ..orchestration.wrong_inputs import SCENARIO
 from . import _mutate as mutate
 from ._campaign import campaign
@@ -32,11 +36,19 @@ def _prepare(folder: Path) -> None:
     )
 
 
+@cache
+def _three() -> str:
+    """The motor of FMI 3.0, with arrays."""
+    with tempfile.TemporaryDirectory() as folder:
+        return as_fmi3.description(open_fmu(fmus.write(Path(folder, "motor.fmu"), fmus.description("motor"))), {})
+
+
 def _make(random: Random, folder: Path) -> list[str]:
-    xml = mutate.encoded(random, mutate.text(random, fmus.description("motor")))
+    platform, text = random.choice(((fmpy.platform, fmus.description("motor")), (fmpy.platform_tuple, _three())))
+    xml = mutate.encoded(random, mutate.text(random, text))
     with zipfile.ZipFile(folder / "motor.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", xml)
-        archive.writestr(f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}", b"no library")
+        archive.writestr(f"binaries/{platform}/probe{fmpy.sharedLibraryExtension}", b"no library")
     fmus.write(folder / "reference.fmu", fmus.description("motor"))
     return random.choice(
         (
