@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from ..errors import InputError
 from ..fmu.archive import Fmu
-from ..fmu.description import scalars_of, starts_of
 from ..fmu.model import Variable
+from ..fmu.starts import scalars_of, starts_of
 from ..runner.open import open_scenario
 from ..runner.run import execute
 from ..scenario.load import load

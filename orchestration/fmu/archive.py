@@ -8,19 +8,20 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import fmpy
 from fmpy.model_description import ValidationError, read_model_description
-from lxml import etree
 
 from ..errors import InputError, hint
 from . import zipped
-from .description import VARIABLES_MAX, describe, starts_of
+from .description import describe
+from .head import Head, line, read_head
 from .model import Element, Model
+from .starts import starts_of
 from .zipped import shown
 
 __all__ = [
@@ -39,11 +40,6 @@ __all__ = [
     "shown",
 ]
 
-ANNOTATION = "attitude-cosim"
-"""Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which FMI 2.0
-has no words."""
-XML_MAX = 64_000_000
-"""Bytes of a modelDescription.xml."""
 VERSIONS = re.compile(r"2\.0|3\.0(\.\d+)?")
 """Of FMI, which run here."""
 _UNREADABLE = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError)
@@ -74,21 +70,6 @@ class Fmu:
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
         """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
         zipped.unpack(self.path, folder, "FMU", names)
-
-
-@dataclass(frozen=True)
-class Head:
-    """What can be said of a modelDescription.xml before FMPy reads it."""
-
-    version: str | None
-    """The version of FMI that it declares."""
-    variables: int
-    optional: frozenset[str]
-    """The inputs of which an annotation of ours says that they may stay unconnected."""
-    quantities: Mapping[str, str]
-    """Of parameters, the quantities that an annotation of ours says they state."""
-    unsigned: Mapping[str, tuple[str | None, str | None]] = field(default_factory=dict)
-    """The limits of unsigned variables (FMI 3.0), which FMPy leaves out."""
 
 
 class Unsupported(InputError):
@@ -181,49 +162,6 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
     return Fmu(path, _digest(path), description, model, tuple(problems))
 
 
-def read_head(path: Path) -> Head:
-    """What an FMU's modelDescription.xml says of itself. Raises InputError where it holds none, too much, or no XML."""
-    with zipped.reading(path, "FMU") as archive:
-        if "modelDescription.xml" not in archive.namelist():
-            raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
-        size = archive.getinfo("modelDescription.xml").file_size
-        if size > XML_MAX:
-            raise InputError(
-                f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {XML_MAX / 1e6:.3g} MB"
-            )
-        xml = archive.read("modelDescription.xml")
-    try:
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
-        root = etree.fromstring(xml, parser, base_url="modelDescription.xml")
-    except (etree.XMLSyntaxError, LookupError, ValueError) as error:
-        if b"<!DOCTYPE" in xml.replace(b"\0", b""):  # in any encoding: its entities may be what cannot be read
-            raise _doctype(path) from None
-        raise InputError(f"{shown(path)}: modelDescription.xml cannot be read: {_line(error)}") from None
-    if root.getroottree().docinfo.doctype:
-        raise _doctype(path)
-    variables = root.findall("ModelVariables/*")
-    if len(variables) > VARIABLES_MAX:
-        raise InputError(
-            f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
-        )
-    marked: set[str] = set()
-    stated: dict[str, str] = {}
-    for entry in root.iterfind(f"ModelVariables/*/Annotations/Tool[@name='{ANNOTATION}']/*"):
-        name = entry.getparent().getparent().getparent().get("name", "")
-        if entry.tag == "Optional":
-            marked.add(name)
-        elif entry.tag == "Quantity":
-            stated[name] = entry.get("name", "")
-    unsigned = {v.get("name", ""): (v.get("min"), v.get("max")) for v in variables if str(v.tag).startswith("UInt")}
-    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated, unsigned)
-
-
-def _doctype(path: Path) -> InputError:
-    """Entities can grow without bound and can read files; FMI has no use for the DOCTYPE that defines them."""
-    message = "modelDescription.xml has a DOCTYPE, which an FMU does not need and which can do harm"
-    return InputError(f"{shown(path)}: {message}")
-
-
 def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:
     """FMPy's ModelDescription, the model made of it, and what is not valid in it.
 
@@ -263,14 +201,10 @@ def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[s
 def _unreadable(path: Path, problems: list[str], error: Exception) -> InputError:
     if problems:
         return _not_valid(path, problems)
-    return InputError(f"{shown(path)}: modelDescription.xml cannot be read: {_line(error)}")
+    return InputError(f"{shown(path)}: modelDescription.xml cannot be read: {line(error)}")
 
 
 def _not_valid(path: Path, problems: list[str]) -> InputError:
     some = [f"  {problem}" for problem in problems[:5]]
     more = [f"  and {len(problems) - 5} more"] if len(problems) > 5 else []
     return InputError("\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more]))
-
-
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__

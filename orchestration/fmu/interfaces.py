@@ -15,8 +15,8 @@ from ..errors import InputError, hint
 from ..paths import located
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .archive import Fmu, open_fmu
-from .description import starts_of
 from .model import Element, Helper, Model, Variable, shared
+from .starts import starts_of
 
 __all__ = ["Interface", "is_path", "own", "place", "reference", "starts_of"]
 

@@ -41,12 +41,7 @@ class _Part(c.Structure):
 
 class _Exchange(c.Structure):
     _fields_ = (
-        ("function", _Pointer),
-        ("references", _Pointer),
-        ("values", _Pointer),
-        ("places", _Pointer),
-        ("slots", _Pointer),
-        ("buffer", _Pointer),
+        *((name, _Pointer) for name in "function references values places slots buffer".split()),
         ("low", c.c_double),
         ("beyond", c.c_double),
         ("live", _Part),

@@ -1,7 +1,9 @@
 /* The step loop of master.py in C, for blocks whose FMI functions can be called through pointers.
  *
  * master.py's loop is the readable one; this does the same calls in the same order on the same arrays, so that
- * both give the same bits. compiled.py fills the structures. Nothing is allocated here and nothing is kept. */
+ * both give the same bits. compiled.py fills the structures. Nothing is allocated here and nothing is kept.
+ *
+ * Longer than 250 lines: structures, exchange and steps are one library without further headers. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

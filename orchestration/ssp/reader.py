@@ -15,8 +15,8 @@ from typing import Any
 from ..errors import InputError, hint
 from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
-from ..fmu.description import scalars_of, starts_of
 from ..fmu.model import Element, Variable
+from ..fmu.starts import scalars_of, starts_of
 from ..quantities import convert
 from ..scenario.source import Source
 from ..system.wiring import Node

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from orchestration.errors import InputError
-from orchestration.fmu import archive, zipped
+from orchestration.fmu import head, zipped
 from orchestration.fmu.archive import open_fmu
 
 from .. import fmus
@@ -72,12 +72,12 @@ def test_a_directory_of_entries_larger_than_the_limit_is_refused_before_it_is_re
 
 
 def test_a_description_larger_than_the_limit_is_refused(tmp_path: Path) -> None:
-    path = fmus.write(tmp_path / "motor.fmu", DESCRIPTION + "<!--" + " " * archive.XML_MAX + "-->")
+    path = fmus.write(tmp_path / "motor.fmu", DESCRIPTION + "<!--" + " " * head.XML_MAX + "-->")
     assert "modelDescription.xml holds 64 MB; expected at most 64 MB" in message(path)
 
 
 def test_more_variables_than_the_limit_are_refused_before_they_are_read(tmp_path: Path) -> None:
-    many = '<ScalarVariable name="x" valueReference="1"><Real/></ScalarVariable>' * archive.VARIABLES_MAX
+    many = '<ScalarVariable name="x" valueReference="1"><Real/></ScalarVariable>' * head.VARIABLES_MAX
     path = fmus.write(tmp_path / "motor.fmu", DESCRIPTION.replace("</ModelVariables>", f"{many}</ModelVariables>"))
     assert "modelDescription.xml declares 100015 variables; expected at most 100000" in message(path)
 

@@ -1,0 +1,82 @@
+"""What is read of a modelDescription.xml before FMPy reads it, by lxml: its version, its size and what FMPy leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lxml import etree
+
+from ..errors import InputError
+from . import zipped
+from .description import VARIABLES_MAX
+from .zipped import shown
+
+ANNOTATION = "attitude-cosim"
+"""Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which FMI 2.0
+has no words."""
+XML_MAX = 64_000_000
+"""Bytes of a modelDescription.xml."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """What can be said of a modelDescription.xml before FMPy reads it."""
+
+    version: str | None
+    """The version of FMI that it declares."""
+    variables: int
+    optional: frozenset[str]
+    """The inputs of which an annotation of ours says that they may stay unconnected."""
+    quantities: Mapping[str, str]
+    """Of parameters, the quantities that an annotation of ours says they state."""
+    unsigned: Mapping[str, tuple[str | None, str | None]] = field(default_factory=dict)
+    """The limits of unsigned variables (FMI 3.0), which FMPy leaves out."""
+
+
+def read_head(path: Path) -> Head:
+    """What an FMU's modelDescription.xml says of itself. Raises InputError where it holds none, too much, or no XML."""
+    with zipped.reading(path, "FMU") as archive:
+        if "modelDescription.xml" not in archive.namelist():
+            raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")
+        size = archive.getinfo("modelDescription.xml").file_size
+        if size > XML_MAX:
+            raise InputError(
+                f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {XML_MAX / 1e6:.3g} MB"
+            )
+        xml = archive.read("modelDescription.xml")
+    try:
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+        root = etree.fromstring(xml, parser, base_url="modelDescription.xml")
+    except (etree.XMLSyntaxError, LookupError, ValueError) as error:
+        if b"<!DOCTYPE" in xml.replace(b"\0", b""):  # in any encoding: its entities may be what cannot be read
+            raise _doctype(path) from None
+        raise InputError(f"{shown(path)}: modelDescription.xml cannot be read: {line(error)}") from None
+    if root.getroottree().docinfo.doctype:
+        raise _doctype(path)
+    variables = root.findall("ModelVariables/*")
+    if len(variables) > VARIABLES_MAX:
+        raise InputError(
+            f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
+        )
+    marked: set[str] = set()
+    stated: dict[str, str] = {}
+    for entry in root.iterfind(f"ModelVariables/*/Annotations/Tool[@name='{ANNOTATION}']/*"):
+        name = entry.getparent().getparent().getparent().get("name", "")
+        if entry.tag == "Optional":
+            marked.add(name)
+        elif entry.tag == "Quantity":
+            stated[name] = entry.get("name", "")
+    unsigned = {v.get("name", ""): (v.get("min"), v.get("max")) for v in variables if str(v.tag).startswith("UInt")}
+    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated, unsigned)
+
+
+def _doctype(path: Path) -> InputError:
+    """Entities can grow without bound and can read files; FMI has no use for the DOCTYPE that defines them."""
+    message = "modelDescription.xml has a DOCTYPE, which an FMU does not need and which can do harm"
+    return InputError(f"{shown(path)}: {message}")
+
+
+def line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
