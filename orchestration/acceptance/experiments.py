@@ -21,7 +21,7 @@ import numpy as np
 from fmus.contents.references import FOLDER
 
 from ..errors import InputError, hint
-from ..fmu.archive import ANNOTATION
+from ..fmu.head import ANNOTATION
 from ..fmu.model import Element, Floats, Model
 from ..fmu.zipped import reading, shown
 from ..quantities import QuantityError

@@ -18,7 +18,8 @@ import numpy as np
 from ..errors import InputError
 from ..export.ssp import parameter_set
 from ..export.system import Value
-from ..fmu.archive import ANNOTATION, Fmu, open_fmu
+from ..fmu.archive import Fmu, open_fmu
+from ..fmu.head import ANNOTATION
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..quantities import QuantityError
 from ..scenario.references import Name
