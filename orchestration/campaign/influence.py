@@ -13,6 +13,8 @@ from ..results.html import joined, part, pieces, rows
 from .plots import Metric
 from .sensitivity import RANKED, ranks
 
+_SHOWN = 8
+"""Varied values in a table of rank correlations at most."""
 _part = partial(part, "campaign.html")
 _pieces = partial(pieces, "campaign.html")
 
@@ -28,11 +30,14 @@ def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tu
             [
                 name,
                 bar(r["rho"], r["low"], r["high"], -1.0, 1.0),
+                signed(r["rho"]),
                 f"{signed(r['low'])} to {signed(r['high'])}",
                 signed(r["partial"]),
             ]
             for name, r in sorted(known.items(), key=lambda entry: -abs(entry[1]["rho"]))
         ]
+        if len(lines) > _SHOWN:
+            lines = [*lines[:_SHOWN], [f"{len(lines) - _SHOWN} weaker ones", "", "", "", ""]]
         tables.append(_part("rank_table", rows(lines), metric=metric.name, text=metric.text))
     return joined(tables), strengths
 
@@ -50,7 +55,8 @@ def sensitivity(found: dict[str, Any] | None) -> Markup:
         if sobol:
             lines = [[entries[i], *(_index(indices, kind, i) for kind in ("total", "first"))] for i in order]
         else:
-            top = max((indices["effect"][i] + indices["effect_error"][i] for i in order), default=1.0) or 1.0
+            ends = ((indices["effect"][i] or 0.0) + (indices["effect_error"][i] or 0.0) for i in order)
+            top = max(ends, default=1.0) or 1.0
             lines = [[entries[i], _effect(indices, i, top), _number(indices["spread"][i])] for i in order]
         table = _pieces()["sobol_table" if sobol else "morris_table"]
         tables.append(table.format(metric=metric, note=indices["note"], content=rows(lines)))
@@ -61,12 +67,12 @@ def sensitivity(found: dict[str, Any] | None) -> Markup:
 
 
 def _index(indices: dict[str, Any], kind: str, i: int) -> Markup:
-    value, error = indices[kind][i], indices[f"{kind}_error"][i]
+    value, error = (indices[key][i] or 0.0 for key in (kind, f"{kind}_error"))
     return bar(value, value - error, value + error, 0.0, 1.0, f"{signed(value)} \N{PLUS-MINUS SIGN} {error:.2f}")
 
 
 def _effect(indices: dict[str, Any], i: int, top: float) -> Markup:
-    value, error = indices["effect"][i], indices["effect_error"][i]
+    value, error = (indices[key][i] or 0.0 for key in ("effect", "effect_error"))
     return bar(value, value - error, value + error, 0.0, top, f"{value:.4g} \N{PLUS-MINUS SIGN} {error:.2g}")
 
 
@@ -91,5 +97,5 @@ def bar(value: float, low: float, high: float, least: float, most: float, text: 
         width=f"{abs(end - zero):.1f}",
         from_=f"{at(low):.1f}",
         span=f"{at(high) - at(low):.1f}",
-        text=text or signed(value),
+        text=text,
     )

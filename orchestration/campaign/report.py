@@ -5,6 +5,7 @@ However many the runs, the page keeps some thousand numbers of each plot, so it 
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -187,7 +188,8 @@ def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
 
 def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
     """Rank correlations, scatter plots and worst runs, which need the varied values."""
-    units = {column: v["unit"] for v in runs.manifest["varied"] for column in v["columns"]}
+    # What an expression gives depends on the other values alone, and moves with them.
+    units = {column: v["unit"] for v in runs.manifest["varied"] for column in v["columns"] if v["coordinates"][1]}
     chosen = plots.shown_runs(metrics, runs.failed)
     worst = [np.argsort(-np.where(runs.failed, -np.inf, m.badness), kind="stable")[:_WORST] for m in metrics]
     columns: dict[str, np.ndarray] = {}
@@ -251,7 +253,7 @@ def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dic
 
 
 def _replay(manifest: dict[str, Any], run: str) -> str:
-    return f"orchestrate campaign {manifest.get('file') or 'CAMPAIGN.yaml'} --replay {run}"
+    return f"orchestrate campaign {manifest['campaign_file'] or 'CAMPAIGN.yaml'} --replay {run}"
 
 
 def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:
@@ -285,7 +287,9 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
 def _value(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(_value, value))}]"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_value(item)}" for key, item in value.items())
+    return re.sub(r"-?\d+\.\d{6,}(e[-+]?\d+)?", lambda match: f"{float(match[0]):.6g}", str(value))
 
 
 def _expectations(runs: Rows) -> list[list[object]]:

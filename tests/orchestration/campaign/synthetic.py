@@ -123,7 +123,7 @@ def write(
         "verdicts": [asdict(v) for v in verdicts(claims, {n: int(m.sum()) for n, m in met.items()}, runs, runs, early)],
         "early": early,
         "scenario_file": "scenarios/paper_no_singularity.yaml",
-        "file": "detumble_spread.yaml",
+        "campaign_file": "detumble_spread.yaml",
         "scenario": "paper_no_singularity",
         "fmus": {"plant": {"file": "plant.fmu", "sha256": "ab" * 32}, "controller": {"file": "controller.fmu", "sha256": "cd" * 32}},
         "versions": {"attitude-cosim": "0.2.0"},

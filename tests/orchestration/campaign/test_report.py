@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.campaign import report
+from orchestration.campaign import report, sensitivity
+from orchestration.campaign.analysis import Sensitivity
 from orchestration.cli.campaign_summary import summary
 
 from ..results.browser import Browser, box, pixels, values
 from ..results.swing import Reader, data_of, unpacked
 from . import synthetic
+from .analytic import Analytic
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +89,16 @@ def test_a_campaign_that_stopped_early_or_did_not_begin_has_a_page(tmp_path):
     words = Reader(report.page(folder)).words
     assert "interrupted" in words
     assert "no requirements" in words
+
+
+def test_morris_effects_have_their_table_and_a_grid_is_called_no_draw(tmp_path):
+    runs = Analytic(lambda u: 3.0 * u[:, 0] + u[:, 1], [("turn", 0, 2), ("k", 2, 1)])
+    found = sensitivity.run(Sensitivity(method="morris", points=10), runs, 1)
+    folder = synthetic.write(tmp_path, 60, analyses=False, sensitivity=found, sampling="grid")
+    words = Reader(report.page(folder)).words
+    assert "30 runs of their own: 10 trajectories." in words
+    assert re.search(r"mean effect spread turn [\d.]+ ± [\d.]+ – k 0 ± 0", words)  # a group has no spread
+    assert "A full grid is no draw" in words
 
 
 def test_a_campaign_whose_runs_all_failed_has_a_page(tmp_path):
