@@ -23,6 +23,8 @@ import numpy as np
 import orchestration
 from orchestration.runner.open import locate
 
+from . import bench_campaign
+
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
 ORBIT = 5800.0
@@ -198,6 +200,7 @@ def main() -> None:
     calls("python", 2000)
     process(runs)
     isolation()
+    bench_campaign.rows(orbit("native", 4), 1000, row)
     basilisk()
 
 
