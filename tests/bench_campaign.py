@@ -60,13 +60,13 @@ def overhead(scenario: dict[str, Any], row: Row) -> None:
 def orbits(scenario: dict[str, Any], count: int, row: Row) -> None:
     """So many orbits by worker processes, the start of these included; and a quarter by half of them. The rate is without the start."""
     cores = os.cpu_count() or 1
-    for workers, count in {cores: count, max(cores // 2, 1): count // 4}.items():
+    for workers, runs in ((cores, count), (max(cores // 2, 1), count // 4)):
         with tempfile.TemporaryDirectory() as folder:
             marks: list[engine.Progress] = []
-            finished = engine.fly(case(scenario, count), Path(folder) / "out", workers, tell=marks.append)
+            finished = engine.fly(case(scenario, runs), Path(folder) / "out", workers, tell=marks.append)
         flying = marks[-1].seconds
-        name = f"campaign: {count} orbits, {workers} worker{'s' * (workers > 1)}"
-        row(name, f"{finished.wall:.1f} s", f"{count / flying:.1f} orbits/s")
+        name = f"campaign: {runs} orbits, {workers} worker{'s' * (workers > 1)}"
+        row(name, f"{finished.wall:.1f} s", f"{runs / flying:.1f} orbits/s")
 
 
 def scheduler(row: Row) -> None:

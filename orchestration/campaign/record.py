@@ -35,7 +35,7 @@ def manifest(
     return {
         "campaign": campaign.name,
         "description": campaign.description,
-        "file": case.source.file,
+        "campaign_file": case.source.file,
         "state": state,
         "fingerprint": case.fingerprint,
         "parts": case.parts,
