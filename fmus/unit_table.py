@@ -62,6 +62,17 @@ UNITS = {
     "rpm": _unit("rad s-1", math.pi / 30),
     "degC": _unit("K", 1.0, 273.15),
 }
+NO_UNIT = ("-", "[-]", "n/a", "none", "unitless")
+"""What stands in the place of a unit where there is none."""
+OTHER_NAMES = {
+    "Gauss": "gauss",
+    "milligauss": "mgauss",
+    "mGauss": "mgauss",
+    "uGauss": "ugauss",
+    "RPM": "rpm",
+    "dps": "deg/s",
+}
+"""How engineers write some of these."""
 SI = PREFIXABLE.keys() | {prefix + name for prefix in PREFIXES for name in PREFIXABLE}
 _PRODUCTS = ("N m", "N m s", "A m", "A s", "V s", "J s", "W s")
 ONE_WORD = {

@@ -12,12 +12,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from .unit_table import BASES, ONE_WORD, SI, UNITS, Exponents
+from .unit_table import BASES, NO_UNIT, ONE_WORD, OTHER_NAMES, SI, UNITS, Exponents
 
 _ONE: Exponents = (0,) * len(BASES)
 
@@ -93,6 +93,10 @@ def _is_written_as_usual(text: str) -> bool:
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> Unit:
     """The unit of this name, from the table above or else from Pint. Raises QuantityError."""
+    if text.strip() in NO_UNIT:
+        return Unit(text)
+    if (other := OTHER_NAMES.get(text.strip())) is not None:
+        return replace(parse_unit(other), name=text)
     plain = _HYPHEN.sub(".", text.translate(_PLAIN)).strip()
     if not _is_written_as_usual(plain):
         raise QuantityError(f"unknown unit {text!r}; expected names such as N.m/s2, digits only as exponents")

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..master.master import Master
-from ..runner.open import open_scenario
+from ..runner.open import Opened, open_scenario
 from ..scenario.load import load
 from ..scenario.source import Source
+from ..system.clock import Clock
 from ..system.order import Order
 from ..system.wiring import Link, Node, Wiring
 
@@ -99,26 +100,37 @@ def play(
     source = Source(data)
     source.folder = source.folder / folder
     opened = open_scenario(load(source))
+    rows, played, failure = play_opened(opened, name, inputs, opened.plan.clock)
+    return Played(opened.plan.models[name], rows, played, opened.plan.notes, failure)
+
+
+def play_opened(
+    opened: Opened, name: str, inputs: Mapping[str, Floats], clock: Clock
+) -> tuple[NDArray[np.intp], dict[str, Floats], BlockError | None]:
+    """Runs one block of an opened scenario on inputs, (instants, *shape) by name, an instant a step of the clock.
+
+    Returns the rows at which it was stepped, its outputs (rows, elements) by name, and what ended it early.
+    """
     plan = opened.plan
     model, every = plan.models[name], plan.scenario.blocks[name].every
     # An input of ours that theirs does without is still an input; one that only theirs has keeps its start value.
     fed = [v for v in model.of("input") if v.name in inputs]
-    rows = {e: inputs[v.name].reshape(len(time), -1)[:, e.position] for v in fed for e in v.elements}
+    rows = {e: inputs[v.name].reshape(len(inputs[v.name]), -1)[:, e.position] for v in fed for e in v.elements}
     outputs = [v for v in model.of("output") if v.type in TYPES]
     record = Model("record", {v.name: replace(v, causality="output") for v in fed})
     recorded = Recorded(f"record of {name}", record, rows)
     sources, targets = (tuple(Node(block, element) for element in rows) for block in (recorded.name, name))
     with ExitStack() as stack:
-        block = opened.adapted(opened.instantiate(stack)[name])
+        block = opened.adapted(opened.only(name).instantiate(stack)[name])
         master = Master(
             {recorded.name: recorded, name: block} if rows else {name: block},
             Wiring([Link("playback", sources, targets)] if rows else []),
             Order([recorded.name, name], [list(sources)]) if rows else Order([name], [[]]),
-            plan.clock,
+            clock,
             [Node(name, element) for variable in outputs for element in variable.elements],
             {name: every},
         )
         recording = master.run(plan.starts)
     values = iter(np.split(recording.values[::every], np.cumsum([v.size for v in outputs]), axis=1))
     played = {variable.name: part for variable, part in zip(outputs, values, strict=False)}
-    return Played(model, np.arange(0, len(recording.time), every), played, plan.notes, recording.failure)
+    return np.arange(0, len(recording.time), every), played, recording.failure

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from ..acceptance.check import check
+from ..acceptance.suggest import suggest as proposed
 from ..acceptance.vector import play
 from ..fmu.archive import shown
 from ..runner.read import load, read
@@ -53,6 +54,9 @@ from .status import DOES_NOT_FIT
 @click.option(
     "--lenient", is_flag=True, help="Report errors of its description as warnings, as 'validation: lenient' does."
 )
+@click.option(
+    "--suggest", is_flag=True, help="Print a mapping to edit, proposed from names, units, shapes and descriptions."
+)
 @click.option("--json", "json_", is_flag=True, help="Print the findings as JSON.")
 @click.pass_context
 def command(
@@ -65,18 +69,23 @@ def command(
     tolerance: float,
     play_: bool,
     lenient: bool,
+    suggest: bool,
     json_: bool,
 ) -> None:
     """Check whether an FMU can replace a block.
 
     Lists what fits and what to change.
-    The FMU is run only with --vector, and where it carries reference data. Exit status: 0 it fits, 1 it does not, 2 wrong input.
+    The FMU is run only with --vector, and where it carries reference data. With --suggest a mapping is printed instead of the
+    findings. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
     judged = load(read(scenario)) if scenario is not None else None
     findings, fitted = check(fmu, as_, map_, lenient, judged, tolerance if play_ else None)
     if vector is not None and fitted is not None and not _errors(findings):
         findings += play(fmu, fitted, vector, tolerance)
     fits = not _errors(findings)
+    if suggest and fitted is not None:
+        say(proposed(fitted).rstrip())
+        ctx.exit(0)
     if json_:
         listed = [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in findings]
         about = {"fmu": str(fmu), "as": as_, "map": None if map_ is None else str(map_), "fits": fits}

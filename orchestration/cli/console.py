@@ -116,10 +116,10 @@ def is_terminal(stream: TextIO | None) -> bool:
 
 
 class Progress:
-    """A bar with the simulated time, for runs that last long enough."""
+    """A bar with the simulated time, or a count of what is done, for runs that last long enough."""
 
-    def __init__(self, duration: float, wanted: bool) -> None:
-        self.duration, self.wanted = duration, wanted and is_terminal(sys.stdout)
+    def __init__(self, duration: float, wanted: bool, counted: str = "") -> None:
+        self.duration, self.wanted, self.counted = duration, wanted and is_terminal(sys.stdout), counted
         self._begun = perf_counter()
         self._bar: Any = None
         self._task: Any = None
@@ -130,7 +130,8 @@ class Progress:
         if self._bar is None:
             from rich import progress  # here, since it takes longer than a short run  # noqa: PLC0415
 
-            text = progress.TextColumn(f"{{task.completed:.1f}} / {self.duration:.10g} s")
+            places, unit = (0, self.counted) if self.counted else (1, "s")
+            text = progress.TextColumn(f"{{task.completed:.{places}f}} / {self.duration:.10g} {unit}")
             share = progress.TextColumn("{task.percentage:.0f}%")
             self._bar = progress.Progress(
                 text, progress.BarColumn(), share, progress.TimeRemainingColumn(), transient=True

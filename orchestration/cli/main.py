@@ -33,6 +33,7 @@ COMMANDS = {
     "fmus": "orchestration.cli.fmus",
     "info": "orchestration.cli.info",
     "new": "orchestration.cli.new",
+    "polarity": "orchestration.cli.polarity",
     "reference": "orchestration.cli.reference",
     "run": "orchestration.cli.run",
     "scenarios": "orchestration.cli.scenarios",

@@ -22,7 +22,7 @@ from ..system.wiring import Node
 
 Scalar = float | int | bool | str
 
-_LEFT_OUT = ("expect", "holds", "figures", "faults", "cycle", "record")
+_LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "cycle", "record")
 """What the step for the values of t = 0 goes without."""
 
 

@@ -45,9 +45,13 @@ class Recording:
 class Watch:
     """Hands on the values of some elements after every base step, where only some of the steps are recorded."""
 
-    def __init__(self, columns: Sequence[Node], clock: Clock, see: Callable[[Floats, Floats], None]) -> None:
-        """`see` is given times (n,) and values (n, columns), piece by piece."""
-        self.columns, self._clock, self._see = list(columns), clock, see
+    def __init__(
+        self, columns: Sequence[Node], clock: Clock, see: Callable[[Floats, Floats], None], soon: int = _ROWS
+    ) -> None:
+        """`see` is given times (n,) and values (n, columns), piece by piece: first after `soon` base steps, then after
+        twice as many each time. What it raises ends the run.
+        """
+        self.columns, self._clock, self._see, self._soon = list(columns), clock, see, soon
         self.rows = np.empty((min(_ROWS, clock.steps + 1), len(self.columns)))
         self.first = 0
         """The base step of the first row."""
@@ -55,7 +59,7 @@ class Watch:
     @property
     def last(self) -> int:
         """The base step of the last row."""
-        return self.first + len(self.rows) - 1
+        return self.first + min(self._soon, len(self.rows)) - 1
 
     def row(self, count: int) -> Floats:
         """Where the values after base step `count` belong; it follows those before it."""
@@ -69,6 +73,7 @@ class Watch:
         if n > 0:
             self._see(self._clock.times(self.first, n), self.rows[:n])
             self.first += n
+            self._soon *= 2
 
 
 def check_finite(seat: Seat, time: float | None = None) -> None:

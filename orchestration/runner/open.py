@@ -8,7 +8,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -51,6 +51,10 @@ class Opened:
         """The instance as the master sees it: behind our interface, and stepped as its FMU can be stepped."""
         substeps = self.rates.substeps.get(block.name)
         return self.prepared.adapted(substeps.before(block) if substeps else block)
+
+    def only(self, name: str) -> Opened:
+        """The same with one block alone, for `instantiate`."""
+        return replace(self, fmus={name: self.fmus[name]})
 
     def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Instance]:
         """An instance of each FMU; closed, and its files removed, when the stack ends. Raises InputError.

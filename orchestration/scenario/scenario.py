@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 
+from .consistency import Consistency
 from .expectations import Expectation, HoldEntry
 from .faults import Fault
 from .figures import FigureEntry
@@ -110,6 +111,9 @@ class Scenario(Model):
     """Expectations, which decide the exit status."""
     holds: list[HoldEntry] = []
     """Holds, of which the summary tells whether and when they were released."""
+    consistency: dict[Annotated[str, Field(min_length=1)], Consistency] = {}
+    """Consistency checks by their names, such as "the wheel's momentum follows its torque": `orchestrate polarity` sees a
+    wrong wiring early by them."""
     faults: list[Fault] = []
     """What goes wrong during the run."""
     figures: list[FigureEntry] = []

@@ -93,12 +93,12 @@ def library(name: str = "probe", *options: str) -> bytes:
         return out.read_bytes()
 
 
-def write(path: Path, xml: str, binary: bytes | None = None, folder: str = fmpy.platform) -> Path:
+def write(path: Path, xml: str, binary: bytes | None = None, folder: str = fmpy.platform, stem: str = "probe") -> Path:
     """An FMU of this description; without a binary it can be checked but not loaded."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("modelDescription.xml", xml)
         suffix = {"win64": ".dll", "darwin64": ".dylib", "linux64": ".so"}[folder]
-        archive.writestr(f"binaries/{folder}/probe{suffix}", b"no library" if binary is None else binary)
+        archive.writestr(f"binaries/{folder}/{stem}{suffix}", b"no library" if binary is None else binary)
     return path
 
 

@@ -1,0 +1,114 @@
+"""One block alone, given chosen inputs step by step, again and again with a new instance each time."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import BlockError
+from ...fmu.model import TYPES, Element, Floats
+from ...instances.block import Block
+from ...instances.slave import Slave
+from ...system.wiring import Node
+from .fly import Loop
+
+
+def flown_inputs(loop: Loop, block: str, signals: Mapping[Node, Floats]) -> dict[str, Floats]:
+    """What flows in a run to each input that is connected as a whole, (samples, elements) by name."""
+    variables = loop.plan.models[block].variables
+    given: dict[str, dict[int, Floats]] = {}
+    for link in loop.plan.wiring.links:
+        for source, target in zip(link.source, link.target, strict=True):
+            if target.block == block:
+                columns = given.setdefault(target.element.variable, {})
+                columns[target.element.position] = signals[source] * link.factor + link.offset
+    whole = {name: columns for name, columns in given.items() if len(columns) == variables[name].size}
+    return {name: np.stack([columns[i] for i in range(len(columns))], axis=1) for name, columns in whole.items()}
+
+
+class Bench:
+    """A block of an opened scenario, in this process. One instance serves for all plays, unless a reset does not clear it."""
+
+    def __init__(self, loop: Loop, block: str, stack: ExitStack) -> None:
+        self.opened, self.block = loop.opened, block
+        self.model = loop.plan.models[block]
+        self.starts = [(start.element, start.value) for start in loop.plan.starts[block]]
+        self.step = loop.plan.clock.step * loop.plan.scenario.blocks[block].every
+        self._fmu = loop.opened.fmus[block]
+        self._folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-")))
+        self._fmu.extract(self._folder)
+        self.keeps_instance = True
+        reals = [v for v in self.model.of("output") if v.type == "real"]
+        self._names, self._ends = [v.name for v in reals], np.cumsum([v.size for v in reals])[:-1]
+        self._outputs = [e for v in reals for e in v.elements]
+        self._into = np.zeros(len(self._outputs))
+        self._slave: Slave | None = None
+        stack.callback(self._close)
+
+    def play(self, inputs: Mapping[str, Floats]) -> dict[str, Floats] | None:
+        """Its real outputs (instants, elements) by name on inputs (instants, elements); None where it refuses them."""
+        try:
+            if self._slave is not None:
+                self._reset()
+            if self._slave is None:
+                self._open(inputs)
+            whole = self._play(np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order])
+        except BlockError:
+            self._close()
+            return None
+        if not self.keeps_instance:
+            self._close()
+        return (
+            dict(zip(self._names, np.split(whole, self._ends, axis=1), strict=True))
+            if np.isfinite(whole).all()
+            else None
+        )
+
+    def _reset(self) -> None:
+        """Back to the start; without an instance where this one cannot."""
+        try:
+            if self._slave is not None:
+                self._slave.reset()
+        except BlockError:
+            self.keeps_instance = False
+            self._close()
+
+    def _open(self, inputs: Mapping[str, Floats]) -> None:
+        variables = self.model.variables
+        self._fed = list(inputs)
+        elements = [Element(name, i) for name in self._fed for i in range(variables[name].size)]
+        kinds = [TYPES.index(variables[e.variable].type) for e in elements]
+        self._order = np.argsort(kinds, kind="stable")
+        self._elements = [elements[i] for i in self._order]
+        self._slave = Slave(self.block, self._fmu, self._folder)
+        self._stepped: Block = self.opened.adapted(self._slave)
+        self._given: Floats | None = None
+
+    def _play(self, table: Floats) -> Floats:
+        block, into = self._stepped, self._into
+        block.set(self.starts)
+        block.enter(self.step * len(table))
+        block.set(zip(self._elements, table[0].tolist(), strict=True))
+        block.get(self._outputs)  # as a master does, which hands them on
+        if self._given is None:
+            self._given = block.wire(self._elements, self._outputs, [len(self._outputs), 0, 0, 0], into)
+        given = self._given
+        block.leave()
+        block.get_all()
+        rows = [into.copy()]
+        for count, values in enumerate(table[1:]):
+            given[:] = values
+            block.set_inputs()
+            block.do_step(count * self.step, self.step)
+            block.get_all()
+            rows.append(into.copy())
+        return np.array(rows)
+
+    def _close(self) -> None:
+        if self._slave is not None:
+            self._slave.close()
+        self._slave = None

@@ -1,0 +1,130 @@
+"""All wrong wirings of a scenario's ports, flown in several processes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import cache
+
+from ...errors import BlockError
+from ...scenario.source import Source
+from .fly import Found, Loop
+from .ports import Port, ports
+from .reasons import Nominal, Unobservable
+from .swaps import inside
+from .wrongs import Wrong, wrongs
+
+_PART = 7
+"""Wrong wirings that a process takes at a time."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of one wrong wiring."""
+
+    port: Port
+    wrong: str
+    kind: str
+    found: Found | None
+    unobservable: Unobservable | None = None
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What became of all of them."""
+
+    scenario: str
+    duration: float
+    nominal: Found | None
+    """What the loop as it is wired does not meet; then nothing else was flown."""
+    rows: list[Row]
+    skipped: list[Port]
+    """Ports without wrong wirings, such as enumerations."""
+    notes: list[str]
+    margins: dict[str, float]
+    """How often larger than in the nominal run the difference of each consistency check could be."""
+
+
+Progress = Callable[[int, int], None]
+"""Called with how many are flown and how many there are."""
+
+
+def run(
+    source: Source,
+    blocks: Iterable[str] | None = None,
+    chosen: Sequence[str] = (),
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> Campaign:
+    """Flies every wrong wiring of the ports of these blocks, or of the ports named. Raises InputError and BlockError."""
+    loop = Loop(source)
+    scenario = loop.plan.scenario
+    nominal, _ = loop.fly()
+    if nominal is not None:
+        return Campaign(scenario.name, scenario.duration, nominal, [], [], loop.notes, {})
+    found = [port for port in ports_of(loop, blocks) if not chosen or _named(port, chosen)]
+    tasks = [(port, wrongs(port)) for port in found]
+    parts = [(port, some[i : i + _PART]) for port, some in tasks for i in range(0, len(some), _PART)]
+    total = sum(len(some) for _, some in tasks)
+    rows: dict[tuple[str, str, str], Row] = {}
+    for done in _flown(source, loop, parts, processes or os.cpu_count() or 1):
+        rows.update(((row.port.causality, row.port.name, row.wrong), row) for row in done)
+        if progress is not None:
+            progress(len(rows), total)
+    ordered = [rows[port.causality, port.name, wrong.name] for port, some in tasks for wrong in some]
+    skipped = [port for port, some in tasks if not some]
+    return Campaign(scenario.name, scenario.duration, None, ordered, skipped, loop.notes, loop.margins)
+
+
+def ports_of(loop: Loop, blocks: Iterable[str] | None = None) -> list[Port]:
+    """The ports of a loop; which of them are rotations, a run tells."""
+    nodes = list(dict.fromkeys(node for link in loop.plan.wiring.links for node in link.source))
+    _, signals = loop.record(nodes)
+    return ports(loop.plan.models, loop.plan.wiring, signals, blocks)
+
+
+def _named(port: Port, chosen: Sequence[str]) -> bool:
+    return any(port.name == name or f"{port.block}.{port.variable}" == name for name in chosen)
+
+
+def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], processes: int) -> Iterator[list[Row]]:
+    if processes == 1 or len(parts) < 2:
+        nominal = cache(lambda: Nominal(loop))
+        for part in parts:
+            yield _fly(loop, nominal, *part)
+        return
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # threads of BLAS would only take the processes' cores
+    with ProcessPoolExecutor(min(processes, len(parts)), initializer=_open, initargs=(inside(source),)) as pool:
+        try:
+            for future in as_completed([pool.submit(_fly_here, *part) for part in parts]):
+                yield future.result()
+        except BrokenProcessPool:
+            raise BlockError("polarity", "a run", "ended the process in which it ran; an FMU has crashed") from None
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+_here: list[tuple[Loop, Callable[[], Nominal]]] = []
+"""What a process has opened."""
+
+
+def _open(source: Source) -> None:
+    loop = Loop(source)
+    _here[:] = [(loop, cache(lambda: Nominal(loop)))]
+
+
+def _fly_here(port: Port, some: list[Wrong]) -> list[Row]:
+    return _fly(*_here[0], port, some)
+
+
+def _fly(loop: Loop, nominal: Callable[[], Nominal], port: Port, some: list[Wrong]) -> list[Row]:
+    rows = []
+    for wrong in some:
+        found, _ = loop.fly(port, wrong)
+        why = nominal().why(port, wrong) if found is None else None
+        rows.append(Row(port, wrong.name, wrong.kind, found, why))
+    return rows

@@ -1,0 +1,202 @@
+"""A loop flown with one port wired wrongly, until an expectation or a consistency check shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import BlockError, InputError
+from ...expectations.checks import Check
+from ...expectations.consistency import Relation, Watcher, prepare
+from ...expectations.judge import Judge
+from ...fmu.model import Floats
+from ...instances.block import Block
+from ...master.master import Master
+from ...master.recording import Watch
+from ...runner.open import open_scenario
+from ...runner.plan import Plan
+from ...scenario.load import load
+from ...scenario.source import Source
+from ...system import order
+from ...system.order import Order
+from ...system.wiring import Node, Wiring
+from .misread import Misread
+from .ports import Port, miswired
+from .wrongs import Wrong
+
+_SOON = 16
+"""Base steps until the checks are looked at for the first time; then after twice as many each time."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What shows a wrong wiring: an expectation, a consistency check, or a block that refuses it."""
+
+    how: str
+    """expectation, consistency or refused."""
+    by: str
+    time: float
+    """Of the first sample that shows it, s."""
+
+
+class _Enough(Exception):
+    """The wrong wiring is shown, so the rest of the run can tell nothing more."""
+
+
+class Loop:
+    """A scenario opened once and flown again and again. Raises InputError where the scenario is wrong."""
+
+    def __init__(self, source: Source) -> None:
+        self.opened = open_scenario(load(source))
+        self.plan: Plan = self.opened.plan
+        self.notes = list(self.plan.notes)
+        self.relations = self._relations()
+        looks: list[Check | Relation] = [*self.plan.checks, *self.relations]
+        self.watched = list(dict.fromkeys(node for look in looks for node in look.needed))
+        self.margins: dict[str, float] = {}
+        """How often larger the difference of each consistency check could be in the run as wired, once it is flown."""
+
+    def _relations(self) -> list[Relation]:
+        """The consistency checks; those that read what a swapped block lacks are left out with a note."""
+        scenario, models = self.plan.scenario, self.plan.models
+        lacking: dict[str, str] = {}
+        for check, entry in scenario.consistency.items():
+            for name, fit in self.opened.prepared.fits.items():
+                text = f"{entry.left} {entry.right} {entry.when or ''}"
+                gone = [v for v in (*fit.ignored, *fit.missing, *fit.without) if v not in models[name].variables]
+                if any(f"{name}.{v}" in text for v in gone):
+                    lacking[check] = f"the consistency check '{check}' is left out: {name} lacks what it reads"
+        self.notes += lacking.values()
+        if lacking:
+            source = scenario.source.without([("consistency", check) for check in lacking])
+            scenario = load(source)
+        return prepare(scenario, models)
+
+    def fly(self, port: Port | None = None, wrong: Wrong | None = None) -> tuple[Found | None, float]:
+        """What shows the wrong wiring first, and how long the loop flew, s; None where nothing does.
+
+        Without a port the loop flies as it is wired.
+        """
+        judges = [Judge(check) for check in self.plan.checks]
+        watchers = [Watcher(relation) for relation in self.relations]
+        count = 0
+        found: list[Found] = []
+
+        def see(time: Floats, values: Floats) -> None:
+            nonlocal count
+            columns = self._as_given(port, wrong, {node: values[:, i] for i, node in enumerate(self.watched)})
+            for watcher in watchers:
+                watcher.see(count, time, columns)
+                if watcher.broken is not None:
+                    found.append(Found("consistency", watcher.broken.name, watcher.broken.time))
+            for judge in judges:
+                judge.see(time, columns)
+                outcome = judge.outcome(early=True)
+                if not outcome.passed and not outcome.open:
+                    first = _first(judge.check, time, columns)
+                    found.append(
+                        Found(
+                            "expectation", outcome.name, first if first is not None else outcome.time or float(time[-1])
+                        )
+                    )
+            count += len(time)
+            if found:
+                raise _Enough
+
+        watch = Watch(self.watched, self.plan.clock, see, _SOON)
+        failure: BlockError | None = None
+        with suppress(_Enough):
+            failure = self._run(port, wrong, [], watch)[2]
+        if failure is not None:
+            found.append(Found("refused", f"{failure.block}: {failure.problem}", failure.time or 0.0))
+        if port is None:
+            self.margins = {watcher.relation.name: watcher.closest for watcher in watchers}
+        flown = self.plan.clock.time(max(count - 1, 0))
+        if not found:
+            ended = [(judge.outcome(), judge) for judge in judges]
+            found += [Found("expectation", o.name, flown) for o, _ in ended if not o.passed]
+        return min(found, key=lambda f: f.time, default=None), flown
+
+    def record(
+        self, nodes: list[Node], port: Port | None = None, wrong: Wrong | None = None
+    ) -> tuple[Floats, dict[Node, Floats]]:
+        """Times (n,) and values (n,) of these elements, over the whole run or up to a failure."""
+        time, values, _ = self._run(port, wrong, nodes, None)
+        return time, self._as_given(port, wrong, {node: values[:, i] for i, node in enumerate(nodes)})
+
+    def _run(
+        self, port: Port | None, wrong: Wrong | None, nodes: list[Node], watch: Watch | None
+    ) -> tuple[Floats, Floats, BlockError | None]:
+        plan, scenario = self.plan, self.plan.scenario
+        wiring, sequence = self._wired(port, wrong)
+        every = {name: entry.every for name, entry in scenario.blocks.items()}
+        with ExitStack() as stack:
+            instances = self.opened.instantiate(stack)
+            blocks: dict[str, Block] = {name: self.opened.adapted(block) for name, block in instances.items()}
+            if port is not None and wrong is not None and wrong.turn is not None:
+                for name, variable in _readers(port, plan.wiring):
+                    blocks[name] = Misread(blocks[name], variable, wrong.turn)
+            master = Master(
+                blocks,
+                wiring,
+                sequence,
+                plan.clock,
+                nodes,
+                every,
+                scenario.exchange == "parallel",
+                True,
+                plan.faults,
+                watch,
+            )
+            recording = master.run(plan.starts)
+        if recording.interrupted:
+            raise KeyboardInterrupt
+        return recording.time, recording.values, recording.failure
+
+    def _wired(self, port: Port | None, wrong: Wrong | None) -> tuple[Wiring, Order]:
+        plan = self.plan
+        if port is None or wrong is None or wrong.matrix is None:
+            return plan.wiring, plan.order
+        wiring = miswired(plan.wiring, port, wrong.matrix, wrong.offset)
+        try:
+            levels = order.sort(plan.scenario, plan.models, wiring, self.opened.prepared.feedthrough).levels
+        except InputError:  # other elements close a loop in initialization; twice the usual order hands all on
+            levels = plan.order.levels * 2
+        return wiring, replace(plan.order, levels=levels)
+
+    def _as_given(self, port: Port | None, wrong: Wrong | None, columns: dict[Node, Floats]) -> dict[Node, Floats]:
+        """What others see of an output that is given wrongly. An input that is read wrongly is right on the wire."""
+        if port is None or wrong is None or port.causality != "output" or not all(n in columns for n in port.nodes):
+            return columns
+        values = wrong.apply(np.stack([columns[node] for node in port.nodes], axis=1))
+        return columns | {node: values[:, i] for i, node in enumerate(port.nodes)}
+
+
+def _readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:
+    """The inputs that a port is, or feeds, by block and variable."""
+    if port.causality == "input":
+        return [(port.block, port.variable)]
+    fed = {
+        (target.block, target.element.variable): None
+        for link in wiring.links
+        for source, target in zip(link.source, link.target, strict=True)
+        if source in port.nodes
+    }
+    return list(fed)
+
+
+def _first(check: Check, time: Floats, columns: Mapping[Node, Floats]) -> float | None:
+    """The time of the first of these samples by which an expectation fails; None where that is not decided by one."""
+    if check.expectation.always is None:
+        return None
+    low, high = 0, len(time)
+    while high - low > 1:  # the first half that holds a failing sample, again and again
+        middle = (low + high) // 2
+        judge = Judge(check)
+        judge.see(time[low:middle], {node: columns[node][low:middle] for node in check.needed})
+        outcome = judge.outcome(early=True)
+        low, high = (low, middle) if not outcome.passed and not outcome.open else (middle, high)
+    return float(time[low])

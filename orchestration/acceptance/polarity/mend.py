@@ -1,0 +1,189 @@
+"""The mapping that mends a swapped FMU which behaves as one of the wrong wirings, confirmed in the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import BlockError
+from ...fmu.model import Floats
+from ...quantities import parse, parse_unit
+from ...scenario.mapping import Mapping as PortMapping
+from ...scenario.mapping import PortMap
+from ...scenario.references import Name
+from ...scenario.source import Source
+from .fly import Found, Loop
+from .identify import identify
+from .ports import Port
+from .wrongs import USUAL, Wrong, wrongs
+
+_FACTOR = 1e-6
+"""How near a factor has to be to that of a usual unit."""
+
+
+@dataclass(frozen=True)
+class Mended:
+    """What a swapped FMU behaves as, and its mapping that mends it."""
+
+    block: str
+    behaves: dict[str, str]
+    """By port of ours: the wrong wiring that theirs behaves as."""
+    mapping: dict[str, Any]
+    """As data for `map:`."""
+    before: float
+    after: float
+    """Difference from ours on the same inputs, as a share: as wired and as mended."""
+    left: Found | None
+    """What the loop still does not meet with it; None where all is met."""
+    complete: bool
+
+
+def mend(ours: Source, theirs: Source, block: str) -> Mended:
+    """Looks for the mapping of a swapped block under which it does what ours does. Raises InputError and BlockError."""
+    try:
+        with ProcessPoolExecutor(1) as pool:  # theirs may crash
+            found = pool.submit(identify, ours, theirs, block).result()
+    except BrokenProcessPool:
+        raise BlockError(block, "a run alone", "ended the process in which it ran; the FMU has crashed") from None
+    loop = Loop(theirs)
+    fit = loop.opened.prepared.fits[block]
+    present = fit.mapping or PortMapping()
+    data = present.model_dump(exclude_none=True, exclude_defaults=True)
+    data["ports"] = {name: _data(entry) for name, entry in present.ports.items()}
+    behaves: dict[str, str] = {}
+    for causality, changes in (("input", found.inputs), ("output", found.outputs)):
+        for name, wrong in changes.items():
+            behaves[name] = named(found.ports[name], wrong)
+            entry = present.ports.get(name) or PortMap(theirs=[Name(name)], inverse=False)
+            declared = fit.links[name].theirs[0]
+            unit = fit.theirs.variables[declared.variable].at([declared.position]).unit
+            factor = unit.factor if unit is not None and unit.exponents is not None else found.ports[name].unit.factor
+            data["ports"][name] = _mended(entry, found.ports[name], wrong, causality, factor)
+    left = None
+    if behaves:
+        left, _ = Loop(theirs.with_entry(("blocks", block, "map"), data)).fly()
+    return Mended(block, behaves, data, found.before, found.after, left, found.complete)
+
+
+def named(port: Port, change: Wrong) -> str:
+    """The wrong wiring that a change undoes, by its name in the tables."""
+    if change.matrix is None:
+        return change.name
+    undone = np.linalg.inv(change.matrix)
+    known = (w for w in wrongs(port) if w.matrix is not None and np.allclose(w.matrix, undone, rtol=_FACTOR))
+    return next((w.name for w in known), change.name)
+
+
+def _data(entry: PortMap) -> dict[str, Any]:
+    kept = entry.model_dump(exclude_none=True, exclude_defaults=True)
+    names = [str(name) for name in entry.theirs]
+    return kept | {"theirs": names[0] if len(names) == 1 else names}
+
+
+def _mended(entry: PortMap, port: Port, change: Wrong, causality: str, declared: float) -> dict[str, Any]:
+    """The entry of a port with a change in it: what is handed to theirs, or what is made of an output of theirs."""
+    data = _data(entry)
+    if entry.quaternion is not None:
+        return data | _quaternion(entry, change)
+    assert change.matrix is not None
+    matrix = change.matrix if causality == "input" else np.linalg.inv(change.matrix)
+    size = float(np.abs(matrix).max())
+    matrix = np.round(matrix / size)
+    if abs(size - 1.0) > _FACTOR:
+        data = _with_factor(data, size, port, declared)
+    if len(matrix) == 1:
+        return _with_sign(data) if matrix[0, 0] < 0.0 else data
+    before = np.eye(len(matrix)) if entry.matrix is None else np.array(entry.matrix, float)
+    product: Floats = before @ matrix
+    if np.array_equal(product, np.eye(len(product))) and len(entry.theirs) > 1:
+        data.pop("matrix", None)
+    elif not np.array_equal(matrix, np.eye(len(matrix))):
+        data["matrix"] = [[_whole(x) for x in row] for row in product.tolist()]
+    return data
+
+
+def _quaternion(entry: PortMap, change: Wrong) -> dict[str, Any]:
+    order = entry.quaternion
+    inverse = entry.inverse
+    if change.turn is None:
+        inverse = not inverse
+    else:
+        order = "scalar last" if order == "scalar first" else "scalar first"
+        inverse = inverse != change.turn[1]
+    return {"quaternion": order, "inverse": inverse}
+
+
+def _with_factor(data: dict[str, Any], size: float, port: Port, declared: float) -> dict[str, Any]:
+    """With another unit of theirs, where a usual one has the factor; else with a scale."""
+    wanted = (parse_unit(data["unit"]).factor if "unit" in data else declared) / size
+    for family in USUAL:
+        for name in family:
+            unit = parse_unit(name)
+            if (
+                unit.exponents == port.unit.exponents
+                and abs(unit.factor / wanted - 1.0) < _FACTOR
+                and "divide" not in data
+            ):
+                return data | {"unit": name}
+    if "divide" in data:
+        return data | {"divide": _times(data["divide"], 1.0 / size)}
+    return data | {"scale": _times(data.get("scale", 1), size)}
+
+
+def _with_sign(data: dict[str, Any]) -> dict[str, Any]:
+    key = "divide" if "divide" in data else "scale"
+    return data | {key: _times(data.get(key, 1), -1.0)}
+
+
+def _times(value: Any, by: float) -> Any:
+    """A factor times a number, with its unit."""
+    if isinstance(value, str):
+        number, unit = parse(value)
+        return f"{number * by:.10g} {unit}" if unit is not None else number * by
+    return _whole(value * by)
+
+
+def _whole(x: float) -> float:
+    return int(x) if float(x).is_integer() else x
+
+
+def as_yaml(mapping: Mapping[str, Any]) -> str:
+    """A mapping as YAML, an entry a line."""
+    lines = ["ports:" if mapping.get("ports") else "ports: {}"]
+    lines += [f"  {name}: {_flow(entry)}" for name, entry in mapping.get("ports", {}).items()]
+    for key in ("inputs", "start", "ignore"):
+        if mapping.get(key):
+            lines.append(f"{key}: {_flow(mapping[key])}")
+    return "\n".join(lines) + "\n"
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, Mapping):
+        if set(value) == {"theirs"}:
+            return _flow(value["theirs"])
+        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        plain = value.replace("_", "a").replace(" ", "a").replace(".", "a").replace("/", "a")
+        return value if plain.isalnum() and value[0].isalpha() else "'" + value.replace("'", "''") + "'"
+    return repr(value)
+
+
+def summary(mended: Mended) -> dict[str, Any]:
+    """All of it as plain data."""
+    return {
+        "block": mended.block,
+        "behaves_as": mended.behaves,
+        "map": mended.mapping,
+        "difference_as_wired": mended.before,
+        "difference_as_mended": mended.after,
+        "mends": bool(mended.behaves) and mended.left is None,
+    }

@@ -1,0 +1,194 @@
+"""What became of the wrong wirings, and the test card: tables for the console, Markdown, CSV and JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from ...results.place import put
+from .campaign import Campaign, Row
+from .card import Card
+from .mend import as_yaml
+from .mend import summary as of_mended
+from .swaps import Looked
+
+HEADER = ("port", "", "wrong", "found", "first", "last", "mostly by")
+_BY = 28
+"""Characters of the last column, so that a line has at most 80."""
+
+
+def ports(rows: Sequence[Row]) -> list[list[Row]]:
+    """The rows of each port."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.port.name, row.port.causality), []).append(row)
+    return list(groups.values())
+
+
+def table(campaign: Campaign, wide: bool = False) -> list[tuple[str, ...]]:
+    """A line for each port: how many wrong wirings, how many are found, after how many seconds, and by what mostly."""
+    lines = []
+    for rows in ports(campaign.rows):
+        port, found = rows[0].port, [row.found for row in rows if row.found is not None]
+        times = [f"{f(one.time for one in found):.5g} s" if found else "" for f in (min, max)]
+        by = Counter(one.by.partition(":")[0] if one.how == "refused" else one.by for one in found).most_common(1)
+        text = by[0][0] if by else ""
+        if by and next(one.how for one in found if text in one.by) == "refused":
+            text = f"refused by {text}"
+        text = text if wide or len(text) <= _BY else text[: _BY - 3] + "..."
+        lines.append((port.name, port.causality[:-3], str(len(rows)), str(len(found)), *times, text))
+    return lines
+
+
+def unobservable(campaign: Campaign) -> list[tuple[str, list[str], str, str]]:
+    """Port, wrong wirings, why nothing shows them, and what to add; those of one port that have one reason together."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in campaign.rows:
+        if row.unobservable is not None:
+            groups.setdefault((f"{row.port.causality} {row.port.name}", row.unobservable.reason), []).append(row)
+    listed = []
+    for (name, reason), rows in groups.items():
+        left = [row.unobservable for row in rows if row.unobservable is not None]
+        listed.append((name, [row.wrong for row in rows], reason, min(left, key=lambda u: u.size).remedy))
+    return listed
+
+
+def verdict(campaign: Campaign) -> str:
+    """The counts in a sentence."""
+    found = sum(row.found is not None for row in campaign.rows)
+    left = len(campaign.rows) - found
+    text = f"{len(campaign.rows)} wrong wirings of {len(ports(campaign.rows))} ports: {found} found"
+    return text + (f", {left} not observable" if left else "")
+
+
+def write_mappings(looked: Looked, folder: Path) -> None:
+    """Writes the mappings that are proposed or mended."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for block, text in looked.proposed.items():
+        put(folder / f"{block}.proposed.yaml", text)
+    for mended in looked.mended:
+        if mended.behaves:
+            put(folder / f"{mended.block}.mapping.yaml", as_yaml(mended.mapping))
+
+
+def write(campaign: Campaign, card: Card | None, folder: Path, title: str, looked: Looked | None = None) -> list[Path]:
+    """Writes polarity.md, .csv and .json, and the card, into a folder."""
+    data = json.dumps(summary(campaign, looked), indent=2, ensure_ascii=False) + "\n"
+    files = {"polarity.md": markdown(campaign, title), "polarity.csv": _csv(campaign), "polarity.json": data}
+    if card is not None:
+        files |= {"card.md": card_markdown(card, title), "card.csv": card_csv(card)}
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        put(folder / name, text)
+    return [folder / name for name in files]
+
+
+def markdown(campaign: Campaign, title: str) -> str:
+    """The tables as a page."""
+    lines = [f"# Polarity of {title}", "", f"{verdict(campaign)}.", ""]
+    header = ("port", "direction", "wrong wirings", "found", "first after", "last after", "mostly by")
+    lines += _table(header, table(campaign, wide=True))
+    if left := unobservable(campaign):
+        lines += ["", "## Not observable", ""]
+        lines += _table(
+            ("port", "wrong wirings", "why nothing shows it", "what to add"),
+            [(name, f"{len(wrongs)}: {', '.join(wrongs)}", reason, remedy) for name, wrongs, reason, remedy in left],
+        )
+    if campaign.skipped:
+        names = ", ".join(f"{port.causality} {port.name}" for port in campaign.skipped)
+        lines += ["", f"Without wrong wirings, since they are integers, enumerations or text: {names}."]
+    if campaign.margins:
+        lines += ["", "## Consistency checks as wired", ""]
+        lines += _table(
+            ("check", "tolerance over the largest difference"),
+            [(name, f"{margin:.3g}" if margin < 1e9 else "above 1e9") for name, margin in campaign.margins.items()],
+        )
+    return "\n".join(lines) + "\n"
+
+
+def card_markdown(card: Card, title: str) -> str:
+    """The test card as a page."""
+    lines = [f"# Ground test card of {title}", ""]
+    lines += [
+        "Each block stands alone with the inputs below.",
+        "Change one of them, and wait.",
+        "The outputs change by what is expected, to a few percent.",
+    ]
+    for block, base in card.base.items():
+        lines += ["", f"## {block}", "", *_table(("input", "before"), list(base.items())), ""]
+        steps = [(s.stimulus, f"{s.hold:.3g} s", s.output, s.expected) for s in card.steps if s.block == block]
+        lines += _table(("stimulus", "after", "output", "expected change"), steps)
+    return "\n".join(lines) + "\n"
+
+
+def card_csv(card: Card) -> str:
+    """The test card as CSV."""
+    return _rows(
+        ("block", "port", "stimulus", "after_s", "output", "expected_change"),
+        [(s.block, s.port, s.stimulus, s.hold, s.output, s.expected) for s in card.steps],
+    )
+
+
+def _csv(campaign: Campaign) -> str:
+    lines = []
+    for row in campaign.rows:
+        found, left = row.found, row.unobservable
+        lines.append(
+            (
+                row.port.name,
+                row.port.causality,
+                row.wrong,
+                row.kind,
+                found.how if found else "not observable",
+                found.by if found else "",
+                found.time if found else "",
+                left.reason if left else "",
+                left.remedy if left else "",
+            )
+        )
+    header = ("port", "direction", "wrong_wiring", "kind", "shown_by", "name", "after_s", "reason", "remedy")
+    return _rows(header, lines)
+
+
+def summary(campaign: Campaign, looked: Looked | None = None) -> dict[str, Any]:
+    """All of it as plain data."""
+    as_wired = None if looked is None or looked.wrong is None else asdict(looked.wrong)
+    return {
+        "scenario": campaign.scenario,
+        "duration": campaign.duration,
+        "nominal": None if campaign.nominal is None else asdict(campaign.nominal),
+        "swap_as_wired": as_wired,
+        "mended": [of_mended(mended) for mended in looked.mended] if looked else [],
+        "found": sum(row.found is not None for row in campaign.rows),
+        "not_observable": sum(row.found is None for row in campaign.rows),
+        "wirings": [
+            {
+                "port": row.port.name,
+                "direction": row.port.causality,
+                "wrong": row.wrong,
+                "kind": row.kind,
+                "found": None if row.found is None else asdict(row.found),
+                "not_observable": None if row.unobservable is None else asdict(row.unobservable),
+            }
+            for row in campaign.rows
+        ],
+        "margins": campaign.margins,
+        "notes": campaign.notes,
+    }
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    escaped = [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    return [f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *escaped]]
+
+
+def _rows(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
+    return text.getvalue()

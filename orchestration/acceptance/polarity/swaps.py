@@ -1,0 +1,81 @@
+"""A swapped FMU before its ports are looked at: a mapping proposed where none is given, and mended where it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ...fmu.interfaces import is_path
+from ...scenario.load import load
+from ...scenario.scenario import Scenario
+from ...scenario.source import Source
+from ...scenario.text import parse
+from ...swap.findings import unfed
+from ..check import check
+from ..suggest import suggest
+from .fly import Found, Loop
+from .mend import Mended, mend
+
+
+@dataclass
+class Looked:
+    """A scenario with swapped FMUs, and what was done so that it flies as ours."""
+
+    source: Source
+    """With the mappings that are proposed or mended."""
+    proposed: dict[str, str] = field(default_factory=dict)
+    """By block: the mapping proposed, as YAML."""
+    wrong: Found | None = None
+    """What the loop as wired did not meet."""
+    mended: list[Mended] = field(default_factory=list)
+    left: Found | None = None
+    """What it does not meet in the end."""
+
+
+def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
+    """Proposes and mends mappings of the swapped blocks, as far as that is needed. Raises InputError and BlockError."""
+    looked = Looked(theirs)
+    for block in blocks:
+        if (text := _proposal(load(looked.source), block)) is not None:
+            looked.proposed[block] = text
+            data: Any = parse(text, f"the mapping proposed for {block}").data
+            looked.source = looked.source.with_entry(("blocks", block, "map"), data)
+    looked.wrong, _ = Loop(looked.source).fly()
+    looked.left = looked.wrong
+    for block in blocks if looked.wrong is not None else ():
+        found = mend(ours, looked.source, block)
+        looked.mended.append(found)
+        if found.behaves:
+            looked.source = looked.source.with_entry(("blocks", block, "map"), found.mapping)
+    if any(found.behaves for found in looked.mended):
+        looked.left, _ = Loop(looked.source).fly()
+    return looked
+
+
+def _proposal(scenario: Scenario, block: str) -> str | None:
+    """The mapping proposed for a block; None where one is given, or the FMU fits without."""
+    entry = scenario.blocks[block]
+    if entry.map is not None or entry.interface is None:
+        return None
+    _findings, fitted = check(
+        Path(scenario.source.folder / entry.fmu), entry.interface, lenient=entry.validation == "lenient"
+    )
+    if fitted is None or not any(f.level == "error" and not unfed(f) for f in fitted.findings):
+        return None
+    return suggest(fitted)
+
+
+def inside(source: Source) -> Source:
+    """The scenario with its one FMU of another team in the process that flies it, which is one of its own already.
+
+    Where there are more, each keeps its own process: modules of one name would get in each other's way.
+    """
+    blocks = source.data["blocks"]
+    foreign = [name for name, entry in blocks.items() if is_path(str(entry.get("fmu", "")))]
+    if len(foreign) != 1:
+        return source
+    for key, value in (("isolation", "none"), ("timeout", None), ("memory", None)):
+        source = source.with_entry(("blocks", foreign[0], key), value)
+    return source

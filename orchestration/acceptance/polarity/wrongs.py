@@ -1,0 +1,185 @@
+"""The wrong wirings of a port: what a receiver makes of a signal that it reads in another way than it is meant.
+
+| port | wrong wirings |
+|---|---|
+| vector of 3 | the 47 signed permutations of its axes but for the right one; usual factors |
+| rotation matrix | transposed; 47 signed permutations on its left and 46 on its right (minus the matrix is both); its quaternion with the scalar in the other place, each also of the inverse rotation |
+| quaternion | scalar in the other place, each also conjugated and with the opposite sign |
+| scalar | the opposite sign; usual factors |
+| flag | inverted |
+| other number of elements | each element and all with the opposite sign, neighbours exchanged, the order reversed; usual factors |
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from itertools import permutations, product
+
+import numpy as np
+
+from ... import rotation
+from ...fmu.model import Floats
+from ...quantities import ONE, Unit, parse_unit
+from .ports import Port
+
+AXES = "xyz"
+USUAL: tuple[tuple[str, ...], ...] = (
+    ("rad", "deg"),
+    ("rad/s", "deg/s", "rpm"),
+    ("T", "nT", "uT", "G"),
+    ("N.m", "mN.m"),
+    ("N.m.s", "mN.m.s"),
+    ("A.m2", "mA.m2"),
+    ("m", "km"),
+    ("m/s", "km/s"),
+    ("kg.m2", "g.cm2"),
+    ("A", "mA"),
+    ("V", "mV"),
+    ("s", "ms"),
+)
+"""Units of one quantity that are taken for each other."""
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """One wrong wiring: the receiver takes `matrix` times the elements, plus `offset`, or `turned` of them."""
+
+    name: str
+    kind: str
+    """axes, unit, attitude, sign or flag."""
+    matrix: Floats | None = None
+    offset: float = 0.0
+    turn: tuple[str, bool] | None = None
+    """Of a rotation matrix: its quaternion is read with the scalar in the other place ("first as last", "last as first"),
+    and whether as that of the inverse rotation."""
+
+    def apply(self, values: Floats) -> Floats:
+        """Values (n, elements) as they are read."""
+        if self.matrix is not None:
+            return np.asarray(values @ self.matrix.T + self.offset)
+        return np.array([turned(row.tolist(), *(self.turn or ("", False))) for row in values])
+
+
+def turned(R: list[float], order: str, inverse: bool) -> list[float]:
+    """The rotation matrix that is read of the quaternion of R with its scalar taken to be in the other place."""
+    q = rotation.quaternion(R)
+    q = [q[3], q[0], q[1], q[2]] if order == "first as last" else [q[1], q[2], q[3], q[0]]
+    norm = sum(x * x for x in q) ** 0.5
+    read = rotation.matrix([x / norm for x in q])
+    return rotation.transposed(read) if inverse else read
+
+
+@cache
+def signed_permutations(n: int = 3) -> tuple[tuple[str, Floats], ...]:
+    """All of n axes with their names, the right one first: "-y +x +z" takes minus y for x, x for y, z for z."""
+    letters = AXES if n == 3 else [str(i + 1) for i in range(n)]
+    made = []
+    for order in permutations(range(n)):
+        for signs in product((1.0, -1.0), repeat=n):
+            matrix = np.zeros((n, n))
+            matrix[range(n), order] = signs
+            made.append(
+                (" ".join(f"{'+' if s > 0 else '-'}{letters[j]}" for s, j in zip(signs, order, strict=True)), matrix)
+            )
+    return tuple(made)
+
+
+def wrongs(port: Port) -> list[Wrong]:
+    """The wrong wirings of a port."""
+    n = len(port.positions)
+    if port.kind == "other":
+        return []
+    if port.kind == "flag":
+        return [Wrong("inverted", "flag", -np.eye(n), 1.0)] if n == 1 else []
+    if port.kind == "rotation":
+        return _attitude()
+    if port.kind == "quaternion":
+        return _quaternion()
+    made = []
+    if n == 1:
+        made.append(Wrong("opposite sign", "sign", -np.eye(1)))
+    elif n == 3:
+        made += [Wrong(name, "axes", matrix) for name, matrix in signed_permutations()[1:]]
+    else:
+        made += _elements(n)
+    return made + factors(port.unit, n)
+
+
+def factors(unit: Unit, n: int) -> list[Wrong]:
+    """The usual units that are taken for this one, both ways."""
+    made: dict[float, Wrong] = {}
+    for name, factor in usual_factors(unit):
+        if not any(abs(factor / known - 1.0) < 1e-6 for known in (1.0, *made)):
+            made[factor] = Wrong(name, "unit", factor * np.eye(n))
+    return list(made.values())
+
+
+def usual_factors(unit: Unit) -> list[tuple[str, float]]:
+    """What a number of this unit is multiplied by where it is taken for a usual other one, and the words for it."""
+    if unit.exponents in (None, ONE.exponents):
+        return []
+    found = []
+    for family in USUAL:
+        units = [parse_unit(name) for name in family]
+        if units[0].exponents != unit.exponents:
+            continue
+        for other in units:
+            ratio = other.factor / unit.factor
+            if abs(ratio - 1.0) > 1e-9:
+                found += [(f"given in {other}", 1.0 / ratio), (f"read in {other}", ratio)]
+    return found
+
+
+def _attitude() -> list[Wrong]:
+    eye, made = np.eye(3), []
+    transpose = np.zeros((9, 9))
+    for i, j in product(range(3), repeat=2):
+        transpose[3 * i + j, 3 * j + i] = 1.0
+    made.append(Wrong("transposed", "attitude", transpose))
+    for name, matrix in signed_permutations()[1:]:
+        made.append(Wrong(f"rows {name}", "axes", np.asarray(np.kron(matrix, eye), np.float64)))
+    for name, matrix in signed_permutations()[1:]:
+        if not np.array_equal(matrix, -eye):
+            made.append(Wrong(f"columns {name}", "axes", np.asarray(np.kron(eye, matrix), np.float64)))
+    for order in ("first as last", "last as first"):
+        for inverse in (False, True):
+            ending = ", inverse" if inverse else ""
+            made.append(Wrong(f"quaternion, scalar {order}{ending}", "attitude", turn=(order, inverse)))
+    return made
+
+
+def _quaternion() -> list[Wrong]:
+    orders = {
+        "": np.eye(4),
+        "scalar first as last": np.eye(4)[[3, 0, 1, 2]],
+        "scalar last as first": np.eye(4)[[1, 2, 3, 0]],
+    }
+    made = []
+    for name, order in orders.items():
+        for sign, conjugate in product((1.0, -1.0), (False, True)):
+            change = sign * np.diag([1.0, -1.0, -1.0, -1.0] if conjugate else [1.0] * 4)
+            words = [name, "conjugate" * conjugate, "opposite sign" * (sign < 0.0)]
+            if any(words):
+                made.append(Wrong(", ".join(filter(None, words)), "attitude", change @ order))
+    return made
+
+
+def _elements(n: int) -> list[Wrong]:
+    made = [Wrong("opposite sign", "sign", -np.eye(n)), Wrong("order reversed", "axes", np.eye(n)[::-1])]
+    for i in range(n):
+        signs = np.ones(n)
+        signs[i] = -1.0
+        made.append(Wrong(f"opposite sign of [{i + 1}]", "sign", np.diag(signs)))
+    for i in range(n - 1):
+        order = list(range(n))
+        order[i], order[i + 1] = i + 1, i
+        if n > 2:
+            made.append(Wrong(f"[{i + 1}] and [{i + 2}] exchanged", "axes", np.eye(n)[order]))
+    return made
+
+
+def plain_name(text: str) -> str:
+    """A name for a column without blanks."""
+    return re.sub(r"\W+", "_", text).strip("_")

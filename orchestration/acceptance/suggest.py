@@ -1,0 +1,236 @@
+"""A mapping proposed for another team's FMU, from the names, units, shapes and descriptions of both sides, as YAML to edit.
+
+What it rests on stands beside each entry, and `unsure` where a second candidate is near or nothing but a name speaks for it.
+Signs and axes no description tells: `orchestrate polarity` finds those.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..errors import printable
+from ..fmu.interfaces import Interface
+from ..fmu.model import Element, Model, Variable, unit_of
+from ..quantities import ONE, Unit
+from ..swap.findings import Fit
+from .candidates import Candidate, candidates, likeness, shared_words, told_unit, usual_unit
+
+_UNSURE = 0.4
+"""A second candidate with a score this near leaves the first unsure."""
+_LEAST = 1.0
+_LEAST_NAME = 0.45
+"""Of a parameter: how alike the names have to be, since units of limits are alike."""
+
+
+@dataclass
+class _Match:
+    ours: Variable
+    candidate: Candidate
+    score: float
+    why: list[str]
+    extra: dict[str, Any] = field(default_factory=dict)
+    unsure: bool = False
+
+
+def suggest(fitted: Fit) -> str:
+    """The mapping as YAML, valid under a block's `map`. `fitted` is how theirs fits without one."""
+    return _Suggestion(fitted.reference, fitted.theirs).text()
+
+
+class _Suggestion:
+    def __init__(self, reference: Interface, theirs: Model) -> None:
+        self.reference, self.theirs = reference, theirs
+        self.ours = reference.model.variables
+        self.matches: dict[str, _Match] = {}
+        self.same = [
+            v.name
+            for v in reference.model.of("input", "output", "parameter")
+            if (other := theirs.variables.get(v.name)) is not None and _alike(v, other)
+        ]
+        taken = {Element(name, p) for name in self.same for p in range(theirs.variables[name].size)}
+        for causality in ("input", "output", "parameter"):
+            self._assign(causality, taken)
+
+    def _assign(self, causality: str, taken: set[Element]) -> None:
+        """The best candidate for each of ours, the best pair first."""
+        free = [v for v in self.reference.model.of(causality) if v.name not in self.same]
+        pairs = [
+            match
+            for ours in free
+            for candidate in candidates(self.theirs, causality)
+            if (match := self._match(ours, candidate)) is not None
+        ]
+        scores: dict[str, list[float]] = {}
+        for match in sorted(pairs, key=lambda m: -m.score):
+            scores.setdefault(match.ours.name, []).append(match.score)
+            elements = {e for name in match.candidate.names for e in self.theirs.variables[name].elements}
+            if match.ours.name in self.matches or elements & taken:
+                continue
+            self.matches[match.ours.name] = match
+            taken |= elements
+        for name, match in self.matches.items():
+            near = [s for s in scores.get(name, ()) if s != match.score and abs(s - match.score) < _UNSURE]
+            match.unsure = match.unsure or bool(near)
+
+    def _match(self, ours: Variable, candidate: Candidate) -> _Match | None:
+        theirs = candidate.variable
+        if theirs.type != ours.type or theirs.items != ours.items:
+            return None
+        name = likeness(ours.name, candidate.stem)
+        words = shared_words(ours.description, theirs.description)
+        if ours.causality == "parameter" and name < _LEAST_NAME:
+            return None
+        match = _Match(ours, candidate, 2.0 * name + words, [f"names {100 * name:.0f} % alike"])
+        if words:
+            match.why.append("descriptions share words")
+        quaternion = ours.shape == (3, 3) and candidate.size == 4
+        if candidate.size != ours.size and not quaternion:
+            return None
+        if len(candidate.names) == 1 and candidate.shape != ours.shape and not quaternion:
+            match.extra["matrix"] = [[int(i == j) for j in range(ours.size)] for i in range(ours.size)]
+        if quaternion:
+            last = candidate.names[-1][-1:] in "wsWS" or re.search(
+                r"scalar.{0,12}last|last.{0,12}scalar", theirs.description, re.I
+            )
+            match.extra["quaternion"] = "scalar last" if last else "scalar first"
+            match.unsure = not last and "first" not in theirs.description
+            match.score += 2.0
+            match.why.append("4 values for a rotation")
+        elif ours.type == "real" and not self._units(match):
+            return None
+        elif candidate.size > 1:
+            match.score += 0.5
+        return match if match.score >= _LEAST else None
+
+    def _units(self, match: _Match) -> bool:
+        """Whether the units fit, or a factor with a unit makes them."""
+        own, unit = unit_of(match.ours), match.candidate.variable.unit
+        if unit is None or (unit.exponents == ONE.exponents != own.exponents):
+            unit = told_unit(match.candidate, own)
+            if unit is None:
+                match.unsure = True
+                if match.candidate.variable.unit is not None:
+                    match.extra["unit"] = str(own)
+                match.why.append("their unit is not known" if own.exponents != ONE.exponents else "no unit")
+                return True
+            match.extra["unit"] = str(unit)
+            match.unsure = True
+            match.why.append(f"unit {unit} is read from their name or description")
+        if unit.exponents is None:
+            unit = usual_unit(unit.name) or unit
+        if own.fits(unit):
+            match.score += 2.0 if own.exponents != ONE.exponents else 0.3
+            match.why.append(f"units {own} and {unit}" if str(own) != str(unit) else f"unit {own}")
+            return True
+        if own.exponents is not None and unit.exponents is not None and own.exponents[:-1] == unit.exponents[:-1]:
+            match.extra["unit"] = str(own)
+            match.unsure = True
+            match.score += 1.0
+            match.why.append(f"units {own} and {unit} differ by the radian only")
+            return True
+        return match.ours.causality != "parameter" and self._factor(match, own, unit)
+
+    def _factor(self, match: _Match, own: Unit, unit: Unit) -> bool:
+        """Whether a parameter, such as an inertia, has the unit by which the two differ."""
+        for where, parameter, value in self._scalars():
+            by = unit_of(parameter)
+            if by.exponents in (None, ONE.exponents) or own.exponents is None or unit.exponents is None or not value:
+                continue
+            for key, sign in (("divide", -1), ("scale", 1)):
+                got = [a + sign * b for a, b in zip(own.exponents, by.exponents or (), strict=True)]
+                if tuple(got[:-1]) == unit.exponents[:-1]:
+                    match.extra[key] = f"{float(value):.10g} {by}"
+                    match.why.append(f"{own} to {unit} by {parameter.name} {where}")
+                    match.unsure, match.score = True, match.score + 1.0
+                    return True
+        return False
+
+    def _scalars(self) -> Iterator[tuple[str, Variable, Any]]:
+        """Scalar parameters of theirs, then of our blocks, with their values."""
+        for variable in self.theirs.of("parameter"):
+            if variable.size == 1 and variable.type == "real":
+                yield "of theirs", variable, self.theirs.starts.get(variable.elements[0])
+        for block, model in self.reference.others.items():
+            for variable in model.of("parameter"):
+                if variable.size == 1 and variable.type == "real":
+                    yield f"of our {block}", variable, model.starts.get(variable.elements[0])
+
+    # ------------------------------------------------------------ text
+
+    def text(self) -> str:
+        lines = [
+            f"# How {printable(self.theirs.name)} may stand in the place of {self.reference.name}: a proposal, to be edited.",
+            "# Signs and axes are taken to be ours; 'orchestrate polarity' tells where they are not.",
+            "ports:" if self.matches else "ports: {}",
+        ]
+        for name, match in self.matches.items():
+            lines.append(f"  {name}: {_entry(match)}  # {_comment(match)}")
+        missing = [v for v in self.reference.model.of("input", "output", "parameter") if not self._stands(v)]
+        ignore = [v for v in missing if not (v.optional or v.name in self.reference.needed)]
+        for variable in missing:
+            if variable.name in self.reference.needed:
+                lines.append(f"  # {variable.name}: THEIRS  # not found: other blocks need it")
+        lines += self._start()
+        if ignore:
+            inputs = [v.name for v in ignore if v.causality == "input"]
+            what = f"  # unsure of inputs: {', '.join(inputs)}" if inputs else "  # theirs has nothing like these"
+            lines.append(f"ignore: [{', '.join(v.name for v in ignore)}]{what}")
+        return "\n".join(lines) + "\n"
+
+    def _stands(self, variable: Variable) -> bool:
+        return variable.name in self.matches or variable.name in self.same
+
+    def _start(self) -> list[str]:
+        """Values of inputs that only theirs has."""
+        used = {name for match in self.matches.values() for name in match.candidate.names} | set(self.same)
+        left = [v for v in self.theirs.of("input") if v.name not in used and not v.optional]
+        if not left:
+            return []
+        lines = ["start:"]
+        for variable in left:
+            values = [_plain(self.theirs.starts.get(e, 0)) for e in variable.elements]
+            value = values[0] if not variable.shape else values
+            lines.append(
+                f"  {_quoted(variable.name)}: {value}  # unsure: only theirs has this input; or connect it under inputs"
+            )
+        return lines
+
+
+def _alike(ours: Variable, theirs: Variable) -> bool:
+    units = theirs.unit is not None and unit_of(ours).fits(theirs.unit)
+    return (ours.causality, ours.type, ours.shape) == (theirs.causality, theirs.type, theirs.shape) and (
+        ours.type != "real" or units
+    )
+
+
+def _entry(match: _Match) -> str:
+    names = [_quoted(name) for name in match.candidate.names]
+    theirs = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
+    if not match.extra:
+        return theirs
+    more = ", ".join(f"{key}: {value}" for key, value in match.extra.items())
+    return f"{{theirs: {theirs}, {more}}}"
+
+
+def _comment(match: _Match) -> str:
+    return ("unsure: " if match.unsure else "") + printable("; ".join(match.why)).replace("\n", " ")
+
+
+def _quoted(name: str) -> str:
+    """A name as YAML has it, whatever it holds."""
+    return (
+        name
+        if re.fullmatch(r"[A-Za-z_]\w*", name) and name.lower() not in _WORDS
+        else "'" + name.replace("'", "''") + "'"
+    )
+
+
+_WORDS = frozenset(("y", "n", "yes", "no", "on", "off", "true", "false", "null"))
+"""What YAML may read as something other than text."""
+
+
+def _plain(value: Any) -> Any:
+    return str(value).lower() if isinstance(value, bool) else value

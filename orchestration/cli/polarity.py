@@ -1,0 +1,145 @@
+"""`orchestrate polarity`: what shows a wrong sign, axis, unit or attitude at each port of a loop."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import click
+
+from ..acceptance.polarity import page
+from ..acceptance.polarity.campaign import Campaign, run
+from ..acceptance.polarity.card import card
+from ..acceptance.polarity.fly import Loop
+from ..acceptance.polarity.mend import as_yaml
+from ..acceptance.polarity.swaps import Looked, look
+from ..errors import InputError
+from ..results.place import check_writable
+from ..runner.read import load, read
+from ..scenario.source import Source
+from ..swap.option import swapped
+from .console import Progress, complain, notes, say, say_json, table
+from .overrides import overridden
+from .paths import PATH
+from .status import EXPECTATION_FAILED
+
+
+@click.command("polarity")
+@click.argument("scenario", type=PATH)
+@click.option("--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place.")
+@click.option(
+    "--map", "maps", multiple=True, metavar="[BLOCK=]FILE", help="Mapping of the swapped FMU's ports to ours."
+)
+@click.option("--port", "chosen", multiple=True, metavar="BLOCK.PORT", help="Only this port; may be repeated.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value.")
+@click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
+@click.option("--processes", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
+@click.option("--out", type=PATH, metavar="DIR", help="Folder for the tables; default: results/NAME-polarity.")
+@click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
+@click.pass_context
+def command(
+    ctx: click.Context,
+    scenario: Path,
+    swaps: tuple[str, ...],
+    maps: tuple[str, ...],
+    chosen: tuple[str, ...],
+    sets: tuple[str, ...],
+    duration: str | None,
+    processes: int | None,
+    out: Path | None,
+    json_: bool,
+) -> None:
+    """Show which wrong signs, axes, units and attitudes at the ports would be seen, and by what.
+
+    Every port is wired wrongly in every usual way, and the loop is flown until an expectation or a consistency check of the
+    scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
+    as one that is wired wrongly, the mapping that mends it is printed.
+
+    Exit status: 0 the loop as wired is sound, 1 it is not, 2 wrong input, 3 an FMU failed.
+    """
+    ours = source = overridden(read(scenario), sets, duration=duration)
+    blocks = [text.partition("=")[0].strip() for text in swaps] or None
+    target = out or Path("results") / f"{load(source).name}-polarity"
+    check_writable(target)
+    looked: Looked | None = None
+    if swaps or maps:
+        looked = look(ours, swapped(source, swaps, maps), blocks or [])
+        source = looked.source
+        if not json_:
+            _tell(looked, target)
+        page.write_mappings(looked, target)
+    campaign = _flown(source, blocks, chosen, processes, json_)
+    if campaign.nominal is not None:
+        by, time = campaign.nominal.by, campaign.nominal.time
+        complain(f"the loop as it is wired does not pass at {time:.5g} s: {by}; wrong wirings cannot be told from it")
+        ctx.exit(EXPECTATION_FAILED)
+    if not campaign.rows:
+        raise InputError("no port of this name is connected" if chosen else "nothing is connected")
+    made = card(Loop(source)) if not chosen else None
+    files = page.write(campaign, made, target, campaign.scenario, looked)
+    if json_:
+        say_json(page.summary(campaign, looked))
+    else:
+        _print(campaign, files)
+    ctx.exit(EXPECTATION_FAILED if looked is not None and looked.wrong is not None else 0)
+
+
+def _flown(
+    source: Source, blocks: list[str] | None, chosen: tuple[str, ...], processes: int | None, quiet: bool
+) -> Campaign:
+    progress = Progress(1.0, not quiet, "wirings")
+
+    def tell(done: int, total: int) -> None:
+        progress.duration = total
+        progress(done)
+
+    try:
+        return run(source, blocks, chosen, processes, tell)
+    finally:
+        progress.close()
+
+
+def _tell(looked: Looked, target: Path) -> None:
+    """Prints which mappings were proposed, and what mends the swapped FMUs."""
+    for block in looked.proposed:
+        say(f"{block}: its ports do not fit without a mapping; one is proposed: {target / f'{block}.proposed.yaml'}")
+    if looked.wrong is None:
+        return
+    complain(f"as wired the loop does not pass: {looked.wrong.by}, at {looked.wrong.time:.5g} s")
+    for mended in looked.mended:
+        if not mended.behaves:
+            say(
+                f"{mended.block}: no other sign, axis, unit or attitude of one of its ports brings it nearer to ours",
+                fg="yellow",
+            )
+            continue
+        say(f"{mended.block} behaves as wired wrongly:", bold=True)
+        for port, wrong in mended.behaves.items():
+            say(f"  {port}: {wrong}")
+        share = f"{100 * mended.before:.3g} % of ours, {100 * mended.after:.3g} % with this mapping"
+        say(f"on the same inputs its outputs differ by {share} ({target / f'{mended.block}.mapping.yaml'}):")
+        for line in as_yaml(mended.mapping).splitlines():
+            say(f"  {line}")
+        if not mended.complete:
+            say("  the search ended before all pairs of ports were tried", fg="yellow")
+    if looked.left is None:
+        say("with it the loop meets all expectations and consistency checks", fg="green")
+    else:
+        say(f"with it the loop still does not pass: {looked.left.by}, at {looked.left.time:.5g} s", fg="red")
+    say()
+
+
+def _print(campaign: Campaign, files: list[Path]) -> None:
+    notes(campaign.notes)
+    say(f"{campaign.scenario}: {page.verdict(campaign)}", bold=True)
+    say()
+    for line in table(page.HEADER, page.table(campaign)):
+        say(line)
+    for name, wrongs, reason, remedy in page.unobservable(campaign):
+        some = ", ".join(wrongs[:4]) + (f" and {len(wrongs) - 4} more" if len(wrongs) > 4 else "")
+        say()
+        for line in textwrap.wrap(f"not observable: {name}: {some}: {reason}", 80, subsequent_indent="  "):
+            say(line, fg="yellow")
+        for line in textwrap.wrap(f"-> add {remedy}", 80, initial_indent="  ", subsequent_indent="     "):
+            say(line)
+    say(f"\ntables in {files[0].parent}: {', '.join(path.name for path in files)}")

@@ -1,0 +1,169 @@
+"""A scenario's consistency checks, held against its blocks before the run and against samples during it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+from ..fmu.model import Floats, Model, Variable
+from ..quantities import ONE, QuantityError, parse, real
+from ..scenario.consistency import Consistency
+from ..scenario.references import Reference
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key
+from ..system import signals
+from ..system.wiring import Node
+from .expressions import parse as parse_expression
+from .functions import MEMORY, Expression, ExpressionError, Samples, written
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A consistency check that fits the blocks."""
+
+    name: str
+    entry: Consistency
+    left: Expression
+    right: Expression
+    within: float
+    """In base units."""
+    when: Node | None
+    every: int
+    """It is looked at once in so many base steps, at which all its blocks have been stepped."""
+
+    @property
+    def needed(self) -> list[Node]:
+        return list(dict.fromkeys([*self.left.nodes, *self.right.nodes, *([self.when] if self.when else [])]))
+
+
+def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Relation]:
+    """Checks the consistency checks against the blocks. Raises InputError with every error."""
+    relations: list[Relation] = []
+    errors: list[str] = []
+    for name, entry in scenario.consistency.items():
+        try:
+            relations.append(_relation(scenario, name, entry, models))
+        except InputError as error:
+            errors += error.messages
+    if errors:
+        raise InputError(*errors)
+    return relations
+
+
+def _relation(scenario: Scenario, name: str, entry: Consistency, models: Mapping[str, Model]) -> Relation:
+    key: Key = ("consistency", name)
+
+    def expression(side: str) -> Expression:
+        def find(reference: Reference) -> tuple[Variable, list[Node]]:
+            return signals.find(scenario, (*key, side), reference, models)
+
+        try:
+            return parse_expression(getattr(entry, side), find)
+        except (ExpressionError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(scenario.error((*key, side), str(error))) from None
+
+    left, right = expression("left"), expression("right")
+    if left.shape != right.shape and right.nodes:
+        message = (
+            f"the shapes differ: left is {list(left.shape) or 'a scalar'}, right {list(right.shape) or 'a scalar'}"
+        )
+        raise InputError(scenario.error(key, message))
+    if None not in (left.unit, right.unit) and left.unit != right.unit:
+        message = f"the units differ: left is in {written(left.unit)}, right in {written(right.unit)}"
+        raise InputError(scenario.error(key, message))
+    when = None
+    if entry.when is not None:
+        condition, nodes = signals.find(scenario, (*key, "when"), entry.when, models)
+        if condition.type != "boolean" or len(nodes) != 1:
+            raise InputError(
+                scenario.error((*key, "when"), f"expected one boolean, but {entry.when} is {condition.kind}")
+            )
+        when = nodes[0]
+    try:
+        within = _within(entry, left.unit or right.unit)
+    except QuantityError as error:
+        raise InputError(scenario.error((*key, "within"), str(error))) from None
+    blocks = {node.block for node in (*left.nodes, *right.nodes)}
+    if not blocks:
+        raise InputError(scenario.error(key, "expected a signal on one side"))
+    every = math.lcm(*(scenario.blocks[block].every for block in blocks))
+    return Relation(name, entry, left, right, within, when, every)
+
+
+def _within(entry: Consistency, unit: tuple[int, ...] | None) -> float:
+    number, own = parse(entry.within) if isinstance(entry.within, str) else (real(entry.within), None)
+    if own is not None and unit is not None and (own.exponents or ONE.exponents or ())[:-1] != unit:
+        raise QuantityError(f"the unit {str(own)!r} does not fit that of the two sides, {written(unit)}")
+    if not (math.isfinite(number) and number >= 0.0):
+        raise QuantityError(f"expected zero or more, found {entry.within}")
+    return number * (own.factor if own else 1.0)
+
+
+@dataclass(frozen=True)
+class Broken:
+    """Where a consistency check does not hold: when, by how much, and what was allowed, in base units."""
+
+    name: str
+    time: float
+    apart: float
+    allowed: float
+
+
+class Watcher:
+    """Takes in samples piece by piece, until one breaks the check."""
+
+    def __init__(self, relation: Relation) -> None:
+        self.relation = relation
+        self.broken: Broken | None = None
+        self.closest = math.inf
+        """The least of what is allowed over what the sides are apart: how often larger the difference could have been."""
+        self._kept: tuple[Floats, dict[Node, Floats]] | None = None
+
+    def see(self, count: int, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples after base steps `count`, `count` + 1 ... that follow those before."""
+        relation = self.relation
+        first = -count % relation.every
+        if self.broken is not None or first >= len(time):
+            return
+        new = {node: columns[node][first :: relation.every] for node in relation.needed}
+        times = time[first :: relation.every]
+        if self._kept is not None:
+            old_time, old = self._kept
+            new = {node: np.concatenate((old[node], values)) for node, values in new.items()}
+            known, times = len(old_time), np.concatenate((old_time, times))
+        else:
+            known = 0
+        # Copies, since the samples that follow are handed over in the same array.
+        self._kept = times[-MEMORY:].copy(), {node: values[-MEMORY:].copy() for node, values in new.items()}
+        with np.errstate(all="ignore"):
+            left, right = (_flat(side.value(Samples(times, new))) for side in (relation.left, relation.right))
+            apart = np.abs(left - right).max(axis=1)
+            size = np.maximum(np.sqrt((left * left).sum(axis=1)), np.sqrt((right * right).sum(axis=1)))
+        allowed = relation.within + relation.entry.share * size
+        chosen = np.arange(len(times)) >= known
+        chosen &= ~np.isnan(apart)  # there is no instant before the first
+        entry = relation.entry
+        if entry.after is not None:
+            chosen &= times >= entry.after - 1e-9 * max(1.0, entry.after)
+        if entry.before is not None:
+            chosen &= times <= entry.before + 1e-9 * max(1.0, entry.before)
+        if relation.when is not None:
+            chosen &= new[relation.when] != 0.0
+        if not chosen.any():
+            return
+        with np.errstate(all="ignore"):
+            self.closest = min(self.closest, float((allowed[chosen] / np.maximum(apart[chosen], 1e-300)).min()))
+        wrong = np.flatnonzero(chosen & (apart > allowed))
+        if len(wrong):
+            i = wrong[0]
+            self.broken = Broken(relation.name, float(times[i]), float(apart[i]), float(allowed[i]))
+
+
+def _flat(values: Floats) -> Floats:
+    return values.reshape(len(values), -1)

@@ -1,0 +1,185 @@
+"""Wrong wirings of ports: that they are what they are called, what shows them, and the mapping that mends one."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration.acceptance.polarity.campaign import ports_of, run
+from orchestration.acceptance.polarity.card import card
+from orchestration.acceptance.polarity.fly import Loop
+from orchestration.acceptance.polarity.mend import as_yaml
+from orchestration.acceptance.polarity.ports import Port, miswired
+from orchestration.acceptance.polarity.swaps import look
+from orchestration.acceptance.polarity.wrongs import wrongs
+from orchestration.quantities import parse_unit
+from orchestration.runner.read import read
+from orchestration.scenario.text import parse
+from orchestration.swap.option import swapped as with_swap
+from orchestration.system.wiring import Wiring
+
+from ..swapped import orchestrate
+from ..wrong_inputs import SCENARIO
+from . import teams
+
+SCENARIOS = Path(__file__).parents[3] / "scenarios"
+
+
+def port(kind, n, unit="1"):
+    return Port("a", "x", "input", tuple(range(n)), kind, parse_unit(unit), n)
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return Loop(read(SCENARIOS / "paper_no_singularity.yaml"))
+
+
+# ---------------------------------------------------------------- what is tried
+
+
+def test_a_vector_has_47_wrong_signed_permutations_and_its_usual_factors():
+    tried = wrongs(port("vector", 3, "T"))
+    axes = [w.matrix for w in tried if w.kind == "axes"]
+    assert len({m.tobytes() for m in axes}) == 47
+    assert all(np.array_equal(m @ m.T, np.eye(3)) and not np.array_equal(m, np.eye(3)) for m in axes)
+    assert sorted(float(w.matrix[0, 0]) for w in tried if w.kind == "unit") == pytest.approx(
+        [1e-9, 1e-6, 1e-4, 1e4, 1e6, 1e9]
+    )
+
+
+def test_an_attitude_has_each_wrong_wiring_once_and_those_of_its_quaternion_are_rotations():
+    tried = wrongs(port("rotation", 9))
+    linear = [w for w in tried if w.matrix is not None]
+    assert len({w.matrix.tobytes() for w in linear}) == len(linear) == 1 + 47 + 46
+    R = parse("[[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]]").data
+    flat = np.array(R, float).reshape(1, 9)
+    by_name = {w.name: w.apply(flat).reshape(3, 3) for w in tried}
+    assert np.array_equal(by_name["transposed"], flat.reshape(3, 3).T)
+    assert np.array_equal(by_name["rows +y +x +z"], flat.reshape(3, 3)[[1, 0, 2]])
+    assert np.array_equal(by_name["columns -x +y +z"], flat.reshape(3, 3) * [-1, 1, 1])
+    assert len(tried) == len(linear) + 4
+    for name in by_name:
+        if name.startswith("quaternion"):
+            assert np.allclose(by_name[name] @ by_name[name].T, np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "n", "unit", "count"),
+    [("scalar", 1, "N.m", 3), ("flag", 1, "1", 1), ("quaternion", 4, "1", 11), ("other", 1, "1", 0)],
+)
+def test_other_ports_have_their_own_wrong_wirings(kind, n, unit, count):
+    tried = wrongs(port(kind, n, unit))
+    assert len(tried) == len({w.matrix.tobytes() for w in tried}) == count
+
+
+def test_a_port_wired_wrongly_and_back_is_wired_as_it_was(paper):
+    """Of every kind of port: a wrong wiring and its inverse, one after the other, give back the links."""
+
+    def elements(wiring):
+        return {
+            (s, t): (link.factor, link.offset)
+            for link in wiring.links
+            for s, t in zip(link.source, link.target, strict=True)
+        }
+
+    for each in ports_of(paper):
+        for wrong in wrongs(each)[1::9]:
+            if wrong.matrix is None or wrong.kind == "unit":
+                continue
+            there = miswired(paper.plan.wiring, each, wrong.matrix)
+            back = miswired(Wiring(there.links), each, np.linalg.inv(wrong.matrix))
+            assert elements(back) == elements(paper.plan.wiring)
+            assert elements(there) != elements(back)
+
+
+# ---------------------------------------------------------------- a small loop
+
+
+def test_a_flipped_sign_in_a_small_loop_is_shown_by_its_expectation_and_all_is_written(loop):
+    """dx/dt = -x becomes dx/dt = x: 2 rad/s times 1.1^n is above 30 rpm, 3.14 rad/s, at n = 5.
+
+    A tachometer with the opposite sign is not seen by an expectation that has an upper bound only.
+    """
+    result = orchestrate("polarity", loop, "--processes", 1, "--out", "out")
+    assert result.exit_code == 0, result.output
+    data = json.loads(Path("out/polarity.json").read_text())
+    flipped = {f"{w['direction']} {w['port']}": w for w in data["wirings"] if w["wrong"] == "opposite sign"}
+    unseen = flipped.pop("output motor.speed")
+    assert unseen["found"] is None
+    assert "regulator.voltage changes most" in unseen["not_observable"]["reason"]
+    assert set(flipped) == {"input motor.voltage", "input regulator.speed", "output regulator.voltage"}
+    for entry in flipped.values():
+        found = entry["found"]
+        assert (found["how"], found["by"], found["time"]) == ("expectation", "the motor stops", pytest.approx(0.5))
+    with open("out/polarity.csv", newline="") as file:
+        assert len(list(csv.reader(file))) == 1 + len(data["wirings"])
+    assert "not observable" in Path("out/polarity.csv").read_text()
+    assert all(len(line) <= 100 for line in result.stdout.splitlines()[:12])
+    assert "| stimulus | after | output | expected change |" in Path("out/card.md").read_text()
+
+
+def test_a_loop_that_does_not_meet_its_expectations_as_wired_is_told_apart(loop):
+    loop.write_text(SCENARIO.replace("below: 30 rpm", "below: 1 rpm") + "isolation: none\n")
+    result = orchestrate("polarity", loop, "--out", "out")
+    assert result.exit_code == 1
+    assert "the loop as it is wired does not pass at 0 s: the motor stops" in result.stderr
+
+
+# ---------------------------------------------------------------- the paper's loop
+
+
+def test_what_the_allocator_does_not_use_is_the_only_wrong_rate_that_nothing_shows():
+    """Of the body rate the allocator uses the components across the wheel's axis, x; so a flip of x changes nothing."""
+    result = run(read(SCENARIOS / "paper_no_singularity.yaml"), chosen=["allocator.omega_B"], processes=1)
+    left = [row for row in result.rows if row.found is None]
+    assert [row.wrong for row in left] == ["-x +y +z"]
+    assert "no output of allocator changes" in left[0].unobservable.reason
+    assert len(result.rows) == 47 + 4
+    assert max(row.found.time for row in result.rows if row.found) < 1.0
+
+
+@pytest.mark.parametrize("name", ["paper_singularity", "measured_no_singularity"])
+def test_no_run_as_wired_breaks_a_check_with_errors_and_noise_neither(name):
+    loop = Loop(read(SCENARIOS / f"{name}.yaml"))
+    assert loop.fly()[0] is None
+    assert len(loop.relations) >= 13
+    assert min(loop.margins.values()) > 2.0
+
+
+def test_an_attitude_read_by_its_quaternion_with_the_scalar_in_the_wrong_place_is_shown(paper):
+    attitude = next(p for p in ports_of(paper, ["controller"]) if p.variable == "R_NB")
+    for wrong in wrongs(attitude):
+        if wrong.turn is not None:
+            found, _ = paper.fly(attitude, wrong)
+            assert found is not None
+            assert found.time < 1.0
+
+
+def test_the_test_card_has_the_signs_of_the_physics(paper):
+    """A torque about the wheel's axis is the wheel's with the opposite sign; a wheel that is sped up turns the body back."""
+    made = card(paper)
+    by = {(s.stimulus.split(" ")[0], s.output): s.expected for s in made.steps}
+    assert by["tau_cmd_B[1]", "wheel_torque_cmd"].startswith("-")
+    assert by["wheel_torque_cmd", "h_w"].startswith("+")
+    assert by["wheel_torque_cmd", "omega_B"].startswith("(-")
+    assert by["omega_B[2]", "tau_cmd_B"].split(", ")[1].startswith("-")
+    assert set(made.base) == {"plant", "controller", "allocator", "judge"}
+
+
+def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without_help(tmp_path):
+    fmu = teams.build("quaternion", tmp_path)
+    ours = read(SCENARIOS / "paper_no_singularity.yaml")
+    looked = look(ours, with_swap(ours, [f"controller={fmu}"]), ["controller"])
+    assert "R_NB: {theirs: att, quaternion: scalar first}  # unsure" in looked.proposed["controller"]
+    assert looked.wrong is not None
+    assert looked.left is None
+    (mended,) = looked.mended
+    assert mended.behaves == teams.TEAMS["quaternion"].behaves
+    assert mended.after < 1e-9
+    assert parse(as_yaml(mended.mapping)).data == {
+        "ports": {"R_NB": {"theirs": "att", "quaternion": "scalar last", "inverse": False}}
+    }

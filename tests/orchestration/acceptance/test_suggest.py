@@ -1,0 +1,89 @@
+"""The mapping that `check --suggest` proposes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fmus.interface import parse
+from fmus.kit import generated
+from orchestration.acceptance.check import check
+from orchestration.acceptance.suggest import suggest
+from orchestration.quantities import parse_unit
+from orchestration.scenario.mapping import load
+
+from .. import fmus, vendor
+from ..swapped import orchestrate
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "hardware_allocator"
+
+
+def proposed(folder: Path, *changes: tuple[str, str]) -> Path:
+    """The proposal for the example's FMU, as a file."""
+    text = (EXAMPLE / "interface.toml").read_text("utf-8")
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    fmu = fmus.write(folder / "team.fmu", generated(parse(text, "team.toml"))["modelDescription.xml"])
+    fitted = check(fmu, "allocator")[1]
+    path = folder / "proposed.yaml"
+    path.write_text(suggest(fitted), "utf-8")
+    assert not [f for f in check(fmu, "allocator", path)[1].errors if f.topic != "library"]
+    return path
+
+
+def test_the_example_s_ports_are_all_found_and_only_signs_and_axes_are_left_to_say(tmp_path):
+    """It is the example's own mapping, but for what no name, unit or description tells."""
+    mapping, own = load(proposed(tmp_path))[0], load(EXAMPLE / "mapping.yaml")[0]
+    assert {n: p.theirs for n, p in mapping.ports.items()} == {n: p.theirs for n, p in own.ports.items()}
+    assert mapping.ports["h_w"].divide == "147 g.cm2"  # the inertia of their rotor: 1.47e-5 kg.m2
+    assert {"holding", "hold_fraction"} <= set(mapping.ignore)
+
+
+def test_what_rests_on_a_factor_or_on_a_name_alone_is_marked_as_unsure(tmp_path):
+    lines = proposed(tmp_path).read_text("utf-8").splitlines()
+    unsure = {line.split(":")[0].strip() for line in lines if "# unsure" in line}
+    assert "h_w" in unsure
+    assert not unsure & {"tau_cmd_B", "omega_B", "dipole_cmd", "wheel_torque_cmd"}
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [("nT", "nT"), ("Gauss", "G"), ("mGauss", "milligauss"), ("-", "[-]")],
+)
+def test_units_are_read_as_engineers_write_them(unit, text):
+    assert parse_unit(unit).exponents == parse_unit(text).exponents
+    assert parse_unit(unit).factor == pytest.approx(parse_unit(text).factor)
+
+
+@pytest.mark.parametrize("unit", ["Nms", "N m s", "kg.m2/s"])
+def test_compound_units_are_one_unit_however_they_are_written(unit):
+    assert parse_unit(unit).fits(parse_unit("N.m.s"))
+    assert parse_unit("Am2").fits(parse_unit("A.m^2"))
+    assert parse_unit("RPM").factor == pytest.approx(parse_unit("dps").factor * 6.0)
+
+
+def test_a_unit_that_the_fmu_does_not_declare_is_read_from_its_description(tmp_path):
+    text = proposed(
+        tmp_path,
+        (
+            'unit = "deg/s"\nframe = "spacecraft body"\ndescription = "Gyro reading"',
+            'description = "Gyro reading [deg/s]"',
+        ),
+    ).read_text("utf-8")
+    line = next(line for line in text.splitlines() if "gyro" in line)
+    assert "unit: deg/s" in line
+    assert "# unsure" in line
+
+
+def test_the_command_prints_a_file_that_a_swap_takes(tmp_path, monkeypatch):
+    fmus.write_pair(tmp_path)
+    vendor.write(tmp_path, runnable=True)
+    monkeypatch.chdir(tmp_path)
+    result = orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--suggest")
+    assert result.exit_code == 0
+    assert "  speed: rate  #" in result.stdout
+    assert "  voltage: command  #" in result.stdout
+    Path("proposed.yaml").write_text(result.stdout, "utf-8")
+    assert orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--map", "proposed.yaml").exit_code == 0

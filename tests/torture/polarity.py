@@ -1,0 +1,116 @@
+"""Every wrong wiring of V.B and of the tumble, and the FMUs of other teams: what is found, by what, and what mends them.
+
+`--page docs/polarity.md` puts the tables into the page.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+
+import click
+
+from orchestration.acceptance.polarity import page
+from orchestration.acceptance.polarity.campaign import Campaign, run
+from orchestration.acceptance.polarity.fly import Loop
+from orchestration.acceptance.polarity.mend import as_yaml
+from orchestration.acceptance.polarity.swaps import Looked, look
+from orchestration.runner.read import read
+from orchestration.swap.option import swapped
+
+from ..orchestration.acceptance import teams
+
+ROOT = Path(__file__).parents[2]
+FLOWN = ("paper_no_singularity", "flight_tumble")
+CALM = ("flight_hold", "flight_tumble", "flight_vb", "flight_vc", "measured_no_singularity", "paper_singularity")
+EXAMPLE = ROOT / "examples" / "hardware_allocator"
+MENDED = {"b_B": "+y -x +z", "dipole_cmd": "+z +x +y", "wheel_torque_cmd": "opposite sign"}
+"""What the example's drivers behave as."""
+
+
+@click.command("polarity")
+@click.option("--page", "page_", type=click.Path(path_type=Path), help="The page whose tables are written anew.")
+def command(page_: Path | None) -> None:
+    """Wrong wirings of the scenarios and of other teams' FMUs; exit status 1 where one is neither found nor explained."""
+    bad: list[str] = []
+    parts: dict[str, str] = {}
+    for name in FLOWN:
+        begun = perf_counter()
+        campaign = run(_scenario(name))
+        seconds = perf_counter() - begun
+        print(f"{name}: {page.verdict(campaign)}, in {seconds:.0f} s")
+        bad += [
+            f"{name}: {row.port.name} {row.wrong}: no reason"
+            for row in campaign.rows
+            if not (row.found or row.unobservable)
+        ]
+        bad += [f"{name}: false alarm: {campaign.nominal}"] if campaign.nominal else []
+        parts[name] = _tables(campaign)
+    for name in CALM:
+        loop = Loop(_scenario(name))
+        alarm, _ = loop.fly()
+        least = min(loop.margins, key=loop.margins.__getitem__)
+        print(
+            f"{name}: as wired {'passes' if alarm is None else alarm}, least margin {loop.margins[least]:.3g}: {least}"
+        )
+        bad += [f"{name}: false alarm: {alarm}"] if alarm else []
+    with tempfile.TemporaryDirectory() as folder:
+        parts["teams"] = _teams(Path(folder), bad)
+    for text in bad:
+        print(text)
+    if page_ is not None:
+        _write(page_, parts)
+    sys.exit(1 if bad else 0)
+
+
+def _scenario(name: str):
+    return read(ROOT / "scenarios" / f"{name}.yaml")
+
+
+def _tables(campaign: Campaign) -> str:
+    text = page.markdown(campaign, "")
+    return text.partition("\n\n")[2].replace("## ", "#### ").strip()
+
+
+def _teams(folder: Path, bad: list[str]) -> str:
+    """The other teams' FMUs: a row for each."""
+    ours = _scenario("paper_no_singularity")
+    rows = [
+        "| FMU | in the place of | behaves as | difference from ours as wired, as mended | seconds |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    subprocess.run(["make", "-s", "-C", str(EXAMPLE)], check=True)
+    cases = {name: (team.block, teams.build(name, folder), team.behaves) for name, team in teams.TEAMS.items()}
+    cases["hardware_allocator"] = ("allocator", EXAMPLE / "actuators.fmu", MENDED)
+    for name, (block, fmu, expected) in cases.items():
+        begun = perf_counter()
+        looked: Looked = look(ours, swapped(ours, [f"{block}={fmu}"]), [block])
+        seconds = perf_counter() - begun
+        behaves = {port: wrong for mended in looked.mended for port, wrong in mended.behaves.items()}
+        told = {port: wrong for port, wrong in behaves.items() if port in expected}
+        print(f"{name}: {behaves}, in {seconds:.0f} s")
+        if told != expected or looked.left is not None:
+            bad.append(f"{name}: expected {expected}, found {behaves}; left: {looked.left}")
+        for mended in looked.mended:
+            print(as_yaml(mended.mapping))
+            shares = f"{100 * mended.before:.3g} %, {100 * mended.after:.2g} %"
+            words = "; ".join(f"`{port}`: {wrong}" for port, wrong in mended.behaves.items())
+            rows.append(f"| {name} | {block} | {words} | {shares} | {seconds:.0f} |")
+    return "\n".join(rows)
+
+
+def _write(path: Path, parts: dict[str, str]) -> None:
+    """Puts each part between its marks."""
+    text = path.read_text("utf-8")
+    for name, part in parts.items():
+        begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+        text, count = re.subn(
+            f"{begin}.*?{end}", lambda _, b=begin, p=part, e=end: f"{b}\n\n{p}\n\n{e}", text, flags=re.S
+        )
+        if count != 1:
+            raise SystemExit(f"{path}: expected one part between {begin} and {end}")
+    path.write_text(text, "utf-8")
