@@ -1,4 +1,7 @@
-"""Campaigns on a Dask cluster of real processes on the loopback: a scheduler, and a nanny with two workers."""
+"""Campaigns on a Dask cluster of real processes on the loopback: a scheduler, and a worker with its nanny.
+
+`python -m tests.torture campaigns` has more workers, and kills more of them.
+"""
 
 from __future__ import annotations
 
@@ -51,13 +54,13 @@ def started(*arguments: str, until: str, home: Path) -> tuple[subprocess.Popen, 
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address of a scheduler that has a worker process with two workers."""
+    """The address of a scheduler that has a worker."""
     home = tmp_path_factory.mktemp("dask")
     local = ("--host", "127.0.0.1", "--no-dashboard")
     first, address = started(
         "scheduler", *local, "--port", "0", until=r"Scheduler at:\s+(tcp://127\.0\.0\.1:\d+)", home=home
     )
-    workers = ("--nworkers", "2", "--nthreads", "1", "--local-directory", str(home))
+    workers = ("--nworkers", "1", "--nthreads", "1", "--local-directory", str(home))
     second, _ = started("worker", address, *local, *workers, until="Registered to", home=home)
     yield address
     for process in (second, first):
