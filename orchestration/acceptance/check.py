@@ -23,7 +23,7 @@ from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
 from ..swap.own_claims import own_claims
-from . import feedthrough, inputs, library, references, starts
+from . import aliases, feedthrough, inputs, library, references, starts
 
 
 def check(
@@ -59,6 +59,8 @@ def check(
         library.look(description, theirs, library.files(Path(folder)), findings)
     if tolerance is not None and not any(finding.level == "error" for finding in findings):
         references.look(path, theirs, description.defaultExperiment, tolerance, findings)
+    if description.fmiVersion == "2.0":
+        aliases.look(description, findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
     starts.look(fitted, theirs.starts, findings)

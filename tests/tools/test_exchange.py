@@ -22,9 +22,12 @@ def test_laws_without_memory_give_the_same_bits_in_omsimulator_s_order(name: str
 
 
 def test_the_fault_of_the_lost_magnetometer_is_what_differs_without_it() -> None:
-    with_fault = orchestration.run(SCENARIOS / "fault_lost_magnetometer.yaml")[ERROR]
-    without = orchestration.run(plain(SCENARIOS / "fault_lost_magnetometer.yaml", 0.1, 386.1))[ERROR]
-    assert np.abs(np.asarray(with_fault) - np.asarray(without)).max() == pytest.approx(0.033, abs=5e-4)
+    with_fault = orchestration.run(SCENARIOS / "fault_lost_magnetometer.yaml")
+    without = orchestration.run(plain(SCENARIOS / "fault_lost_magnetometer.yaml", 0.1, 386.1))
+    difference = np.abs(np.asarray(with_fault[ERROR]) - np.asarray(without[ERROR]))
+    assert difference.max() == pytest.approx(0.033, abs=5e-4)
+    assert with_fault.time[difference.argmax()] == pytest.approx(91.9, abs=0.5)
+    assert with_fault.time[(difference >= 2e-3).argmax()] == pytest.approx(32.8, abs=0.5)
 
 
 def test_u_applied_a_sample_later_explains_a_part_of_the_planned_controller_s_difference(tmp_path: Path) -> None:
