@@ -170,6 +170,7 @@ def test_the_test_card_has_the_signs_of_the_physics(paper):
     assert set(made.base) == {"plant", "controller", "allocator", "judge"}
 
 
+@pytest.mark.compile
 def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without_help(tmp_path):
     fmu = teams.build("quaternion", tmp_path)
     ours = read(SCENARIOS / "paper_no_singularity.yaml")
