@@ -27,6 +27,7 @@ SHOWN = (
     "fmus/interfaces/*.toml",
     "fmus/contents/frames.svg",
     "scenarios/*.yaml",
+    "scenarios/campaigns/*.yaml",
 )
 API = ("orchestration", "plant", "controller", "allocator", "fmus")
 # A fenced block or code, which stays as it is; a displayed equation; an equation in a line.
