@@ -14,13 +14,14 @@ import numpy as np
 from markupsafe import Markup
 
 from ..results.data import json_text
-from ..results.html import Page, joined, part, pieces, rows, verdict
+from ..results.html import Page, joined, part, pieces, rows
 from . import plots
 from .influence import ranked, sensitivity, signed
+from .overview import basis, header, outcome, two, verdicts
 from .plots import Metric
 from .rows import Rows
 from .sensitivity import RANKED
-from .statistics import percent, probability, quantile, share
+from .statistics import probability, quantile, share
 
 _PLOTS = 120
 """Scatter plots on a page at most."""
@@ -29,11 +30,6 @@ _WORST = 5
 _template = "campaign.html"
 _part = partial(part, _template)
 _pieces = partial(pieces, _template)
-_BASIS = {
-    "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",
-    "sobol": "They are those of independent draws; scrambled Sobol' points make them wider than needed as a rule.",
-    "grid": "A full grid is no draw: read the shares as shares of the grid's points.",
-}
 
 
 def write(folder: Path) -> Path:
@@ -50,8 +46,8 @@ def page(folder: Path) -> str:
     metrics = _metrics(runs) if len(runs) else []
     varied = ([v["name"], v["text"], "drawn for expressions only" if v["drawn"] else ""] for v in manifest["varied"])
     parts = [
-        _header(manifest),
-        _part("verdicts", rows(_verdicts(manifest)), basis=_basis(manifest)),
+        header(manifest),
+        _part("verdicts", rows(verdicts(manifest)), basis=basis(manifest)),
         _part("varied", rows(varied)),
     ]
     found, design = manifest.get("search"), sensitivity(manifest.get("sensitivity"))
@@ -66,74 +62,7 @@ def page(folder: Path) -> str:
             _part("expectations", rows(_expectations(runs))),
         ]
     parts.append(_part("manifest", json_text(manifest)))
-    return made.html(f"{manifest['campaign']}: {_outcome(manifest)[1]}", parts)
-
-
-def _basis(manifest: dict[str, Any]) -> str:
-    if manifest["early"]:
-        return "They hold at all looks at once (a confidence sequence), so stopping early keeps the confidence."
-    return _BASIS.get(
-        manifest["sampling"], "They hold for a number of runs that was fixed before (Clopper and Pearson)."
-    )
-
-
-def _outcome(manifest: dict[str, Any]) -> tuple[str, str]:
-    """A class for its colour, and the outcome in words."""
-    statuses = [v["status"] for v in manifest["verdicts"]]
-    if not statuses:
-        return "plain", "no requirements"
-    if set(statuses) == {"met"}:
-        return "good", f"all {len(statuses)} requirements met" if len(statuses) > 1 else "the requirement is met"
-    counts = {word: statuses.count(word) for word in ("met", "not met", "undecided") if word in statuses}
-    kind = "bad" if "not met" in counts else "warn"
-    return kind, ", ".join(f"{n} of {len(statuses)} requirements {word}" for word, n in counts.items())
-
-
-def _header(manifest: dict[str, Any]) -> Markup:
-    counts = manifest["runs"]
-    badges = [_outcome(manifest)]
-    if counts["failed"]:
-        badges.append(("warn", f"{counts['failed']:,} run{'s' * (counts['failed'] > 1)} failed"))
-    if manifest["state"] != "completed":
-        badges.append(("plain" if manifest["state"] == "stopped early" else "bad", manifest["state"]))
-    seconds = manifest.get("wall_time") or 0.0
-    rate = f", {counts['flown'] / seconds:,.3g} runs/s" if seconds else ""
-    few = f" of {counts['wanted']:,}" if counts["flown"] < counts["wanted"] else ""
-    return _pieces()["header"].format(
-        name=manifest["campaign"],
-        description=manifest.get("description") or "",
-        badges=joined(pieces("report.html")["badge"].format(kind=kind, text=text) for kind, text in badges),
-        runs=f"{counts['flown']:,}{few}",
-        failed=f"{counts['failed']:,}" if counts["failed"] else "",
-        drawn=manifest["sampling"]
-        if manifest["sampling"] == "grid"
-        else f"{manifest['sampling']}, seed {manifest['seed']}",
-        scenario=manifest.get("scenario_file") or manifest.get("scenario") or "",
-        wall=f"{seconds:,.3g} s{rate}",
-        finished=str(manifest.get("finished") or "").replace("T", " ").replace("+00:00", " UTC"),
-    )
-
-
-def _verdicts(manifest: dict[str, Any]) -> list[list[object]]:
-    asked = {r["name"]: r for r in manifest["requirements"]}
-    found: list[list[object]] = []
-    for v in manifest["verdicts"]:
-        r = asked[v["name"]]
-        of = r.get("metric") or r.get("expectation") or ""
-        found.append([
-            verdict(v["status"]),
-            _two(v["name"], of if of != v["name"] else ""),
-            r["expected"],
-            _two(f"{v['probability']:g}", f"at {percent(v['confidence'])} confidence"),
-            _two(f"{v['share']:.5g}" if v["share"] is not None else "\N{EN DASH}",
-                 f"{probability(v['low'])} to {probability(v['high'], up=True)}"),
-            v["text"],
-        ])  # fmt: skip
-    return found
-
-
-def _two(text: str, below: str) -> Markup:
-    return Markup("{}<small>{}</small>").format(text, below)
+    return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
 
 
 def _metrics(runs: Rows) -> list[Metric]:
@@ -162,12 +91,12 @@ def _metric(metric: Metric, failed: int, early: bool) -> list[object]:
         ends = sorted(sign * b for b in (bounds.low, bounds.high) if np.isfinite(b))
         told = "never or failed" if not np.isfinite(at) else f"{than} {metric.with_unit(sign * at)}"
         some = ("from " if (bounds.high == np.inf) != metric.lower_is_worse else "up to ") if len(ends) == 1 else ""
-        return _two(told, some + " to ".join(metric.with_unit(end) for end in ends))
+        return two(told, some + " to ".join(metric.with_unit(end) for end in ends))
 
     finite = bad[np.isfinite(bad)]
     worst = metric.with_unit(sign * finite.max()) if len(finite) else "\N{EN DASH}"
     never = int(np.isinf(metric.values).sum())
-    return [_two(metric.name, metric.text), cell(0.5), cell(0.95), cell(0.9973), worst, f"{never:,}", f"{failed:,}"]
+    return [two(metric.name, metric.text), cell(0.5), cell(0.95), cell(0.9973), worst, f"{never:,}", f"{failed:,}"]
 
 
 def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
