@@ -99,7 +99,7 @@ def versions(runs: int) -> None:
             scenarios["3.0"]["blocks"][name] = {**entry, "fmu": str(path), "isolation": "none"}
         for compiled in (True, False):
             walls: dict[str, list[float]] = {version: [] for version in scenarios}
-            for _ in range(runs):
+            for _ in range(3 * runs if compiled else runs):
                 for version, scenario in scenarios.items():
                     walls[version].append(orchestration.run(scenario, compiled=compiled).wall)
             two, three = (min(walls[version]) for version in scenarios)
