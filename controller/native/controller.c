@@ -1,19 +1,8 @@
 #include "controller.h"
 
-#include "rotation.h"
+#include "reference.h"
 
-static const double R_MIN = 1.0;                /* m; nearer to the Earth's centre a position has no direction */
-static const double COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB: a single-precision plant stays well below it */
-static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
-static const double PI = 3.14159265358979323846;
 static const Vector zero = {0.0, 0.0, 0.0};
-
-/* The desired motion: attitude (N from desired body), rate and its derivative in desired body axes [3]. */
-typedef struct {
-    Matrix R_d;
-    Vector Omega_d, dOmega_d;
-} Reference;
 
 typedef struct {
     Matrix Q;
@@ -47,15 +36,9 @@ bool controller_check(const ControllerParameters *p, Fault *f)
     if (p->gain_schedule < CONTROLLER_GAIN_SCHEDULE_ERROR || p->gain_schedule > CONTROLLER_GAIN_SCHEDULE_CONSTANT) {
         return fault(f, "gain_schedule", p->gain_schedule, "1 (error) or 2 (constant)");
     }
-    if (p->reference < CONTROLLER_REFERENCE_LVLH || p->reference > CONTROLLER_REFERENCE_RATE) {
-        return fault(f, "reference", p->reference, "1 (lvlh), 2 (inertial) or 3 (rate)");
-    }
-    if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_positive_definite(matrix(p->L0), "L0", f) || !is_ascending(p->K0, f)) {
-        return false;
-    }
-    return all_finite_vectors(&(NamedVector){"Omega_d0", vector(p->Omega_d0)}, 1, f) &&
-           is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001",
-                       f);
+    return is_reference(p->reference, f) && is_inertia(matrix(p->J_B), "J_B", f) &&
+           is_positive_definite(matrix(p->L0), "L0", f) && is_ascending(p->K0, f) &&
+           is_reference_start(p->R_d0, p->Omega_d0, f);
 }
 
 void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
@@ -64,59 +47,14 @@ void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
     store_matrix(nearest_rotation(matrix(p->R_d0)), law->R_d0);
 }
 
-/* LVLH: Z to nadir, Y = -orbit normal, X = Y x Z; any orbit, not only a circle: n = |r x v|/r^2, and since |r x v|
- * is constant dn/dt = -2 n (r.v)/r^2. */
-static bool lvlh(Vector r_N, Vector v_N, Reference *reference, Fault *f)
-{
-    const double r = norm(r_N);
-    const double h = norm(cross(r_N, v_N));
-    if (r < R_MIN) {
-        return fault(f, "r_N", r, "at least 1 m from the Earth's centre, for the reference 'lvlh'");
-    }
-    if (!(h > COLLINEAR * r * norm(v_N))) {
-        return fault(f, "v_N", h,
-                     "a velocity that spans the orbit's plane with r_N, |r x v| above 0, for the reference 'lvlh'");
-    }
-    const double n = h / (r * r);
-    const double dn = -2.0 * n * dot(r_N, v_N) / (r * r);
-    reference->R_d = lvlh_axes(r_N, v_N);
-    reference->Omega_d = (Vector){0.0, -n, 0.0};
-    reference->dOmega_d = (Vector){0.0, -dn, 0.0};
-    return true;
-}
-
-static bool desired(const ControllerLaw *law, double t, const ControllerInputs *u, Reference *reference, Fault *f)
-{
-    const Matrix R_d0 = matrix(law->R_d0);
-    const Vector Omega_d0 = vector(law->p.Omega_d0);
-    switch (law->p.reference) {
-    case CONTROLLER_REFERENCE_LVLH:
-        return lvlh(vector(u->r_N), vector(u->v_N), reference, f);
-    case CONTROLLER_REFERENCE_RATE:
-        *reference = (Reference){multiply(R_d0, rotation_exp(scale(t, Omega_d0))), Omega_d0, zero};
-        return true;
-    default:
-        *reference = (Reference){R_d0, zero, zero};
-        return true;
-    }
-}
-
-static bool inputs_finite(const ControllerInputs *u, Fault *f)
-{
-    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}};
-    return all_finite_vectors(inputs, COUNT(inputs), f);
-}
-
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
 static bool tracking_errors(const ControllerLaw *law, double t, const ControllerInputs *u, Errors *e, Fault *f)
 {
-    if (!inputs_finite(u, f)) {
-        return false;
-    }
     const Matrix R = matrix(u->R_NB);
     Reference reference;
-    if (!is_rotation(R, ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f) ||
-        !desired(law, t, u, &reference, f)) {
+    if (!are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) || !is_attitude(R, f) ||
+        !reference_at(law->p.reference, matrix(law->R_d0), vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
+                      &reference, f)) {
         return false;
     }
     e->Q = multiply(transposed(reference.R_d), R);
@@ -146,7 +84,7 @@ static bool gravity_gradient(const ControllerLaw *law, const ControllerInputs *u
 {
     const Vector r_N = vector(u->r_N);
     const double r = norm(r_N);
-    if (r < R_MIN) {
+    if (r < REFERENCE_R_MIN) {
         return fault(f, "r_N", r, "at least 1 m from the Earth's centre, for compensate_gravity");
     }
     const Vector r_B = scale(1.0 / r, apply_transposed(matrix(u->R_NB), r_N));
@@ -177,7 +115,7 @@ static bool latch(const ControllerLaw *law, const ControllerInputs *u, Controlle
 bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)
 {
     *x = (ControllerState){0.0, 0.0, 0.0, false, false};
-    return no_attitude(x, u) ? inputs_finite(u, f) : latch(law, u, x, f);
+    return no_attitude(x, u) ? are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) : latch(law, u, x, f);
 }
 
 bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
@@ -188,9 +126,9 @@ bool controller_outputs(const ControllerLaw *law, const ControllerState *x, cons
     Errors e;
     Vector M_g = zero;
     if (no_attitude(x, u)) {
-        *y = (ControllerOutputs){.attitude_error = PI, .no_attitude = true};
+        *y = (ControllerOutputs){.attitude_error = REFERENCE_NO_ATTITUDE, .no_attitude = true};
         store(vector(u->omega_B), y->rate_error_B);
-        return inputs_finite(u, f);
+        return are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f);
     }
     ControllerState now = *x;
     if (!latch(law, u, &now, f) || !tracking_errors(law, x->t, u, &e, f) ||
