@@ -7,21 +7,17 @@ ensure("plant")              # the path of plant.fmu, built when missing or out 
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import logging
 import os
-import re
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from . import places
-from .block import Block, BuildError, files_of
+from .block import Block, BuildError
+from .fingerprint import fingerprint
 from .interface import BLOCKS, FLAVOURS, Interface, load
 
 __all__ = [
@@ -31,7 +27,6 @@ __all__ = [
     "BuildError",
     "blocks_of",
     "build",
-    "data_packages",
     "ensure",
     "fmu_path",
     "is_current",
@@ -39,7 +34,6 @@ __all__ = [
 
 ROOT = places.PACKAGES
 
-_HERE = Path(__file__).parent
 _LOG = logging.getLogger("attitude_cosim.build")  # the same name in an installed wheel, where this module has another
 
 
@@ -63,7 +57,7 @@ def build(
         _check_flavour(block.interface, flavour)
     for number, block in enumerate(chosen, start=1):
         path = _path(block.name, flavour, out)
-        stamp = _fingerprint(block, flavour).encode()
+        stamp = fingerprint(block, flavour).encode()
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
         try:
             data = package(block.interface, block.folder, places.shared("LICENSE"))
@@ -103,7 +97,7 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
 def is_current(path: Path, block: str | Block, flavour: str) -> bool:
     """Whether a file is the FMU of a block's sources as they are now. Without a file it is not."""
     chosen = Block.named(block) if isinstance(block, str) else block
-    return _stamp(path) == _fingerprint(chosen, flavour).encode()
+    return _stamp(path) == fingerprint(chosen, flavour).encode()
 
 
 def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
@@ -146,107 +140,6 @@ def _stamp(path: Path) -> bytes | None:
     except OSError:
         return None
     return record[22:] if record.startswith(b"PK\5\6") else None
-
-
-@contextmanager
-def unchanging() -> Iterator[None]:
-    """Within it, the files that FMUs are made of are looked at once only."""
-    global _looked
-    _looked = {}
-    try:
-        yield
-    finally:
-        _looked = None
-
-
-_looked: dict[Path, int] | None = None
-
-
-def _fingerprint(block: Block, flavour: str) -> str:
-    """A hash of all that an FMU is made of: files by their content, packages by their versions.
-
-    Within a process the files are read anew only where one of their names, sizes or times has changed.
-    """
-    shared = hash((_state(_HERE), places.shared("LICENSE").stat().st_mtime_ns))
-    if _makers.get(flavour, (None,))[0] != shared:
-        _makers[flavour] = shared, _of_makers(flavour)
-    seen = hash((shared, block.interface.source, _state(block.folder)))
-    key = block.name, block.folder, flavour
-    if key not in _known or _known[key][0] != seen:
-        _known[key] = seen, _of_content(block, flavour, _makers[flavour][1].copy())
-    return _known[key][1]
-
-
-_makers: dict[str, tuple[int, hashlib._Hash]] = {}
-_known: dict[tuple[str, Path, str], tuple[int, str]] = {}
-
-
-def _state(folder: Path) -> int:
-    """A number that changes with the files of a folder."""
-    looked = {} if _looked is None else _looked
-    if folder not in looked:
-        looked[folder] = hash(tuple(_seen(folder)))
-    return looked[folder]
-
-
-def _seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:
-    """Name, size and time of each file in a folder."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.is_dir():
-                if entry.name != "__pycache__":
-                    yield from _seen(entry.path)
-            else:
-                status = entry.stat()
-                yield entry.path, status.st_size, status.st_mtime_ns
-
-
-def _of_makers(flavour: str) -> hashlib._Hash:
-    """Of what makes FMUs of blocks."""
-    makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
-    makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
-    digest = hashlib.sha256()
-    _add(digest, [places.shared("LICENSE"), *makers])
-    return digest
-
-
-def _of_content(block: Block, flavour: str, digest: hashlib._Hash) -> str:
-    digest.update(block.interface.source.encode())
-    _add(digest, files_of(block.folder))
-    if flavour == "native":
-        _add(digest, _files(block.folder / "native"))
-    for name in ("pythonfmu", "ziglang", *data_packages(block.folder)):
-        digest.update(f"\n{name} {_version(name)}".encode())
-    return digest.hexdigest()
-
-
-def _add(digest: hashlib._Hash, paths: Iterable[Path]) -> None:
-    for path in paths:
-        digest.update(f"\n{path.name}\n".encode() + (path.read_bytes() if path.exists() else b""))
-
-
-def _files(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
-
-
-_PACKAGES = re.compile(r"^PACKAGES = (\([^()]*\)|\[[^][]*\])", re.MULTILINE)
-
-
-def data_packages(folder: Path) -> list[str]:
-    """The literals `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
-    found: list[str] = []
-    for path in (folder / "tables" / "__init__.py", folder / "native" / "tables.py"):
-        for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
-            found += ast.literal_eval(literal)
-    return found
-
-
-@cache
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "none"
 
 
 def _write(path: Path, data: bytes, stamp: bytes) -> None:

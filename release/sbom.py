@@ -21,7 +21,8 @@ from packageurl import PackageURL
 from packaging.requirements import Requirement
 
 from fmus.block import Block
-from fmus.build import BLOCKS, data_packages
+from fmus.build import BLOCKS
+from fmus.fingerprint import data_packages
 
 from .constraints import pinned
 

@@ -13,7 +13,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, unchanging
+from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
+from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
 from ..errors import BlockError, InputError, NoRoom, hint, reason

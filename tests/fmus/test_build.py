@@ -155,18 +155,18 @@ def test_what_is_built_by_default_is_native() -> None:
 def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from fmus import build as module
+    from fmus import fingerprint as module
 
     copy = tmp_path / "fmus"
     shutil.copytree(module._HERE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(module, "_HERE", copy)
     block = module.Block.named("plant")
-    seen = {module._fingerprint(block, "native")}
+    seen = {module.fingerprint(block, "native")}
     names = ("units.py", "native/shell/step.c", "contents/icon.py", "interfaces/plant.svg", "a_new_file.py")
     for number, name in enumerate(names, start=2):
         with (copy / name).open("a") as file:
             file.write("\n")
-        seen.add(module._fingerprint(block, "native"))
+        seen.add(module.fingerprint(block, "native"))
         assert len(seen) == number, name
 
 

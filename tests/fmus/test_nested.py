@@ -11,6 +11,7 @@ from fmpy.validation import validate_fmu
 
 from fmus import build as module
 from fmus.build import Block, BuildError, blocks_of, build, ensure
+from fmus.fingerprint import data_packages, fingerprint
 from fmus.interface import BLOCKS, InterfaceError, load, parse
 from fmus.kit.fill import filled
 from fmus.native.generate import ports_header, ports_path
@@ -106,9 +107,9 @@ def test_the_outer_block_neither_carries_nor_depends_on_it(blocks: tuple[Block, 
         names = archive.namelist()
     assert any(name.endswith("/toy/helper.py") for name in names)
     assert not [name for name in names if "small" in name]
-    before = module._fingerprint(small, "native")
+    before = fingerprint(small, "native")
     (small.folder / "block.py").write_text("# changed\n")
-    assert module._fingerprint(small, "native") != before
+    assert fingerprint(small, "native") != before
     assert ensure(outer, "python", tmp_path / "out").stat().st_mtime_ns == first
 
 
@@ -121,7 +122,7 @@ def test_names_in_c_are_of_both_parts(blocks: tuple[Block, Block]) -> None:
 
 
 def test_the_packages_behind_the_tables_of_its_c_count_for_its_fingerprint(blocks: tuple[Block, Block]) -> None:
-    assert module.data_packages(blocks[1].folder) == ["pint"]
+    assert data_packages(blocks[1].folder) == ["pint"]
 
 
 def test_units_are_those_of_each_element(blocks: tuple[Block, Block], tmp_path: Path) -> None:
