@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import fmpy
+import pytest
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
     defaultCallbacks,
@@ -16,6 +18,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
+_ERROR = 3
 _KINDS = {"Enumeration": "Integer"}
 
 
@@ -75,6 +78,16 @@ class Host:
     def outputs(self) -> dict[str, Any]:
         names = {n: v for n, v in self._variables.items() if v[0].causality == "output"}
         return {name: self.get(name) for name in names}
+
+    def refuses(self, call: Callable[[], object]) -> str:
+        """Expects fmi2Error, and the one message that tells why though logging is off; returns it."""
+        before = len(self.log)
+        with pytest.raises(FMICallException) as caught:
+            call()
+        assert caught.value.status == _ERROR
+        ((status, category, message),) = self.log[before:]
+        assert (status, category) == (_ERROR, "logStatusError")
+        return message
 
     def serialized(self) -> bytes:
         """The FMU state as bytes; the state itself is freed."""

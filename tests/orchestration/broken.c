@@ -2,39 +2,25 @@
  *
  * Real 0 is x, an input; real 1 is y, an output: the time. Three ways of breaking are compiled in: LOADING, MISSING and
  * WITHOUT_STEP. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-typedef void (*Logger)(void *, const char *, int, const char *, const char *, ...);
-typedef struct {
-    Logger logger;
-    void *allocate, *free, *finished, *environment;
-} Callbacks;
+#include "small_fmu.h"
+
 typedef struct {
     double x, y;
     int stepping;
     char place[16], how[16];
     const Callbacks *callbacks;
 } Block;
-enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING };
 static const double FROM = 1.0;
 
-#if defined(_WIN32)
-#define API __declspec(dllexport)
-#else
-#define API __attribute__((visibility("default")))
-#endif
 #ifdef MISSING
 extern int vendor_runtime_start(void);
 #endif
 
 static int say(Block *b, int status, const char *text, double value)
 {
-    b->callbacks->logger(b->callbacks->environment, "block", status, "logStatus", "%s %g", text, value);
-    return status;
+    return log_value(b->callbacks, "block", status, text, value);
 }
 static void crash(void)
 {
@@ -138,20 +124,6 @@ __attribute__((constructor)) static void loaded(void)
 }
 #endif
 
-API const char *fmi2GetTypesPlatform(void)
-{
-    return "default";
-}
-API const char *fmi2GetVersion(void)
-{
-    return "2.0";
-}
-API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[])
-{
-    (void)c, (void)on, (void)n, (void)names;
-    return OK;
-}
-
 API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
                           int visible, int logging)
 {
@@ -190,11 +162,6 @@ API int fmi2Terminate(void *c)
 {
     Block *b = c;
     BREAK("terminate", 0) return OK;
-}
-API int fmi2Reset(void *c)
-{
-    (void)c;
-    return OK;
 }
 API void fmi2FreeInstance(void *c)
 {
@@ -251,19 +218,6 @@ API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[])
     (void)c, (void)v, (void)n, (void)x;
     return OK;
 }
-API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[])
-{
-    (void)c, (void)v;
-    for (size_t i = 0; i < n; i++)
-        x[i] = "";
-    return OK;
-}
-API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[])
-{
-    (void)c, (void)v, (void)n, (void)x;
-    return OK;
-}
-
 #ifndef WITHOUT_STEP
 API int fmi2DoStep(void *c, double t, double h, int keep)
 {
@@ -278,25 +232,3 @@ API int fmi2DoStep(void *c, double t, double h, int keep)
     return OK;
 }
 #endif
-
-#define UNUSED(name, ...)                                                                                                      \
-    API int name(__VA_ARGS__)                                                                                                  \
-    {                                                                                                                          \
-        return ERROR;                                                                                                          \
-    }
-UNUSED(fmi2GetFMUstate, void *c, void **s)
-UNUSED(fmi2SetFMUstate, void *c, void *s)
-UNUSED(fmi2FreeFMUstate, void *c, void **s)
-UNUSED(fmi2SerializedFMUstateSize, void *c, void *s, size_t *n)
-UNUSED(fmi2SerializeFMUstate, void *c, void *s, char *b, size_t n)
-UNUSED(fmi2DeSerializeFMUstate, void *c, const char *b, size_t n, void **s)
-UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x,
-       double *y)
-UNUSED(fmi2SetRealInputDerivatives, void *c, const unsigned *v, size_t n, const int *o, const double *x)
-UNUSED(fmi2GetRealOutputDerivatives, void *c, const unsigned *v, size_t n, const int *o, double *x)
-UNUSED(fmi2CancelStep, void *c)
-UNUSED(fmi2GetStatus, void *c, int k, int *x)
-UNUSED(fmi2GetRealStatus, void *c, int k, double *x)
-UNUSED(fmi2GetIntegerStatus, void *c, int k, int *x)
-UNUSED(fmi2GetBooleanStatus, void *c, int k, int *x)
-UNUSED(fmi2GetStringStatus, void *c, int k, const char **x)

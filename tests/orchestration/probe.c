@@ -2,21 +2,12 @@
  *
  * Reals: 0 fault_time, 1 y, 2 u, 3 gain, 4 x; the others are only kept. Integers: 0 fault, 1 steps.
  * Its GUID is "probe". */
-#include <math.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "small_fmu.h"
 
 #ifndef DIRECT /* y of all reals; a test may compile another */
 #define DIRECT(x) ((x)[3] * (x)[2])
 #endif
 
-typedef void (*Logger)(void *, const char *, int, const char *, const char *, ...);
-typedef struct {
-    Logger logger;
-    void *allocate, *free, *finished, *environment;
-} Callbacks;
 typedef struct {
     double real[64];
     int integer[64], boolean[64];
@@ -24,32 +15,10 @@ typedef struct {
     const Callbacks *callbacks;
 } Probe;
 enum { NONE, STEP_ERROR, STEP_NAN, STEP_FATAL, STEP_DISCARD, LEAVE_ERROR, STEP_WARNING };
-enum { OK, WARNING, DISCARD, ERROR, FATAL };
-
-#if defined(_WIN32)
-#define API __declspec(dllexport)
-#else
-#define API __attribute__((visibility("default")))
-#endif
 
 static int tell(Probe *p, int status, const char *text, double value)
 {
-    p->callbacks->logger(p->callbacks->environment, p->name, status, "logStatus", "%s %g", text, value);
-    return status;
-}
-
-API const char *fmi2GetTypesPlatform(void)
-{
-    return "default";
-}
-API const char *fmi2GetVersion(void)
-{
-    return "2.0";
-}
-API int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[])
-{
-    (void)c, (void)on, (void)n, (void)names;
-    return OK;
+    return log_value(p->callbacks, p->name, status, text, value);
 }
 
 API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
@@ -89,12 +58,6 @@ API int fmi2Terminate(void *c)
     (void)c;
     return OK;
 }
-API int fmi2Reset(void *c)
-{
-    (void)c;
-    return OK;
-}
-
 API int fmi2GetReal(void *c, const unsigned v[], size_t n, double x[])
 {
     Probe *p = c;
@@ -133,19 +96,6 @@ API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[])
         ((Probe *)c)->boolean[v[i]] = x[i];
     return OK;
 }
-API int fmi2GetString(void *c, const unsigned v[], size_t n, const char *x[])
-{
-    (void)c, (void)v;
-    for (size_t i = 0; i < n; i++)
-        x[i] = "";
-    return OK;
-}
-API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x[])
-{
-    (void)c, (void)v, (void)n, (void)x;
-    return OK;
-}
-
 API int fmi2DoStep(void *c, double t, double h, int keep)
 {
     (void)keep;
@@ -168,25 +118,3 @@ API int fmi2DoStep(void *c, double t, double h, int keep)
     }
     return OK;
 }
-
-#define UNUSED(name, ...)                                                                                                      \
-    API int name(__VA_ARGS__)                                                                                                  \
-    {                                                                                                                          \
-        return ERROR;                                                                                                          \
-    }
-UNUSED(fmi2GetFMUstate, void *c, void **s)
-UNUSED(fmi2SetFMUstate, void *c, void *s)
-UNUSED(fmi2FreeFMUstate, void *c, void **s)
-UNUSED(fmi2SerializedFMUstateSize, void *c, void *s, size_t *n)
-UNUSED(fmi2SerializeFMUstate, void *c, void *s, char *b, size_t n)
-UNUSED(fmi2DeSerializeFMUstate, void *c, const char *b, size_t n, void **s)
-UNUSED(fmi2GetDirectionalDerivative, void *c, const unsigned *a, size_t n, const unsigned *b, size_t m, const double *x,
-       double *y)
-UNUSED(fmi2SetRealInputDerivatives, void *c, const unsigned *v, size_t n, const int *o, const double *x)
-UNUSED(fmi2GetRealOutputDerivatives, void *c, const unsigned *v, size_t n, const int *o, double *x)
-UNUSED(fmi2CancelStep, void *c)
-UNUSED(fmi2GetStatus, void *c, int k, int *x)
-UNUSED(fmi2GetRealStatus, void *c, int k, double *x)
-UNUSED(fmi2GetIntegerStatus, void *c, int k, int *x)
-UNUSED(fmi2GetBooleanStatus, void *c, int k, int *x)
-UNUSED(fmi2GetStringStatus, void *c, int k, const char **x)

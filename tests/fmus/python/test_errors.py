@@ -5,35 +5,20 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from fmus.build import ROOT, blocks_of
 
 from ..host import Host
 
-ERROR = 3
-
-
-def _fails(host: Host, call: Callable[[], object]) -> str:
-    """Expects fmi2Error, one message of that status though logging is off, and returns it."""
-    before = len(host.log)
-    with pytest.raises(FMICallException) as caught:
-        call()
-    assert caught.value.status == ERROR
-    ((status, category, message),) = host.log[before:]
-    assert (status, category) == (ERROR, "logStatusError")
-    return message
-
 
 def test_an_exception_in_a_step_is_logged_with_its_traceback_and_ends_as_an_error(path: Path) -> None:
     with Host(path) as host:
         host.started(label="fail")
-        message = _fails(host, lambda: host.step(0))
+        message = host.refuses(lambda: host.step(0))
         assert message.startswith("toy: ValueError: rate: 100 %% wrong \\udc80\nTraceback")
         assert "block.py" in message
         assert "in step" in message
@@ -45,7 +30,7 @@ def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_saf
             h.started().step(0, count=3)
         for _ in range(200):
             host.set("rate", [2e6, 0.0])
-            message = _fails(host, lambda: host.step(3))
+            message = host.refuses(lambda: host.step(3))
             assert "output sum[1] is inf; expected a finite number" in message
             host.get("sum")
         for h in (host, unharmed):
@@ -61,7 +46,7 @@ def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_saf
 def test_a_value_that_is_not_finite_is_refused_by_name_and_not_stored(path: Path, value: float) -> None:
     with Host(path) as host:
         host.started()
-        message = _fails(host, lambda: host.set("rate", [5.0, value]))
+        message = host.refuses(lambda: host.set("rate", [5.0, value]))
         assert message == f"toy: setReal: rate[2] = {value}; expected a finite number"
         assert host.get("rate") == [1.0, 2.0]
 
@@ -71,7 +56,7 @@ def test_no_real_variable_of_a_block_accepts_nan(built_fmus: dict[str, Path], bl
     with Host(built_fmus[block]) as host:
         for variable in host.description.modelVariables:
             if variable.type == "Real" and variable.causality != "output":
-                message = _fails(host, lambda v=variable: host.fmu.setReal([v.valueReference], [math.nan]))
+                message = host.refuses(lambda v=variable: host.fmu.setReal([v.valueReference], [math.nan]))
                 assert f"{variable.name} = nan" in message
 
 
@@ -79,7 +64,7 @@ def test_no_real_variable_of_a_block_accepts_nan(built_fmus: dict[str, Path], bl
 def test_a_step_that_is_no_step_is_refused(path: Path, step: float) -> None:
     with Host(path) as host:
         host.started()
-        message = _fails(host, lambda: host.fmu.doStep(0.0, step))
+        message = host.refuses(lambda: host.fmu.doStep(0.0, step))
         assert message == f"toy: doStep: the step is {step} s; expected a finite number above 0"
         host.step(0)
 
@@ -87,10 +72,10 @@ def test_a_step_that_is_no_step_is_refused(path: Path, step: float) -> None:
 def test_a_step_from_another_time_than_the_block_s_is_refused(path: Path) -> None:
     with Host(path) as host:
         host.started().step(0, count=2)
-        message = _fails(host, lambda: host.step(3))
+        message = host.refuses(lambda: host.step(3))
         assert "the step starts at 0.3" in message
         assert "the block is at 0.2 s" in message
-        assert "nan" in _fails(host, lambda: host.fmu.doStep(math.nan, 0.1))
+        assert "nan" in host.refuses(lambda: host.fmu.doStep(math.nan, 0.1))
 
 
 @pytest.mark.parametrize(
@@ -105,18 +90,18 @@ def test_a_step_from_another_time_than_the_block_s_is_refused(path: Path) -> Non
 )
 def test_a_value_out_of_range_is_refused_with_its_range(path: Path, name: str, value: object, said: str) -> None:
     with Host(path) as host:
-        assert said in _fails(host, lambda: host.set(name, value))
+        assert said in host.refuses(lambda: host.set(name, value))
 
 
 def test_a_value_reference_of_another_type_or_of_nothing_is_refused(path: Path) -> None:
     with Host(path) as host:
-        assert "no Real with the value reference 2" in _fails(host, lambda: host.fmu.getReal([2]))
-        assert "no Integer with the value reference 999" in _fails(host, lambda: host.fmu.setInteger([999], [1]))
+        assert "no Real with the value reference 2" in host.refuses(lambda: host.fmu.getReal([2]))
+        assert "no Integer with the value reference 999" in host.refuses(lambda: host.fmu.setInteger([999], [1]))
 
 
 def test_parameters_that_the_block_refuses_end_initialization_with_its_words(path: Path) -> None:
     with Host(path) as host:
-        assert "label: expected anything but 'wrong'" in _fails(host, lambda: host.started(label="wrong"))
+        assert "label: expected anything but 'wrong'" in host.refuses(lambda: host.started(label="wrong"))
         host.set("label", "right")
         host.fmu.exitInitializationMode()
         host.step(0)
@@ -124,15 +109,15 @@ def test_parameters_that_the_block_refuses_end_initialization_with_its_words(pat
 
 def test_calls_in_the_wrong_mode_are_refused(path: Path) -> None:
     with Host(path) as host:
-        assert "doStep: the block is instantiated" in _fails(host, lambda: host.step(0))
+        assert "doStep: the block is instantiated" in host.refuses(lambda: host.step(0))
         host.started()
-        assert "enterInitializationMode: the block is stepping" in _fails(host, host.fmu.enterInitializationMode)
+        assert "enterInitializationMode: the block is stepping" in host.refuses(host.fmu.enterInitializationMode)
 
 
 def test_a_state_of_another_build_or_no_state_at_all_is_refused(path: Path, built_fmus: dict[str, Path]) -> None:
     with Host(path) as host, Host(built_fmus["allocator"]) as other:
         for data in (other.started().serialized(), b"\x00\xffnonsense", b"{}", b"[]"):
-            assert "cannot be restored" in _fails(host, lambda d=data: host.restore(d))
+            assert "cannot be restored" in host.refuses(lambda d=data: host.restore(d))
         host.started().step(0)
 
 

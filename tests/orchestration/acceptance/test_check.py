@@ -113,7 +113,9 @@ def test_what_is_no_library_is_told(here):
 
 @pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("cc"), reason="needs an ELF compiler")
 def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(here):
-    source = fmus.Path(__file__).parents[1].joinpath("probe.c").read_text()
+    folder = fmus.Path(__file__).parents[1]
+    source = folder.joinpath("probe.c").read_text()
+    source = source.replace('#include "small_fmu.h"', folder.joinpath("small_fmu.h").read_text())
     source = source.replace("fmi2DoStep(", "FMI2_doStep(").replace(
         "(void)keep;", "(void)keep; extern int vendor_driver(void); vendor_driver();"
     )
