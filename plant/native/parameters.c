@@ -37,8 +37,11 @@ static bool orbit_of(const PlantParameters *p, const Epoch *date, Orbit *orbit, 
         if (norm(r) == 0.0) {
             return fault(f, "r_N0", 0.0, "a position away from the Earth's centre");
         }
-        return (plant_orbit_through(r, v, mu, orbit) && (!p->j2_node_drift || drifting_orbit_through(p, orbit))) ||
-               fault(f, "v_N0", norm(v), "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
+        if (!plant_orbit_through(r, v, mu, orbit) || (p->j2_node_drift && !drifting_orbit_through(p, orbit))) {
+            return fault(f, "v_N0", norm(v),
+                         "below escape speed and not along r_N0 (this is |v_N0|), so that they give an orbit");
+        }
+        return true;
     }
     *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, plant_gmst(date) + p->node_longitude,
                                   p->argument_of_latitude, mu);
@@ -74,7 +77,10 @@ static bool is_attitude(const PlantParameters *p, Fault *f)
     }
     const double *q = p->q_NB0;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    return fabs(length - 1.0) <= 1e-3 ? true : fault(f, "q_NB0", length, "a quaternion of unit length, to 0.001");
+    if (!(fabs(length - 1.0) <= 1e-3)) {
+        return fault(f, "q_NB0", length, "a quaternion of unit length, to 0.001");
+    }
+    return true;
 }
 
 static bool is_inside(const PlantParameters *p, Fault *f)

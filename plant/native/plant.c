@@ -68,8 +68,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     if (plant->p.rod_period > 0.0 && !(h / plant->p.rod_period <= INTERNAL_STEPS_MAX)) {
         return fault(f, "rod_period", plant->p.rod_period, "at least a millionth of the communication step");
     }
-    int n = (int)ratio;
-    n += (double)n < ratio || n == 0 ? 1 : 0;
+    const int n = (int)ratio + 1; /* the fewest with which no step is longer than step_max */
 
     const Vector with_rods = dipole_B(plant, plant_rod_dipoles(&plant->p, u, true));
     const Vector without = vector(plant->p.residual_dipole_B);
@@ -102,11 +101,8 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     store(scale(smaller(on_time / h, 1.0), plant_rod_dipoles(&plant->p, u, true)), next.dipole_mean);
     store_matrix(attitude.R, next.R);
     store(attitude.Pi, next.Pi);
-    if (!plant_outputs(plant, &next, u, y, f)) {
-        return false;
-    }
     *x = next;
-    return true;
+    return plant_outputs(plant, x, u, y, f);
 }
 
 /* Scalar first and not negative. Shepperd's method: the largest component is the pivot, so that nothing cancels. */

@@ -16,11 +16,7 @@ Turn plant_turn_at(const PlantParameters *p, double t)
     }
     const double periods = t / p->rod_period;
     const double ahead = periods + SNAP;
-    if (!(fabs(ahead) < 9e15)) { /* beyond this a number has no fraction */
-        return (Turn){INFINITY, true};
-    }
-    double k = (double)(int64_t)ahead;
-    k -= ahead < k ? 1.0 : 0.0;
+    const double k = (double)(int64_t)ahead; /* t is not negative, and a step is of a million periods at most */
     return (Turn){k, periods - k < p->rod_duty - SNAP};
 }
 

@@ -77,7 +77,7 @@ int plant_wheel_segments(const Wheel *wheel, double momentum, double command, do
 {
     double left = h, now = momentum;
     int n = 0;
-    for (int i = 0; i < SEGMENTS_MAX && left > 0.0; ++i) {
+    for (int i = 0; i < SEGMENTS_MAX; ++i) { /* GCOVR_EXCL_BR_LINE: it ends by break, at the limit or at rest at the latest */
         const double drive = drive_of(wheel, now, command), decay = wheel->decay;
         const double rate = drive - decay * now;
         if (rate == 0.0 || is_at_limit(wheel, now, rate)) {
@@ -93,9 +93,7 @@ int plant_wheel_segments(const Wheel *wheel, double momentum, double command, do
             ++n;
             break;
         }
-        if (until > 0.0) {
-            parts[n++] = (Segment){until, now, target, drive, decay};
-        }
+        parts[n++] = (Segment){until, now, target, drive, decay};
         left -= until;
         now = target;
     }

@@ -87,9 +87,9 @@ def test_r_and_v_of_a_circular_orbit_give_that_orbit_again():
             assert a == pytest.approx(b, rel=1e-9, abs=1e-3)
 
 
-@pytest.mark.parametrize("eccentricity", [1e-9, 0.1, 0.7, 0.95])
+@pytest.mark.parametrize("eccentricity", [1e-9, 0.1, 0.7, 0.95, 0.995, 0.9999])
 def test_keplers_equation_holds_round_the_orbit(eccentricity):
-    for M in np.linspace(-7.0, 13.0, 41):
+    for M in (*np.linspace(-7.0, 13.0, 41), *np.linspace(-0.2, 0.2, 401)):
         E = orbit._eccentric_anomaly(M, eccentricity)
         assert E - eccentricity * math.sin(E) == pytest.approx(M, abs=1e-13)
 

@@ -159,7 +159,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
         predict(law, x, given, &around, dt);
     }
     /* Also after a measurement so wrong that nothing follows from it. */
-    if (first || !is_finite_matrix(x->predicted.R) || !is_finite(x->predicted.Omega)) {
+    if (first || !is_finite(apply(x->predicted.R, x->predicted.Omega))) {
         x->predicted = measured;
         x->rate_gain = x->attitude_gain = 1.0;
     }

@@ -36,7 +36,10 @@ static bool check_epoch(const ControllerPlannedParameters *p, Fault *f)
         return false;
     }
     const double year = year_of_days(days_of_epoch(&epoch));
-    return year >= model->years[0] && year <= model->valid_until ? true : fault(f, "epoch", year, model->covered);
+    if (year < model->years[0] || year > model->valid_until) {
+        return fault(f, "epoch", year, model->covered);
+    }
+    return true;
 }
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)

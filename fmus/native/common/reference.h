@@ -24,8 +24,10 @@ typedef struct {
 /* Whether `reference` is one of the three. */
 static inline bool is_reference(int32_t reference, Fault *f)
 {
-    return (reference >= REFERENCE_LVLH && reference <= REFERENCE_RATE) ||
-           fault(f, "reference", reference, "1 (lvlh), 2 (inertial) or 3 (rate)");
+    if (reference < REFERENCE_LVLH || reference > REFERENCE_RATE) {
+        return fault(f, "reference", reference, "1 (lvlh), 2 (inertial) or 3 (rate)");
+    }
+    return true;
 }
 
 /* Whether R_d0 and Omega_d0 give an attitude and a rate. */

@@ -184,7 +184,10 @@ static inline bool has_independent_unit_rows(Matrix U, const char *name, Fault *
         return false;
     }
     const double volume = determinant(U);
-    return fabs(volume) > 1e-6 ? true : fault(f, name, volume, "linearly independent axes, |det| above 1e-06");
+    if (!(fabs(volume) > 1e-6)) {
+        return fault(f, name, volume, "linearly independent axes, |det| above 1e-06");
+    }
+    return true;
 }
 
 /* Whether K0 is the diagonal of a gain of the law [8]: no two elements alike, so that its critical points are apart [9]. */

@@ -27,7 +27,7 @@ static void put_digits(Message *m, uint64_t digits, int least)
     do {
         reversed[n++] = (char)('0' + (int)(digits % 10));
         digits /= 10;
-    } while ((digits != 0 || n < least) && n < 23);
+    } while (digits != 0 || n < least); /* 64 bits have 20 digits at most, and least is 12 at most */
     while (n > 0) {
         const char one[2] = {reversed[--n], '\0'};
         put(m, one);

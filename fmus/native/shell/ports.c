@@ -11,7 +11,10 @@ static unsigned char *place(Instance *c, const Variable *v)
 /* Whether there is a variable of this kind; refuses where not. */
 static bool known(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
 {
-    return (reference < BLOCK_VARIABLES && variables[reference].kind == kind) || refuse_reference(c, function, reference, kind);
+    if (reference < BLOCK_VARIABLES && variables[reference].kind == kind) {
+        return true;
+    }
+    return refuse_reference(c, function, reference, kind);
 }
 
 /* The instance when `n` variables of this kind may be read; outputs are then evaluated. */

@@ -24,7 +24,10 @@ bool plant_sensors_check(const PlantSensorsParameters *p, Fault *f)
     if (!(p->sample_period == 0.0 || (p->sample_period >= PERIOD_MIN && isfinite(p->sample_period)))) {
         return fault(f, "sample_period", p->sample_period, "0 (every step) or at least 1e-06 s");
     }
-    return p->seed >= 0 ? true : fault(f, "seed", p->seed, "at least 0");
+    if (p->seed < 0) {
+        return fault(f, "seed", p->seed, "at least 0");
+    }
+    return true;
 }
 
 void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law)

@@ -82,3 +82,14 @@ def test_a_minimum_on_the_very_bound_is_that_bound():
     for high in (1.0, 1.0 + 1e-15, 1.0 - 1e-15):
         found, _ = least_squares(A, A @ x, np.array([-1.0, -1.0]), np.array([high, 1.0]))
         np.testing.assert_allclose(found, x, rtol=0, atol=1e-14)
+
+
+def test_rounding_takes_no_minimum_out_of_the_box():
+    """Minima that lie on bounds, as nearly as floating point tells."""
+    for _ in range(1000):
+        A, low = RNG.normal(size=(5, 3)), -RNG.uniform(0.1, 2.0, 3)
+        high = low + RNG.uniform(0.1, 3.0, 3)
+        minimum = np.choose(RNG.integers(0, 3, 3), (low, high, 0.5 * (low + high)))
+        x, _ = least_squares(A, A @ minimum, low, high)
+        assert ((low <= x) & (x <= high)).all()
+        np.testing.assert_allclose(x, minimum, rtol=0, atol=1e-9)

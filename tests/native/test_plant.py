@@ -1,0 +1,105 @@
+"""The native plant at the edges of its parameters: starts of the orbit, dates, rods and limits."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import plant
+from tests.plant.motion import checked, command
+
+from .direct import Direct
+from .driver import Instance, Refused
+
+MU = 3.986004418e14
+FREE = {"drag": False, "orbit_start": "position_velocity"}
+
+
+def started(**changes: Any) -> Instance:
+    it = Instance("plant")
+    for name, value in changes.items():
+        it.set(name, value)
+    it.initialize()
+    return it
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"field_degree": 0}, "field_degree"),
+        ({"field_degree": 14}, "field_degree"),
+        ({"rod_gain": [1.0, -0.1, 1.0]}, "rod_gain[2]"),
+        ({"rod_gain": [1.0, 1.0, 2.1]}, "rod_gain[3]"),
+        ({"rod_duty": -0.1}, "rod_duty"),
+        ({"rod_duty": 1.1}, "rod_duty"),
+        ({"orbit_radius": 6378137.0 + 120e3}, "orbit_radius"),  # below 150 km there is no density
+        ({"field_model": "wmm2025", "epoch": "2031-01-01T00:00:00Z"}, "epoch"),
+        ({**FREE, "r_N0": [0.0, 0.0, 0.0]}, "r_N0"),
+        # Nearly along r: of such an orbit J2 would turn the plane faster than the satellite flies.
+        ({**FREE, "r_N0": [7e6, 0.0, 0.0], "v_N0": [5000.0, 0.01, 0.01], "j2_node_drift": True}, "v_N0"),
+    ],
+)
+def test_what_no_plant_can_be_is_refused_by_its_name(changes: dict[str, Any], name: str) -> None:
+    assert Direct("plant").check(**changes) == name
+
+
+def test_r_and_v_of_a_circular_orbit_give_that_orbit() -> None:
+    with started() as circle:
+        r, v = circle.get("r_N"), circle.get("v_N")
+        with started(orbit_start="position_velocity", r_N0=r, v_N0=v) as again:
+            for it in (circle, again):
+                it.step(0.0, 60.0)
+            np.testing.assert_allclose(again.get("r_N"), circle.get("r_N"), rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize("eccentricity", [0.99, 0.998, 0.9999])
+def test_a_long_orbit_starts_where_it_is_told_to_before_and_after_its_perigee(eccentricity: float) -> None:
+    """Closed form of an ellipse; Newton's method alone diverges before such a perigee."""
+    a = 6.6e6 / (1.0 - eccentricity)
+    for E in (-2.0, -1.0, -0.75, -0.7, -0.65, -0.5, -0.1, 0.3, 1.0):
+        minor = a * math.sqrt(1.0 - eccentricity**2)
+        rate = math.sqrt(MU / a**3) / (1.0 - eccentricity * math.cos(E))
+        r = np.array([a * (math.cos(E) - eccentricity), minor * math.sin(E), 0.0])
+        v = np.array([-a * math.sin(E) * rate, minor * math.cos(E) * rate, 0.0])
+        with started(**FREE, r_N0=r, v_N0=v) as it:
+            np.testing.assert_allclose(it.get("r_N"), r, rtol=0, atol=1e-7 * np.linalg.norm(r))
+            np.testing.assert_allclose(it.get("v_N"), v, rtol=0, atol=1e-7 * np.linalg.norm(v))
+
+
+@pytest.mark.parametrize("epoch", ["2024-12-31T12:00:00Z", "2025-01-01T00:00:00Z", "2031-05-06T07:08:09Z"])
+def test_the_field_before_and_after_the_last_epoch_of_its_model_is_that_of_the_other_flavour(epoch: str) -> None:
+    model = {"field_model": "igrf14", "epoch": epoch, "field_extrapolate": True}
+    p, u = checked(**model), command()
+    with started(**model) as it:
+        expected = plant.outputs(plant.start(p, u), u, p).b_B
+        np.testing.assert_allclose(it.get("b_B"), expected, rtol=0, atol=1e-15)
+
+
+def test_rods_that_switch_more_than_a_million_times_in_a_step_are_refused() -> None:
+    with started(rod_period=1e-3, rod_duty=0.5, step_max=100.0) as it:
+        with pytest.raises(Refused, match="rod_period: expected at least a millionth of the communication step, found"):
+            it.step(0.0, 1001.0)
+        it.step(0.0, 0.1)
+
+
+@pytest.mark.parametrize(("h", "turns"), [(0.1, 1), (0.2, 2), (0.2 * (1.0 + 5e-13), 2), (0.2 * (1.0 + 1e-9), 3)])
+def test_a_step_has_the_fewest_parts_that_step_max_allows(h: float, turns: int) -> None:
+    """Steps of those parts' length, each with a step_max far above it, reach the same attitude."""
+    start = {"omega_B0": [0.05, -0.08, 0.03], "step_max": 0.1, "integrator_order": 2}
+    with started(**start) as whole, started(**{**start, "step_max": 10.0}) as parts:
+        whole.step(0.0, h)
+        for i in range(turns):
+            parts.step(i * (h / turns), h / turns)
+        np.testing.assert_allclose(whole.get("R_NB"), parts.get("R_NB"), rtol=0, atol=1e-15)
+
+
+def test_sensors_that_sample_more_than_a_billion_times_in_a_step_are_refused() -> None:
+    with Instance("plant_sensors") as it:
+        it.set("sample_period", 1e-6)
+        it.initialize()
+        with pytest.raises(Refused, match="sample_period: expected at least 1e-09 of the communication step"):
+            it.step(0.0, 1001.0)
+        it.step(0.0, 1.0)
