@@ -1,7 +1,7 @@
 """`make bench`: how fast the loop is on this machine. Prints figures; asserts nothing.
 
 The first rows time work that never changes, so that figures of other days and machines can be compared by ratio.
-One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit.
+One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit, and 20 of them by its Monte Carlo.
 """
 
 from __future__ import annotations
@@ -164,13 +164,31 @@ def isolation() -> None:
         row(f"{name}, in its own process", f"{found['process'][0]:.1f} us", "Python loop")
 
 
-def basilisk() -> None:
-    """The same orbit by Basilisk, in a process of its own."""
+def basilisk(runs: int) -> None:
+    """The same orbit by Basilisk, once and in its own Monte Carlo, in processes of their own."""
     if find_spec("Basilisk") is None:
         row("Basilisk", "not installed", "pip install bsk")
         return
+    if (figures := _basilisk()) is not None:
+        imports, setup, wall = figures
+        row("Basilisk, the same orbit", f"{wall:.3f} s", f"{ORBIT / 0.1 / wall:,.0f} steps/s")
+        row("Basilisk, imports and set-up", f"{imports + setup:.3f} s", "")
+    processes = os.cpu_count() or 1
+    if (figures := _basilisk(runs, processes)) is not None:
+        wall, failed = figures
+        row(
+            f"Basilisk's Monte Carlo: {runs} orbits, {processes} processes",
+            f"{wall:.1f} s",
+            f"{runs / wall:.2f} orbits/s",
+        )
+        if failed:
+            row("Basilisk's Monte Carlo: runs that failed", f"{failed:.0f}", "")
+
+
+def _basilisk(*arguments: int) -> list[float] | None:
+    """The figures that bench_basilisk prints; None where it fails, and a row says so."""
     run = subprocess.run(
-        [sys.executable, "-m", "tests.bench_basilisk", str(ORBIT)],
+        [sys.executable, "-m", "tests.bench_basilisk", str(ORBIT), *map(str, arguments)],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -178,10 +196,8 @@ def basilisk() -> None:
     )
     if run.returncode:
         row("Basilisk", "failed", run.stderr.strip().splitlines()[-1])
-        return
-    imports, setup, wall = map(float, run.stdout.split()[-3:])
-    row("Basilisk, the same orbit", f"{wall:.3f} s", f"{ORBIT / 0.1 / wall:,.0f} steps/s")
-    row("Basilisk, imports and set-up", f"{imports + setup:.3f} s", "")
+        return None
+    return [float(text) for text in run.stdout.splitlines()[-1].split()]
 
 
 def main() -> None:
@@ -201,7 +217,7 @@ def main() -> None:
     process(runs)
     isolation()
     bench_campaign.rows(orbit("native", 4), 1000, row)
-    basilisk()
+    basilisk(20)
 
 
 if __name__ == "__main__":

@@ -140,6 +140,8 @@ def cluster(
         "distributed.scheduler.allowed-failures": _TRIES - 1,
         "distributed.comm.timeouts.connect": f"{_PATIENCE:g}s",
         "distributed.admin.large-graph-warning-threshold": "1GiB",
+        # Dask keeps samples of each worker's stacks of 1000 s, which grow by 0.1 MB/s; only the dashboard shows them.
+        "distributed.worker.profile.enabled": dashboard,
     }
     with dask.config.set(settings), _client(workers, scheduler, dashboard) as client:
         try:

@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ..errors import InputError, ResultsError
+from ..errors import InputError, ResultsError, reason
 from ..interrupt import held
 from .job import OK, Job, Rows
 
@@ -59,7 +59,7 @@ class Dataset:
                     table = file.read(wanted) if found.equals(self.schema) else None
             except (OSError, pa.ArrowException, ValueError) as error:
                 raise InputError(
-                    f"{path} cannot be read: {error}; remedy: remove it, and its runs are flown again"
+                    f"{path} cannot be read: {reason(error)}; remedy: remove it, and its runs are flown again"
                 ) from None
             if table is None:
                 raise InputError(f"{path} has other columns than this campaign; remedy: another folder (--out)")
@@ -119,7 +119,6 @@ class Dataset:
                 self._rows, self._part = [], self._part + 1
         except (OSError, pa.ArrowException) as error:
             part.unlink(missing_ok=True)
-            reason = getattr(error, "strerror", None) or error
             remedy = "the runs that are written stand, and the same command goes on from there"
-            raise ResultsError(f"the runs cannot be written: {path}: {reason}; {remedy}") from None
+            raise ResultsError(f"the runs cannot be written: {path}: {reason(error)}; {remedy}") from None
         self._written = monotonic()

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, reason
 from ..interrupt import held
 from ..results.place import reserved
 from . import report, statistics
@@ -187,7 +187,8 @@ def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
     try:
         return report.write(folder)
     except Exception as error:
-        remark(f"{folder / 'campaign.html'} cannot be written: {type(error).__name__}: {error}")
+        why = reason(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+        remark(f"{folder / 'campaign.html'} cannot be written: {why}")
         return None
 
 

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import ResultsError
+from ..errors import ResultsError, reason
 from ..results.data import json_text
 from ..results.place import put
 from .load import Case
@@ -98,7 +98,7 @@ def write(path: Path, record: Mapping[str, Any]) -> None:
     try:
         put(path, json_text(record) + "\n")
     except OSError as error:
-        raise ResultsError(f"the campaign's manifest cannot be written: {path}: {error.strerror}") from None
+        raise ResultsError(f"the campaign's manifest cannot be written: {path}: {reason(error)}") from None
 
 
 def _version(package: str) -> str | None:

@@ -20,7 +20,7 @@ from ..master.master import Master
 from ..master.recording import Watch
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
-from ..system.starts import resolve
+from ..system.starts import Start, resolve
 from ..system.wiring import Node
 from .open import Opened
 from .refusal import refusal
@@ -72,7 +72,7 @@ class Flight:
 
         try:
             scenario = with_values(plan.scenario, values)
-            starts = resolve(scenario, plan.models)
+            starts = resolve(scenario, plan.models, self._unchanged(values))
             master = self._ready(Watch(self._nodes, self._clock, see))
         except InputError as error:
             return Flown("\n".join(error.messages), [], 0.0)
@@ -85,6 +85,13 @@ class Flight:
             self.close()  # FMI allows little after a failure
             return Flown(reason, [judge.outcome(True) for judge in judges], recording.wall)
         return Flown(None, [judge.outcome() for judge in judges], recording.wall)
+
+    def _unchanged(self, values: Mapping[str, Any]) -> dict[str, list[Start]] | None:
+        """The start values of the blocks that none of these values reaches; None where a shared value is among them, which may reach all."""
+        holders = {text.partition(".")[0] if "." in text else "shared" for text in values}
+        if "shared" in holders:
+            return None
+        return {block: starts for block, starts in self._opened.plan.starts.items() if block not in holders}
 
     def _ready(self, watch: Watch) -> Master:
         """The master of instances in their first state. Raises InputError."""

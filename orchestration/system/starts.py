@@ -23,11 +23,13 @@ class Start:
     value: Scalar
 
 
-def resolve(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, list[Start]]:
-    """The start values of each block. Raises InputError with everything that is wrong."""
-    starts: dict[str, list[Start]] = {}
-    errors = _untaken(scenario, models)
-    for block in models:
+def resolve(
+    scenario: Scenario, models: Mapping[str, Model], known: Mapping[str, list[Start]] | None = None
+) -> dict[str, list[Start]]:
+    """The start values of each block; `known` are those of blocks that are resolved already. Raises InputError with everything that is wrong."""
+    starts: dict[str, list[Start]] = dict(known or {})
+    errors = _untaken(scenario, models) if known is None else []
+    for block in [name for name in models if name not in starts]:
         given = _Given(scenario, block, models[block])
         starts[block] = [Start(element, value) for element, value in given.values().items()]
         errors += given.errors
