@@ -177,12 +177,12 @@ def basilisk(runs: int) -> None:
     if (figures := _basilisk(runs, processes)) is not None:
         wall, failed = figures
         row(
-            f"Basilisk's Monte Carlo: {runs} orbits, {processes} processes",
+            f"Basilisk Monte Carlo: {runs} orbits, {processes} processes",
             f"{wall:.1f} s",
             f"{runs / wall:.2f} orbits/s",
         )
         if failed:
-            row("Basilisk's Monte Carlo: runs that failed", f"{failed:.0f}", "")
+            row("Basilisk Monte Carlo: runs that failed", f"{failed:.0f}", "")
 
 
 def _basilisk(*arguments: int) -> list[float] | None:
