@@ -19,22 +19,29 @@ from ..runner.read import load, read
 from ..scenario.source import Source
 from ..swap.option import swapped
 from .console import Progress, complain, notes, say, say_json, table
+from .help import examples
+from .options import DURATION, MAP, SET, SWAP, out_folder
 from .overrides import overridden
 from .paths import PATH
 from .status import EXPECTATION_FAILED
 
 
-@click.command("polarity")
-@click.argument("scenario", type=PATH)
-@click.option("--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place.")
-@click.option(
-    "--map", "maps", multiple=True, metavar="[BLOCK=]FILE", help="Mapping of the swapped FMU's ports to ours."
+@click.command(
+    "polarity",
+    epilog=examples(
+        "orchestrate polarity loop.yaml",
+        "orchestrate polarity loop.yaml --port allocator.h_w",
+        "orchestrate polarity loop.yaml --swap allocator=vendor.fmu",
+    ),
 )
+@click.argument("scenario", type=PATH)
+@SWAP
+@MAP
 @click.option("--port", "chosen", multiple=True, metavar="BLOCK.PORT", help="Only this port; may be repeated.")
-@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value.")
-@click.option("--duration", metavar="T", help="Duration instead of the scenario's, in s or with a unit.")
+@SET
+@DURATION
 @click.option("--processes", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
-@click.option("--out", type=PATH, metavar="DIR", help="Folder for the tables; default: results/NAME-polarity.")
+@out_folder("Folder for the tables; default: results/NAME-polarity.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
 @click.pass_context
 def command(
@@ -53,7 +60,7 @@ def command(
 
     Every port is wired wrongly in every usual way, and the loop is flown until an expectation or a consistency check of the
     scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
-    as one that is wired wrongly, the mapping that mends it is printed.
+    as one that is wired wrongly, the mapping that corrects it is printed.
 
     Exit status: 0 the loop as wired is sound, 1 it is not, 2 wrong input, 3 an FMU failed.
     """
@@ -81,6 +88,11 @@ def command(
         say_json(page.summary(campaign, looked))
     else:
         _print(campaign, files)
+        if looked is not None and looked.mended and (unseen := page.unobservable(campaign)):
+            names = ", ".join(dict.fromkeys(name for name, *_ in unseen))
+            complain(
+                f"the loop does not confirm all of the mapping: wrong wirings of {names} change nothing that it sees"
+            )
     ctx.exit(EXPECTATION_FAILED if looked is not None and looked.wrong is not None else 0)
 
 

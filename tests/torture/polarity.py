@@ -80,7 +80,7 @@ def _teams(folder: Path, bad: list[str]) -> str:
     """The other teams' FMUs: a row for each."""
     ours = _scenario("paper_no_singularity")
     rows = [
-        "| FMU | in the place of | behaves as | difference from ours as wired, as mended | seconds |",
+        "| FMU | in the place of | behaves as | difference from ours as wired, corrected | seconds |",
         "| --- | --- | --- | --- | --- |",
     ]
     subprocess.run(["make", "-s", "-C", str(EXAMPLE)], check=True)
