@@ -56,9 +56,9 @@ def command(
     out: Path | None,
     json_: bool,
 ) -> None:
-    """Show which wrong signs, axes, units and attitudes at the ports would be seen, and by what.
+    """Show which wrong signs, axes and units at the ports are seen.
 
-    Every port is wired wrongly in every usual way, and the loop is flown until an expectation or a consistency check of the
+    Every port is wired wrongly in every usual way, attitudes transposed, too, and the loop is flown until an expectation or a consistency check of the
     scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
     as one that is wired wrongly, the mapping that corrects it is printed.
 
