@@ -142,6 +142,7 @@ def cluster(
         "distributed.admin.large-graph-warning-threshold": "1GiB",
         # Dask keeps samples of each worker's stacks of 1000 s, which grow by 0.1 MB/s; only the dashboard shows them.
         "distributed.worker.profile.enabled": dashboard,
+        "distributed.admin.low-level-log-length": 1000 if dashboard else 100,  # its messages hold batches, 17 kB each
     }
     with dask.config.set(settings), _client(workers, scheduler, dashboard) as client:
         try:
