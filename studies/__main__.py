@@ -1,6 +1,6 @@
-"""python -m studies: the momentum bound of a scenario, and the pages that studies write to docs/.
+"""python -m studies: the momentum bound and the gains of a scenario, and the pages that studies write to docs/.
 
-Exit status: 0 all well; 1 the time asked for is impossible; 2 the input is wrong; others as of `orchestrate`.
+Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may ask for too much torque; 2 the input is wrong; others as of `orchestrate`.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ from typing import Any
 
 import click
 from rich.console import Console
+from rich.table import Table
 
 from orchestration import InputError
 from orchestration.cli.console import say
 from orchestration.cli.overrides import overridden
 from orchestration.cli.status import Commands
-from orchestration.quantities import SECOND, QuantityError, Unit, value_in
+from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
 from orchestration.runner.read import read as read_source
 
 from .allocators import make as allocator_runs
@@ -27,9 +28,11 @@ from .flight.tune import search
 from .momentum_bound import balance
 from .reproduction import make as paper
 from .setup import read
+from .sizing import setup_of, study, table
 
 IMPOSSIBLE = 1
 _DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
+_ANGLE, _RATE, _TORQUE = parse_unit("rad"), parse_unit("rad/s"), parse_unit("N.m")
 
 
 @click.group(cls=Commands)
@@ -96,6 +99,71 @@ def momentum_bound(
     say(f"  largest impulse of the rods           {v.impulse:.4f}")
     say(f"  disturbances and tolerances           {v.slack:.4f}")
     ctx.exit(IMPOSSIBLE)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--time", required=True, metavar="T", help="Wished time to settle; in s or with a unit.")
+@click.option(
+    "--attitude-error", metavar="A", help="Largest initial error, by default the scenario's; in rad or with a unit."
+)
+@click.option(
+    "--rate", metavar="W", help="Largest initial rate error, by default the scenario's; in rad/s or with a unit."
+)
+@click.option(
+    "--torque",
+    metavar="T",
+    help="Torque that the actuators give, instead of what rods and wheel give; in N.m or with a unit.",
+)
+@click.option("--damping", type=float, help="Damping ratio, instead of the one with the least torque.")
+@click.option(
+    "--schedule",
+    type=click.Choice(["constant", "error"]),
+    default="constant",
+    show_default=True,
+    help="Gains that are constant, or follow the errors [10].",
+)
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the start values to this file.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
+@click.pass_context
+def sizing(
+    ctx: click.Context,
+    file: Path,
+    time: str,
+    attitude_error: str | None,
+    rate: str | None,
+    torque: str | None,
+    damping: float | None,
+    schedule: str,
+    out: Path | None,
+    sets: tuple[str, ...],
+) -> None:
+    """Gains of `controller` for FILE, a scenario or a satellite: start values as YAML, and what of them is guaranteed.
+
+    Exit status 1 where the guaranteed torque is above what the actuators give.
+    """
+    setup = setup_of(overridden(read_source(file), sets))
+    found = study(
+        setup,
+        _quantity("--time", time, SECOND) or 0.0,
+        _quantity("--attitude-error", attitude_error, _ANGLE),
+        _quantity("--rate", rate, _RATE),
+        _quantity("--torque", torque, _TORQUE),
+        damping,
+        schedule,
+    )
+    shown = Table("", "value", "formula", "standing")
+    for row in table(found, found.fly(setup.loop.controller)):
+        shown.add_row(*row)
+    Console(stderr=True).print(shown)
+    text = found.yaml()
+    if out is None:
+        click.echo(text, nl=False)
+    else:
+        out.write_text(text, "utf-8")
+        say(f"written: {out}")
+    if found.sizing.torque_max > found.sizing.wish.torque:
+        ctx.exit(IMPOSSIBLE)
 
 
 @main.command()

@@ -99,6 +99,8 @@ class Flown:
     converged: Array
     """When the errors are below 2 deg and 1e-3 rad/s for good, s; NaN where they are not at the end."""
     final_angle: Array
+    largest_torque: Array
+    """Largest |tau| demanded, N m."""
     steps_up: Array
     """Samples at which V rose."""
     largest_rise: Array
@@ -115,13 +117,21 @@ def start(rng: np.random.Generator, n: int) -> tuple[Array, Array]:
     return Q, size[:, None] * direction / np.linalg.norm(direction, axis=1)[:, None]
 
 
-def fly(p: controller.Parameters, J: Array, Q: Array, Omega: Array, duration: float, step: float = 0.1) -> Flown:
+def fly(
+    p: controller.Parameters,
+    J: Array,
+    Q: Array,
+    Omega: Array,
+    duration: float,
+    step: float = 0.1,
+    n: float = ORBITAL_RATE,
+) -> Flown:
     """The closed loop of each case with exact torque on a circular orbit, by RK4 on [1] and [2].
 
     J (3, 3) or (cases, 3, 3), kg m2, is the body's inertia; the law has its own. The gravity gradient acts. In LVLH the
     loop is autonomous: dQ/dt = Q Omega^ - Omega_d^ Q.
     """
-    law = Law(p)
+    law = Law(p, n)
     J_inverse = np.linalg.inv(J)
     turn = so3.hat(np.array((0.0, -law.n, 0.0)))
 
@@ -137,12 +147,14 @@ def fly(p: controller.Parameters, J: Array, Q: Array, Omega: Array, duration: fl
     up, rise = np.zeros(len(Q)), np.zeros(len(Q))
     converged, outside = np.full(len(Q), np.nan), np.ones(len(Q), bool)
     defect, largest = 0.0, 0.0
+    torque = np.zeros(len(Q))
     earlier: list[tuple[Array, Array]] = []
     for i in range(count + 1):
         d = law(Q, Omega)
         now = (d.zeta >= ATTITUDE_TOLERANCE) | (d.rate >= RATE_TOLERANCE)
         converged = np.where(now, np.nan, np.where(outside, i * step, converged))
         outside = now
+        torque = np.maximum(torque, np.linalg.norm(d.tau, axis=1))
         if i:
             up += before + 1e-12 * first.V < d.V
             rise = np.maximum(rise, (d.V - least) / first.V)
@@ -169,6 +181,7 @@ def fly(p: controller.Parameters, J: Array, Q: Array, Omega: Array, duration: fl
         initial_angle=first.zeta,
         converged=converged,
         final_angle=d.zeta,
+        largest_torque=torque,
         steps_up=up,
         largest_rise=np.maximum(rise, 0.0),
         rate_error=defect / largest if largest else 0.0,
