@@ -19,7 +19,7 @@ import numpy as np
 from .gains import attitude_scale, rate_scale
 from .so3 import Array
 
-DAMPINGS = np.arange(0.20, 0.91, 0.02)
+DAMPINGS = np.arange(0.20, 0.91, 0.04)
 """Damping ratios among which `size` chooses."""
 A1, A2, C1, C2 = 3.5, 35.0, 2.1, 21.0
 """The paper's constants of [10], rad and rad/s."""
@@ -113,6 +113,11 @@ class Sizing:
     def compliance(self) -> float:
         """Largest steady attitude error per unknown steady moment, rad/(N m): 1/(k1 + k2), for small angles."""
         return 1.0 / float(self.K0[0] + self.K0[1])
+
+    @property
+    def scale_at_rest(self) -> float:
+        """k of `schedule` at Q = I after a start at the wish's largest attitude error."""
+        return A1 / (A1 + self.wish.attitude_error)
 
     def schedule(self) -> dict[str, Any]:
         """The paper's schedule [10] with k = l = 1 at the wish's largest errors, and its a1, a2, c1 and c2.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import yaml
@@ -29,7 +30,7 @@ from .setup import Loop, Setup, read
 
 DIRECTIONS = 2000
 """Directions of the field in the body that are looked at."""
-STARTS, SEED = 100, 1
+STARTS, SEED = 60, 1
 """Random starts that are flown."""
 
 
@@ -56,22 +57,26 @@ def initial_errors(loop: Loop) -> tuple[float, float]:
     return e.angle, so3.norm(e.omega)
 
 
-def available(p: allocator.Parameters, B: float) -> Array:
-    """Torque that the paper's allocation gives about every axis before it holds, N m, in ascending order.
-
-    One of each of DIRECTIONS directions of the field over the body, B its strength in T; the wheel is at rest. With
-    P = I - e1 b^T/b1 [20] and rods M_B [18], a torque tau asks for dipoles pinv(B M_B) P tau [24] and for the wheel
-    torque tau.b/b1.
-    """
+def directions() -> Array:
+    """Unit vectors (DIRECTIONS, 3), evenly over the sphere (a Fibonacci spiral); none has b1 = 0."""
     i = np.arange(DIRECTIONS) + 0.5
-    z, around = 1.0 - 2.0 * i / DIRECTIONS, math.pi * (1.0 + math.sqrt(5.0)) * i
-    r = np.sqrt(1.0 - z * z)
-    b = np.stack((r * np.cos(around), r * np.sin(around), z), axis=1)
-    M = np.cross(p.U, b[:, None]).transpose(0, 2, 1)
+    b1, around = 1.0 - 2.0 * i / DIRECTIONS, math.pi * (1.0 + math.sqrt(5.0)) * i
+    r = np.sqrt(1.0 - b1 * b1)
+    return np.stack((b1, r * np.cos(around), r * np.sin(around)), axis=1)
+
+
+def available(p: allocator.Parameters, b_B: Array) -> Array:
+    """Torque (n,), N m, that the paper's allocation gives about every axis before it holds, in each field b_B (n,3), T.
+
+    The wheel is at rest. With P = I - e1 b^T/b1 [20] and rods B M_B [18], a torque tau asks for the dipoles
+    pinv(B M_B) P tau [24] and for the wheel torque tau.b/b1.
+    """
+    b = b_B / np.linalg.norm(b_B, axis=1)[:, None]
+    rods = np.cross(p.U, b_B[:, None]).transpose(0, 2, 1)
     oblique = np.eye(3) - np.eye(3)[0][:, None] * (b / b[:, :1])[:, None, :]
-    asked = np.linalg.norm(np.linalg.pinv(M, rcond=1e-9) @ oblique / B, axis=2).max(axis=1)
-    within = np.minimum(p.dipole_max / asked, p.wheel_torque_max * np.abs(b[:, 0]))
-    return np.sort(p.hold_fraction * within)
+    dipole = np.linalg.norm(np.linalg.pinv(rods, rcond=1e-9) @ oblique, axis=2).max(axis=1)
+    within = np.minimum(p.dipole_max / dipole, p.wheel_torque_max * np.abs(b[:, 0]))
+    return np.asarray(p.hold_fraction * within)
 
 
 @dataclass(frozen=True)
@@ -91,10 +96,10 @@ class Study:
         """The part of the field's directions in which the actuators give a torque about every axis."""
         return 1.0 - float(np.searchsorted(self.available, torque)) / len(self.available)
 
-    def start_values(self) -> dict[str, object]:
+    def start_values(self) -> dict[str, Any]:
         """Start values of `controller`, rounded to four digits."""
         s = self.sizing
-        scale = {"phi": "linear", "gain_schedule": "constant", "kappa0": 1.0, "lambda0": 1.0}
+        scale: dict[str, Any] = {"phi": "linear", "gain_schedule": "constant", "kappa0": 1.0, "lambda0": 1.0}
         scale |= s.schedule() if self.schedule == "error" else {}
         return {"K0": _rounded(s.K0), "L0": _rounded(s.L0)} | {
             name: _rounded(value) if isinstance(value, float) else value for name, value in scale.items()
@@ -117,10 +122,10 @@ class Study:
         }
         p = replace(law, J_B=w.J_B, **given)
         Omega = w.rate_error * axes[1] - w.orbital_rate * Q[:, 1]
-        return fly(p, w.J_B, Q, Omega, 2.0 * w.time, w.time / 400.0, w.orbital_rate)
+        return fly(p, w.J_B, Q, Omega, 2.0 * w.time, w.time / 250.0, w.orbital_rate)
 
 
-def _rounded(value: float | Array) -> object:
+def _rounded(value: float | Array) -> Any:
     if isinstance(value, float):
         return float(f"{value:.4g}")
     return [_rounded(part) for part in value.tolist()] if value.ndim == 1 else [_rounded(row) for row in value]
@@ -148,7 +153,7 @@ def study(
         rate_error = rate if rate_error is None else rate_error
     orbit = loop.plant.orbit
     B = min(float(np.linalg.norm(loop.plant.field.at(t))) for t in np.linspace(0.0, time, 50))
-    given = available(loop.allocator, B)
+    given = np.sort(available(loop.allocator, B * directions()))
     if torque is None:
         torque = float(np.median(given))
     n = 0.0
@@ -176,7 +181,9 @@ def table(found: Study, flown: Flown) -> Iterator[tuple[str, str, str, str]]:
     w = s.wish
     held = GUARANTEED if found.schedule == "constant" else RULE
     settled = flown.converged
-    longest = "not in twice the time" if np.isnan(settled).any() else f"{settled.max():.0f} s"
+    late = np.isnan(settled)
+    longest = f"{late.sum()} later than {2.0 * w.time:.0f} s" if late.any() else f"{settled.max():.0f} s"
+    median = np.median(np.where(late, np.inf, settled))
     peak, deg = float(flown.largest_torque.max()), math.degrees
 
     def mN(torque: float) -> str:
@@ -199,7 +206,7 @@ def table(found: Study, flown: Flown) -> Iterator[tuple[str, str, str, str]]:
         "every start converges",
         "yes" if s.converges else "almost every",
         "V(0) < 2 (k1 + k2) [11]",
-        (held if s.converges else RULE),
+        held if s.converges else RULE,
     )
     yield "  V(0), half turn", f"{s.V0:.3g} J, {s.saddle:.3g} J", f"margin {s.saddle - s.V0:.2g} J", held
     yield "rate", f"{deg(s.rate_max):.3g} deg/s", "|omega| <= sqrt(2 V(0)/J_min) [11]", held
@@ -207,20 +214,21 @@ def table(found: Study, flown: Flown) -> Iterator[tuple[str, str, str, str]]:
         "torque at t = 0",
         mN(s.torque_start),
         f"|L||omega| + sqrt(U (2 (k2 + k3) - U)) [8]; {margin(s.torque_start)}",
-        (GUARANTEED),
+        GUARANTEED,
     )
     yield "torque at any time", mN(s.torque_max), f"its maximum over V <= V(0) [8][11]; {margin(s.torque_max)}", held
     yield (
         "  directions of the field",
         f"{found.share(s.torque_max):.0%}",
-        (f"in which rods and wheel give it; field {1e6 * found.field:.3g} uT, wheel at rest [20][24]"),
-        GUARANTEED,
+        f"in which rods and wheel give it; field {1e6 * found.field:.3g} uT, wheel at rest [20][24]",
+        RULE,
     )
     if found.fastest is not None:
         yield "  least time within the limit", f"{found.fastest.wish.time:.0f} s", "by the bound of torque", RULE
     yield "time to settle", f"{s.time:.0f} s", "ln(A/tolerance)/(d w), slowest axis, linearised [8]", RULE
-    yield "decay near the reference", f"{s.decay:.3g} 1/s", "d w, constant gains, linearised [8]", GUARANTEED
-    yield "error left by 1e-6 N m", f"{deg(1e-6 * s.compliance):.2g} deg", "1/(k1 + k2), small angles [8]", GUARANTEED
+    yield "decay near the reference", f"{s.decay:.3g} 1/s", "d w, linearised [8]", held
+    left = s.compliance if found.schedule == "constant" else s.compliance / s.scale_at_rest
+    yield "error left by 1e-6 N m", f"{deg(1e-6 * left):.2g} deg", "1/(k1 + k2), steady, small angles [8]", held
     of = f"{len(settled)} random starts, exact torque"
-    yield "  time to settle, longest", longest, f"{of}; median {np.nanmedian(settled):.0f} s", FLOWN
+    yield "  time to settle, longest", longest, f"{of}; median {median:.0f} s", FLOWN
     yield "  torque, largest", mN(peak), f"{of}; {margin(peak)}", FLOWN
