@@ -117,7 +117,7 @@ class Study:
         axes = rng.standard_normal((2, starts, 3))
         axes /= np.linalg.norm(axes, axis=2, keepdims=True)
         Q = np.array([so3.exp(w.attitude_error * axis) for axis in axes[0]])
-        given = {
+        given: dict[str, Any] = {
             name: np.array(value) if isinstance(value, list) else value for name, value in self.start_values().items()
         }
         p = replace(law, J_B=w.J_B, **given)

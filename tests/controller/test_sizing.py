@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from controller import law, morse
 from controller.errors import errors
-from controller.reference import inertial
+from controller.reference import inertial, lvlh
 from controller.sizing import Wish as W
 from controller.sizing import attitude_torque, fastest, largest_torque, size
 from tests.controller.loop import J as FULL
@@ -97,6 +97,26 @@ def test_motions_keep_the_bounds_settle_near_the_wished_time_and_come_near_the_l
         settled = t[np.flatnonzero(outside)[-1]]
         assert 0.5 * wish.time < settled < 1.1 * wish.time
     assert 0.75 * s.torque_max < max(largest) <= s.torque_max
+
+
+@pytest.mark.parametrize("wish", [VB, WIDE])
+def test_the_largest_rate_has_all_of_v_about_the_axis_of_the_least_moment(wish):
+    s = size(wish)
+    omega = s.rate_max * np.linalg.eigh(wish.J_B)[1][:, 0]
+    assert 0.5 * omega @ wish.J_B @ omega == pytest.approx(s.V0)
+
+
+def test_lvlh_and_gravity_add_no_more_than_the_sizing_says_and_can_add_most_of_it():
+    s, n = size(VB), VB.orbital_rate
+    r, v = np.array([7e6, 0.0, 0.0]), np.array([0.0, 7e6 * n, 0.0])
+    reference = lvlh(r, v)
+    added = []
+    for R in Rotation.random(400, random_state=5).as_matrix():
+        e = errors(R, R.T @ reference.R_d @ reference.Omega_d, reference)
+        M_g = law.gravity_gradient(n * n * 7e6**3, VB.J_B, R, r)
+        tau = law.torque(VB.J_B, s.K0, s.L0, 1.0, e, M_g)
+        added.append(np.linalg.norm(tau - torque(s, reference.R_d.T @ R, np.zeros(3))))
+    assert 0.6 * s.feedforward < max(added) <= s.feedforward
 
 
 @pytest.mark.parametrize("wish", [VB, WIDE])
