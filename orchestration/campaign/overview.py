@@ -7,7 +7,7 @@ from typing import Any
 from markupsafe import Markup
 
 from ..results.html import joined, pieces, verdict
-from .statistics import percent, probability
+from .statistics import ends, percent
 
 _BASIS = {
     "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",
@@ -73,7 +73,7 @@ def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
             r["expected"],
             two(f"{v['probability']:g}", f"at {percent(v['confidence'])} confidence"),
             two(f"{v['share']:.5g}" if v["share"] is not None else "\N{EN DASH}",
-                 f"{probability(v['low'])} to {probability(v['high'], up=True)}"),
+                 ends(v["low"], v["high"])),
             v["text"],
         ])  # fmt: skip
     return found

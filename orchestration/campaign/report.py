@@ -93,8 +93,8 @@ def _metric(metric: Metric, failed: int, early: bool) -> list[object]:
         some = ("from " if (bounds.high == np.inf) != metric.lower_is_worse else "up to ") if len(ends) == 1 else ""
         return two(told, some + " to ".join(metric.with_unit(end) for end in ends))
 
-    finite = bad[np.isfinite(bad)]
-    worst = metric.with_unit(sign * finite.max()) if len(finite) else "\N{EN DASH}"
+    there = sign * metric.values[~np.isnan(metric.values)]
+    worst = metric.with_unit(sign * there.max()) if len(there) else "\N{EN DASH}"
     never = int(np.isinf(metric.values).sum())
     return [two(metric.name, metric.text), cell(0.5), cell(0.95), cell(0.9973), worst, f"{never:,}", f"{failed:,}"]
 
@@ -189,7 +189,7 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
     if found is None:
         return Markup("")
     metric = next((m for m in metrics if m.name == found["metric"]), Metric(found["metric"], "", "", np.empty(0)))
-    own = metric.values[np.isfinite(metric.values)]
+    own = metric.values[~np.isnan(metric.values)]
     mine = (own.max() if found["worst"] == "largest" else own.min()) if len(own) else None
     if found["values"] is None:
         text = f"The search found no case: all of its {found['runs']:,} runs failed."

@@ -12,12 +12,14 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
 
 from ..fmu.model import Floats
 
 _SMALLEST = 2.0**-54
 """In the place of 0, whose normal quantile is infinite; the generator's next number is four times as large."""
+_TINY = 1e-290
+"""Probabilities below this one lose digits, so their logarithms are taken."""
 
 
 class Sampler(Protocol):
@@ -38,6 +40,17 @@ class Sampler(Protocol):
 def _quantile(u: Any) -> Floats:
     """Quantiles of the standard normal distribution."""
     return np.asarray(ndtri(np.maximum(u, _SMALLEST)), float)
+
+
+def _far(below: Floats, above: Floats, share: Floats) -> Floats:
+    """Quantiles of the standard normal distribution between two ends in its lower tail, by logarithms of probabilities.
+
+    With A and B the probabilities below `above` and `below`: log(share A + (1 - share) B) = log A + log(share + (1 - share) B/A).
+    """
+    with np.errstate(all="ignore"):
+        upper = log_ndtr(above)
+        z = ndtri_exp(upper + np.log(share + (1.0 - share) * np.exp(log_ndtr(below) - upper)))
+    return np.where(np.isfinite(upper), z, above)  # beyond 1e154 deviations the distribution is its end
 
 
 @dataclass(frozen=True)
@@ -87,6 +100,8 @@ class Normal:
         below, above = np.where(mirrored, -b, a), np.where(mirrored, -a, b)
         share = np.where(mirrored, 1.0 - given, given)
         z = ndtri(ndtr(below) + share * (ndtr(above) - ndtr(below)))
+        if (far := ndtr(above) < _TINY).any():
+            z = np.where(far, _far(below, above, share), z)
         z = np.where(mirrored, -z, z)
         return _plain(np.clip(self.mean + self.deviation * z, self.low, self.high))
 

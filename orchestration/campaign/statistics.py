@@ -147,7 +147,7 @@ def _verdict(claim: Claim, met: int, flown: int, runs: int, early: bool) -> Verd
     elif status == "not met":
         text += f"at most {probability(bounds.high, up=True)} {at}, required {claim.probability:g}"
     else:
-        text += f"from {probability(bounds.low)} to {probability(bounds.high, up=True)} {at}, required {claim.probability:g}"
+        text += f"{ends(bounds.low, bounds.high)}, each {at}, required {claim.probability:g}"
         least = runs_needed(claim.probability, claim.confidence, early)
         text += f"; {least} runs are needed at least" if flown < least else ""
     mean = met / flown if flown else None
@@ -180,6 +180,11 @@ def probability(value: float, up: bool = False) -> str:
     places = 2 - int(np.floor(np.log10(distance)))
     scaled = value * 10.0**places
     return f"{(np.ceil(scaled - 1e-6) if up else np.floor(scaled + 1e-6)) / 10.0**places:.{places}f}"
+
+
+def ends(low: float, high: float) -> str:
+    """Both bounds of a probability, each for itself: no interval, whose confidence would be less than that of each."""
+    return f"at least {probability(low)}, at most {probability(high, up=True)}"
 
 
 def runs_needed(probability: float, confidence: float, repeated: bool) -> int:

@@ -55,7 +55,7 @@ def _verdicts(manifest: Mapping[str, Any]) -> Table:
             v["name"],
             asked[v["name"]]["expected"],
             f"{v['probability']:g} at {percent(v['confidence'])}",
-            f"{share} ({probability(v['low'])} to {probability(v['high'], up=True)})",
+            f"{share} (\N{GREATER-THAN OR EQUAL TO} {probability(v['low'])}, \N{LESS-THAN OR EQUAL TO} {probability(v['high'], up=True)})",
         )
         table.add_row(Text(v["status"], _COLOURS[v["status"]]), *(Text(printable(str(cell))) for cell in cells))
     return table

@@ -40,6 +40,25 @@ def test_a_value_has_the_quantile_that_it_is_drawn_at(entry, distribution):
         assert one.value([u]) == pytest.approx(distribution.ppf(u), rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.parametrize(("low", "high"), [(50.0, 51.0), (37.0, 38.5), (40.0, math.inf), (2000.0, 2001.0)])
+def test_far_in_either_tail_a_truncated_normal_value_is_scipys_and_both_tails_are_mirrored(low, high):
+    upper = made(normal={"mean": 0, "deviation": 1, "low": low, **({"high": high} if high < math.inf else {})})
+    lower = made(normal={"mean": 0, "deviation": 1, "high": -low, **({"low": -high} if high < math.inf else {})})
+    for u in U:
+        distance = stats.truncnorm.ppf(u, low, high) - low
+        assert upper.value([u]) - low == pytest.approx(distance, rel=1e-4, abs=1e-9)
+        assert lower.value([1.0 - u]) + low == pytest.approx(-distance, rel=1e-4, abs=1e-9)
+
+
+def test_a_truncated_normal_value_has_a_tail_where_probabilities_have_no_number_left():
+    # Far out the distance to the end is exponential, with the mean deviation^2 / end.
+    one = made(normal={"mean": 0, "deviation": 1, "low": 1e4})
+    assert [(one.value([u]) - 1e4) * 1e4 for u in (0.25, 0.5, 0.9)] == pytest.approx(
+        -np.log1p([-0.25, -0.5, -0.9]), rel=1e-3
+    )
+    assert made(normal={"mean": 0, "deviation": 1, "low": 1e200}).value([0.5]) == 1e200
+
+
 def test_a_normal_value_at_zero_is_finite():
     assert math.isfinite(made(normal={"mean": 0, "deviation": 1}).value([0.0]))
 

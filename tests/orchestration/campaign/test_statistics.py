@@ -86,7 +86,9 @@ def test_verdicts_are_met_not_met_and_undecided():
     assert (met.status, failed.status, open_.status) == ("met", "not met", "undecided")
     assert met.text == "59 of 59 runs meet it; probability at least 0.9504 at 95% confidence, required 0.95"
     assert failed.text == "50 of 59 runs meet it; probability at most 0.9181 at 95% confidence, required 0.95"
-    assert open_.text == ("58 of 59 runs meet it; probability from 0.9221 to 0.999131 at 95% confidence, required 0.95")
+    assert open_.text == (
+        "58 of 59 runs meet it; probability at least 0.9221, at most 0.999131, each at 95% confidence, required 0.95"
+    )
     few = verdicts(claims[:1], {"a": 10}, 10, 10)[0]
     assert few.text.endswith("; 59 runs are needed at least")
     none = verdicts(claims[:1], {"a": 0}, 0, 10)[0]
