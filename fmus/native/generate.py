@@ -8,7 +8,6 @@ lifted out as it stands; a test fails when it drifts from the TOML. `python -m f
 from __future__ import annotations
 
 import itertools
-import math
 import textwrap
 from pathlib import Path
 
@@ -92,16 +91,15 @@ def block_header(interface: Interface, guid: str) -> str:
 
 def table(interface: Interface) -> str:
     """table.c: all scalar variables in the order of their value references."""
-    rows = "\n".join(
-        _row(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements)
-    )
+    scalars = [(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements)]
+    rows = "\n".join(_row(*scalar, run) for scalar, run in zip(scalars, _runs(interface), strict=True))
     return f"""\
 #include "instance.h"
 
-#include <math.h>
+#include <float.h>
 
-#define ROW(name, member, kind, causality, variability, start, min, max, text) \\
-    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), kind, causality, variability}},
+#define ROW(name, member, run, kind, causality, variability, start, min, max, text) \\
+    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), run, kind, causality, variability}},
 
 const Variable variables[BLOCK_VARIABLES] = {{
 {rows}
@@ -112,37 +110,42 @@ const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {{{", ".join(map(str, _real_ou
 
 
 def _real_outputs(interface: Interface) -> list[int]:
-    return [r for v in interface.of("output") if v.type == "real" for r in v.value_references]
+    """The first of each run of them."""
+    runs = _runs(interface)
+    real = {r for v in interface.of("output") if v.type == "real" for r in v.value_references}
+    return [r for r in sorted(real) if r - 1 not in real or runs[r - 1] == 1]
 
 
-def _row(variable: Variable, position: int, element: Element) -> str:
-    record = _RECORDS[variable.causality][1]
-    indices = list(itertools.product(*(range(n) for n in variable.shape)))[position]
-    member = f"{record}.{variable.name}" + "".join(f"[{i}]" for i in indices)
+def _runs(interface: Interface) -> list[int]:
+    """Of each scalar variable, how many from it on are alike: they lie side by side in the structures and one check suits all."""
+    alike = [_alike(v) for v in interface.variables.values() for _ in v.elements]
+    return [i for _, group in itertools.groupby(alike) for i in range(len(list(group)), 0, -1)]
+
+
+def _alike(variable: Variable) -> tuple[str, ...]:
     kind = {"enumeration": "integer"}.get(variable.type, variable.type).upper()
     low, high = variable.min, variable.max
     if variable.type == "enumeration":
         low, high = 1, len(variable.items)
+    variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
+    limits = ("-DBL_MAX" if low is None else repr(float(low)), "DBL_MAX" if high is None else repr(float(high)))
+    return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits
+
+
+def _row(variable: Variable, position: int, element: Element, run: int) -> str:
+    record = _RECORDS[variable.causality][1]
+    indices = list(itertools.product(*(range(n) for n in variable.shape)))[position]
+    member = f"{record}.{variable.name}" + "".join(f"[{i}]" for i in indices)
+    kind, causality, variability, low, high = _alike(variable)
     start, text = element.start or 0, "NULL"
     if isinstance(start, str):
         if len(start.encode()) >= TEXT_SIZE:
             raise InterfaceError(f"{element.name}: start {start!r} has more than {TEXT_SIZE - 1} bytes")
         text, start = _quoted(start), 0
-    variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
-    numbers = ", ".join(
-        _number(x) for x in (start, -math.inf if low is None else low, math.inf if high is None else high)
-    )
     return (
-        f"    ROW({_quoted(element.name)}, {member}, KIND_{kind}, CAUSALITY_{variable.causality.upper()}, {variability}, "
-        f"{numbers}, {text})"
+        f"    ROW({_quoted(element.name)}, {member}, {run}, {kind}, {causality}, {variability}, "
+        f"{float(start)!r}, {low}, {high}, {text})"
     )
-
-
-def _number(x: float) -> str:
-    value = float(x)
-    if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
-    return repr(value)
 
 
 def _quoted(text: str) -> str:

@@ -32,6 +32,7 @@ FLAGS = (
         "-fvisibility=hidden",
         "-fno-stack-protector",
         "-fno-asynchronous-unwind-tables",
+        "-fomit-frame-pointer",
     ),
     # The same operations in the same order everywhere: no fused multiply-add, no reordering, no errno from sqrt.
     *("-ffp-contract=off", "-fno-fast-math", "-fno-math-errno"),

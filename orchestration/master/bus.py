@@ -110,15 +110,6 @@ class _Layout:
     held: dict[Node, int] = field(default_factory=dict)
 
     @cached_property
-    def users(self) -> dict[Node, set[str]]:
-        """The blocks that need each output."""
-        users: dict[Node, set[str]] = {}
-        for link in self.wiring.links:
-            for source, target in zip(link.source, link.target, strict=True):
-                users.setdefault(source, set()).add(target.block)
-        return users
-
-    @cached_property
     def recorded(self) -> dict[str, dict[Element, bool]]:
         """All that is fetched of each block, and whether it is live."""
         found: dict[str, dict[Element, bool]] = {name: {} for name in self.blocks}
@@ -128,19 +119,22 @@ class _Layout:
             found[node.block][node.element] = True
         return found
 
-    def type(self, name: str, element: Element) -> str:
-        return self.blocks[name].model.variables[element.variable].type
+    def rank(self, name: str, element: Element) -> tuple[int, int, Element]:
+        """By type, then in the order of value references.
+
+        So one call exchanges a stretch of an FMU's variables, and what a block takes from another mostly lies side by side.
+        """
+        variable = self.blocks[name].model.variables[element.variable]
+        reference = variable.references[0 if variable.is_array else element.position]
+        return TYPES.index(variable.type), reference, element
 
     def outputs(self, name: str) -> list[Element]:
-        """All that is fetched of a block: by type, within a type what others need first, and that by who needs it.
-
-        So what one block takes from another mostly lies side by side.
-        """
+        """All that is fetched of a block: within a type what others need first."""
         live = self.recorded[name]
 
-        def order(element: Element) -> tuple[int, bool, list[str], Element]:
-            users = self.users.get(Node(name, element), ())
-            return TYPES.index(self.type(name, element)), not live[element], sorted(users), element
+        def order(element: Element) -> tuple[int, bool, int, Element]:
+            kind, *others = self.rank(name, element)
+            return kind, not live[element], *others
 
         return sorted(live, key=order)
 
@@ -152,7 +146,7 @@ class _Layout:
             if link.target[0].block == name
             for source, target in zip(link.source, link.target, strict=True)
         ]
-        return sorted(fed, key=lambda entry: (TYPES.index(self.type(name, entry[0])), entry[1], entry[0]))
+        return sorted(fed, key=lambda entry: self.rank(name, entry[0]))
 
 
 def lay_out(
@@ -182,7 +176,7 @@ def _seat(layout: _Layout, name: str, outputs: list[Element], values: Floats) ->
     first = layout.place[Node(name, outputs[0])] if outputs else 0
     view = values[first : first + len(outputs)]
     inputs = layout.inputs(name)
-    needed = Counter(layout.type(name, element) for element, live in layout.recorded[name].items() if live)
+    needed = Counter(TYPES[layout.rank(name, element)[0]] for element, live in layout.recorded[name].items() if live)
     live = [needed[kind] for kind in TYPES]
     buffer = layout.blocks[name].wire([element for element, *_ in inputs], outputs, live, view)
     factors = np.array([factor for _, _, factor, _ in inputs])

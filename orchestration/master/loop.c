@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "fmi2.h"
 
@@ -165,8 +166,10 @@ static int set_inputs(Loop *loop, size_t index, int64_t begun)
 {
     const Seat *seat = &loop->seats[index];
     for (size_t i = 0; i < seat->input_count; i++) {
-        const double value = loop->bus[seat->sources[i]];
-        seat->inputs[i] = seat->factors == NULL ? value : value * seat->factors[i] + seat->offsets[i];
+        seat->inputs[i] = loop->bus[seat->sources[i]];
+    }
+    for (size_t i = 0; seat->factors != NULL && i < seat->input_count; i++) {
+        seat->inputs[i] = seat->inputs[i] * seat->factors[i] + seat->offsets[i];
     }
     for (size_t k = 0; k < seat->setter_count; k++) {
         const Exchange *setter = &seat->setters[k];
@@ -222,13 +225,14 @@ static int get_outputs(Loop *loop, size_t index, int64_t begun, int all)
 static int check(Loop *loop, size_t index, int64_t begun)
 {
     const Seat *seat = &loop->seats[index];
+    uint64_t sum = 0; /* of the bits of x - x, which has none where x is finite: so no value decides on a branch */
     for (size_t i = 0; i < seat->output_count; i++) {
         const double difference = seat->outputs[i] - seat->outputs[i];
-        if (!(difference == 0.0)) {
-            return stop(loop, index, CALL_CHECK, i, 0, begun);
-        }
+        uint64_t bits;
+        memcpy(&bits, &difference, sizeof bits);
+        sum |= bits;
     }
-    return 0;
+    return sum == 0 ? 0 : stop(loop, index, CALL_CHECK, 0, 0, begun);
 }
 
 static int sequential_step(Loop *loop, int64_t count)

@@ -20,16 +20,16 @@ static const Composition order_6 = {7, {Y3, Y2, Y1, 1.0 - 2.0 * (Y1 + Y2 + Y3), 
 static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
 {
     const Vector difference = {a.x - p, a.y, a.z}, total = {a.x + p, a.y, a.z};
-    const Matrix J = body->J;
+    const Matrix J2 = body->J_twice;
     *f = scale(0.5, apply(body->J_inverse, difference));
     for (int i = 0; i < 20; ++i) {
         const double along = dot(total, *f);
-        const Vector residual = add(add(difference, cross(a, *f)), subtract(scale(along, *f), scale(2.0, apply(J, *f))));
+        const Vector residual = add(add(difference, cross(a, *f)), subtract(scale(along, *f), apply(J2, *f)));
         /* a^ + (a + p).f I + f (a + p)^T - 2 J */
         const Matrix jacobian = {
-            {along + f->x * total.x - 2.0 * J.a.x, -a.z + f->x * total.y - 2.0 * J.a.y, a.y + f->x * total.z - 2.0 * J.a.z},
-            {a.z + f->y * total.x - 2.0 * J.b.x, along + f->y * total.y - 2.0 * J.b.y, -a.x + f->y * total.z - 2.0 * J.b.z},
-            {-a.y + f->z * total.x - 2.0 * J.c.x, a.x + f->z * total.y - 2.0 * J.c.y, along + f->z * total.z - 2.0 * J.c.z}};
+            {along + f->x * total.x - J2.a.x, -a.z + f->x * total.y - J2.a.y, a.y + f->x * total.z - J2.a.z},
+            {a.z + f->y * total.x - J2.b.x, along + f->y * total.y - J2.b.y, -a.x + f->y * total.z - J2.b.z},
+            {-a.y + f->z * total.x - J2.c.x, a.x + f->z * total.y - J2.c.y, along + f->z * total.z - J2.c.z}};
         const Vector change = solve(jacobian, residual);
         *f = subtract(*f, change);
         const double size = dot(change, change);

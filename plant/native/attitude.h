@@ -16,7 +16,7 @@
 typedef Vector Moment(void *context, const Matrix *R, double t);
 
 typedef struct {
-    Matrix J, J_inverse; /* kg m2, wheel locked */
+    Matrix J, J_inverse, J_twice; /* kg m2, wheel locked */
 } Body;
 
 typedef struct {

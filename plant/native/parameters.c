@@ -182,8 +182,8 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     Environment *environment = &plant->environment;
 
     plant->p = *p;
-    plant->body.J = inertia(p);
-    plant->body.J_inverse = inverse(plant->body.J);
+    const Matrix J = inertia(p);
+    plant->body = (Body){J, inverse(J), {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}};
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));
@@ -200,6 +200,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     environment->has_air = p->drag;
     environment->activity = plant_activity_of(p->f107, p->f107_average, p->ap);
     plant_forget_surroundings(environment);
+    plant->loads = (Loads){.known = false};
 
     const OrbitState start = plant_motion_at(&environment->orbit, 0.0);
     plant->R_NB0 = p->initial_attitude == PLANT_INITIAL_ATTITUDE_Q_NB0

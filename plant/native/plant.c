@@ -39,22 +39,52 @@ static Vector drag(const PlantLaw *plant, Vector v_B, double density)
 {
     Vector arms = {0.0, 0.0, 0.0};
     for (int i = 0; i < PLATES; ++i) {
-        arms = add(arms, scale(larger(dot(plant->plates[i].normal, v_B), 0.0), plant->plates[i].arm));
+        const double facing = dot(plant->plates[i].normal, v_B);
+        if (facing > 0.0) {
+            arms = add(arms, scale(facing, plant->plates[i].arm));
+        }
     }
     return cross(arms, scale(-density, v_B));
+}
+
+static bool same(const Matrix *R, const Matrix *S)
+{
+    return R->a.x == S->a.x && R->a.y == S->a.y && R->a.z == S->a.z && R->b.x == S->b.x && R->b.y == S->b.y &&
+           R->b.z == S->b.z && R->c.x == S->c.x && R->c.y == S->c.y && R->c.z == S->c.z;
+}
+
+/* Valid until the next call. */
+static const Loads *loads_at(PlantLaw *plant, const Matrix *R, double t)
+{
+    Loads *loads = &plant->loads;
+    if (loads->known && loads->t == t && same(&loads->R, R)) {
+        return loads;
+    }
+    const Surroundings *around = plant_surroundings_at(&plant->environment, t);
+    loads->known = true;
+    loads->t = t;
+    loads->R = *R;
+    loads->b = apply_transposed(*R, around->along.b_N);
+    if (plant->p.gravity_gradient) {
+        loads->gravity_gradient = gravity_gradient(plant, apply_transposed(*R, around->along.pull_N));
+    }
+    if (plant->p.drag) {
+        loads->drag = drag(plant, apply_transposed(*R, around->along.flow_N), around->density);
+    }
+    return loads;
 }
 
 static Vector external_moment(void *context, const Matrix *R, double t)
 {
     const Acting *acting = context;
-    PlantLaw *plant = acting->plant;
-    const Surroundings *around = plant_surroundings_at(&plant->environment, t);
-    Vector tau = add(cross(acting->dipole_B, apply_transposed(*R, around->along.b_N)), vector(plant->p.disturbance_torque_B));
+    const PlantLaw *plant = acting->plant;
+    const Loads *loads = loads_at(acting->plant, R, t);
+    Vector tau = add(cross(acting->dipole_B, loads->b), vector(plant->p.disturbance_torque_B));
     if (plant->p.gravity_gradient) {
-        tau = add(tau, gravity_gradient(plant, apply_transposed(*R, around->along.pull_N)));
+        tau = add(tau, loads->gravity_gradient);
     }
     if (plant->p.drag) {
-        tau = add(tau, drag(plant, apply_transposed(*R, around->along.flow_N), around->density));
+        tau = add(tau, loads->drag);
     }
     return tau;
 }
@@ -132,33 +162,31 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
     const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
-    const Surroundings *around = plant_surroundings_at(&plant->environment, x->t);
+    const Loads *loads = loads_at(plant, &R, x->t);
     const OrbitState motion = plant_motion_at(&plant->environment.orbit, x->t);
     const Vector dipole = plant_rod_dipoles(p, u, plant_turn_at(p, x->t).on), H_N = apply(R, Pi);
-    const Vector b_B = apply_transposed(R, around->along.b_N), flow_B = apply_transposed(R, around->along.flow_N);
 
     store_matrix(R, y->R_NB);
     store(Omega, y->omega_B);
     store(motion.r, y->r_N);
     store(motion.v, y->v_N);
-    store(b_B, y->b_B);
+    store(loads->b, y->b_B);
     y->h_w = x->l_w;
     quaternion(R, y->q_NB);
     store(H_N, y->H_N);
     y->energy = 0.5 * dot(Omega, apply(J, Omega));
-    store((Vector){0.0, 0.0, 0.0}, y->tau_gg_B);
+    store(loads->gravity_gradient, y->tau_gg_B);
     if (p->gravity_gradient) {
         /* With U and the turning of the orbit, which is conserved on a circle. */
         const double r = norm(motion.r);
         const double rate_squared = p->gravitational_parameter / (r * r * r);
         const Vector r_hat_B = scale(1.0 / r, apply_transposed(R, motion.r));
-        store(gravity_gradient(plant, apply_transposed(R, around->along.pull_N)), y->tau_gg_B);
         y->energy += rate_squared * (1.5 * dot(r_hat_B, apply(J, r_hat_B)) - 0.5 * (J.a.x + J.b.y + J.c.z));
         y->energy -= dot(cross(motion.r, motion.v), H_N) / (r * r);
     }
-    y->density = p->drag ? around->density : 0.0;
-    store(p->drag ? drag(plant, flow_B, around->density) : (Vector){0.0, 0.0, 0.0}, y->tau_drag_B);
-    store(cross(dipole_B(plant, dipole), b_B), y->tau_mag_B);
+    y->density = plant_surroundings_at(&plant->environment, x->t)->density;
+    store(loads->drag, y->tau_drag_B);
+    store(cross(dipole_B(plant, dipole), loads->b), y->tau_mag_B);
     store(dipole, y->dipole);
     store(vector(x->dipole_mean), y->dipole_mean);
     y->wheel_torque = plant_wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);

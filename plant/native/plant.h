@@ -25,7 +25,15 @@ typedef struct {
     Vector normal, arm;
 } Plate;
 
-/* Parameters and what follows from them alone, nodes of the environment included. */
+/* What orbit and attitude alone make of the surroundings, in body axes. */
+typedef struct {
+    bool known;
+    double t;
+    Matrix R;
+    Vector b, gravity_gradient, drag; /* T, N m, N m */
+} Loads;
+
+/* Parameters and what follows from them alone, nodes of the environment and last loads included. */
 typedef struct {
     PlantParameters p;
     Body body;
@@ -34,6 +42,7 @@ typedef struct {
     Matrix R_NB0;
     Plate plates[PLATES];
     Environment environment;
+    Loads loads; /* the last ones asked for: a step ends, gives its outputs and goes on at one attitude */
     bool field_extrapolated;
 } PlantLaw;
 

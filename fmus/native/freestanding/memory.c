@@ -3,11 +3,16 @@
 #include <string.h>
 
 typedef uint64_t __attribute__((may_alias, aligned(1))) Word;
+typedef uint64_t __attribute__((may_alias, aligned(1), vector_size(32))) Words;
 
 void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
 {
     unsigned char *t = to;
     const unsigned char *f = from;
+    for (; n >= sizeof(Words); n -= sizeof(Words), t += sizeof(Words), f += sizeof(Words)) {
+        *(Words *)t = *(const Words *)f;
+    }
+#pragma clang loop vectorize(disable) unroll(disable)
     for (; n >= sizeof(Word); n -= sizeof(Word), t += sizeof(Word), f += sizeof(Word)) {
         *(Word *)t = *(const Word *)f;
     }

@@ -31,24 +31,36 @@ fmi2Status make_law_current(Instance *c, const char *function)
     return fmi2OK;
 }
 
+/* All outputs of a run at once: x - x has no bit set where x is finite, and no value decides on a branch. */
+static bool run_finite(const unsigned char *bytes, size_t n)
+{
+    uint64_t bits = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double value;
+        uint64_t difference;
+        memcpy(&value, bytes + i * sizeof value, sizeof value);
+        value -= value;
+        memcpy(&difference, &value, sizeof difference);
+        bits |= difference;
+    }
+    return bits == 0;
+}
+
 bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
 {
-    const unsigned char *bytes = (const unsigned char *)y;
-    double value;
-    bool finite = true;
     for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
-        memcpy(&value, bytes + (variables[real_outputs[i]].offset - offsetof(Ports, y)), sizeof value);
-        finite &= isfinite(value) != 0;
-    }
-    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS && !finite; ++i) {
         const Variable *v = &variables[real_outputs[i]];
-        memcpy(&value, bytes + (v->offset - offsetof(Ports, y)), sizeof value);
-        if (!isfinite(value)) {
-            refuse_fault(c, function, &(Fault){v->name, "a finite number for this output", NULL, value});
-            break;
+        const unsigned char *bytes = (const unsigned char *)y + (v->offset - offsetof(Ports, y));
+        for (uint32_t k = 0; !run_finite(bytes, v->run) && k < v->run; ++k) {
+            double value;
+            memcpy(&value, bytes + k * sizeof value, sizeof value);
+            if (!isfinite(value)) {
+                refuse_fault(c, function, &(Fault){v[k].name, "a finite number for this output", NULL, value});
+                return false;
+            }
         }
     }
-    return finite;
+    return true;
 }
 
 fmi2Status evaluate(Instance *c, const char *function, const State *x)

@@ -18,9 +18,10 @@ typedef enum { FIXED, TUNABLE, MOVING } Variability;
 /* A scalar FMI variable; its value reference is its place in `variables`. */
 typedef struct {
     const char *name;
-    const char *text; /* start of a string */
-    double start, min, max;
-    uint32_t offset; /* in Ports */
+    const char *text;       /* start of a string */
+    double start, min, max; /* without a limit of its own: -DBL_MAX and DBL_MAX, which NaN and infinity are beyond */
+    uint32_t offset;        /* in Ports */
+    uint32_t run;           /* how many variables, from this one on, differ in name, text and start only and lie side by side */
     Kind kind;
     Causality causality;
     Variability variability;
@@ -33,7 +34,7 @@ typedef struct {
 } Ports;
 
 extern const Variable variables[BLOCK_VARIABLES];
-extern const uint16_t real_outputs[BLOCK_REAL_OUTPUTS]; /* their value references */
+extern const uint16_t real_outputs[BLOCK_REAL_OUTPUTS]; /* the value reference of the first of each run of them */
 
 typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
 
@@ -75,10 +76,10 @@ fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f)
 fmi2Status refuse_variable(const Instance *c, const char *function, const Variable *v, const char *text);
 void log_event(const Instance *c, const char *text);
 
-/* What is wrong with a reference, or with a value of v. They log and return false; apart from the checks, which are made
- * in every step. */
+fmi2Status refuse_value(const Instance *c, const char *function, const Variable *v, double value);
+
+/* What is wrong with a reference: logs and returns false; apart from the check, which is made in every step. */
 bool refuse_reference(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind);
-bool refuse_value(const Instance *c, const char *function, const Variable *v, double value);
 
 /* Every function of the interface begins with this: the instance, or NULL (and *status an error) where the handle is
  * NULL or the mode is none of `modes`, a sum of 1 << Mode. */

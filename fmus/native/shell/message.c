@@ -1,6 +1,7 @@
 /* Messages, without stdio: so the shell needs no C library. */
 #include "instance.h"
 
+#include <float.h>
 #include <math.h>
 
 Message message(const char *text)
@@ -180,20 +181,20 @@ bool refuse_reference(const Instance *c, const char *function, fmi2ValueReferenc
     return false;
 }
 
-bool refuse_value(const Instance *c, const char *function, const Variable *v, double value)
+fmi2Status refuse_value(const Instance *c, const char *function, const Variable *v, double value)
 {
     Message m = message(function);
     put(&m, ": ");
     put(&m, v->name);
     put(&m, ": expected ");
-    if (v->min > -INFINITY && v->max < INFINITY) {
+    if (v->min > -DBL_MAX && v->max < DBL_MAX) {
         put_number(&m, v->min);
         put(&m, " to ");
         put_number(&m, v->max);
-    } else if (v->min > -INFINITY) {
+    } else if (v->min > -DBL_MAX) {
         put(&m, "a finite number, at least ");
         put_number(&m, v->min);
-    } else if (v->max < INFINITY) {
+    } else if (v->max < DBL_MAX) {
         put(&m, "a finite number, at most ");
         put_number(&m, v->max);
     } else {
@@ -201,8 +202,7 @@ bool refuse_value(const Instance *c, const char *function, const Variable *v, do
     }
     put(&m, ", found ");
     put_number(&m, value);
-    refuse(c, &m);
-    return false;
+    return refuse(c, &m);
 }
 
 void log_event(const Instance *c, const char *text)

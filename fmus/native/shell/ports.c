@@ -1,4 +1,4 @@
-/* fmi2Get... and fmi2Set... of variables. A call that is refused changes nothing. */
+/* fmi2Get... and fmi2Set... of variables. A call that is refused sets nothing. */
 #include "instance.h"
 
 #include <math.h>
@@ -17,39 +17,48 @@ static bool known(const Instance *c, const char *function, fmi2ValueReference re
     return refuse_reference(c, function, reference, kind);
 }
 
-/* The instance when `n` variables of this kind may be read; outputs are then evaluated. */
+/* How many of n references that begin with this one lie within its run where they follow each other. */
+static size_t reach(fmi2ValueReference reference, size_t n)
+{
+    return n < variables[reference].run ? n : variables[reference].run;
+}
+
 static Instance *begin_get(fmi2Component component, const char *function, const fmi2ValueReference references[], size_t n,
-                           const void *values, Kind kind, fmi2Status *status)
+                           const void *values, fmi2Status *status)
 {
     Instance *c = enter(component, function, IN_ANY, status);
-    if (c == NULL) {
+    if (c != NULL && n > 0 && (references == NULL || values == NULL)) {
+        *status = refuse_text(c, function, "an array is NULL");
         return NULL;
     }
-    *status = fmi2Error;
-    if (n > 0 && (references == NULL || values == NULL)) {
-        refuse_text(c, function, "an array is NULL");
-        return NULL;
-    }
-    bool outputs = false;
-    for (size_t i = 0; i < n; ++i) {
-        if (!known(c, function, references[i], kind)) {
-            return NULL;
-        }
-        outputs = outputs || variables[references[i]].causality == CAUSALITY_OUTPUT;
-    }
-    if (outputs && make_outputs_fresh(c, function) != fmi2OK) {
-        return NULL;
-    }
-    *status = fmi2OK;
     return c;
 }
 
+/* Where the value of a variable of this kind lies, outputs evaluated; NULL where it cannot be read. */
+static const unsigned char *readable(Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
+{
+    if (!known(c, function, reference, kind)) {
+        return NULL;
+    }
+    const Variable *v = &variables[reference];
+    return v->causality == CAUSALITY_OUTPUT && make_outputs_fresh(c, function) != fmi2OK ? NULL : place(c, v);
+}
+
+/* Run by run, since masters read many variables in every step. */
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2Real values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetReal", references, n, values, KIND_REAL, &status);
-    for (size_t i = 0; c != NULL && i < n; ++i) {
-        memcpy(&values[i], place(c, &variables[references[i]]), sizeof values[i]);
+    Instance *c = begin_get(component, "fmi2GetReal", references, n, values, &status);
+    for (size_t i = 0; c != NULL && i < n;) {
+        const unsigned char *from = readable(c, "fmi2GetReal", references[i], KIND_REAL);
+        if (from == NULL) {
+            return fmi2Error;
+        }
+        const fmi2ValueReference first = references[i];
+        const size_t most = reach(first, n - i);
+        for (size_t k = 0; k < most && references[i] == first + k; ++k, ++i) {
+            memcpy(&values[i], from + k * sizeof values[i], sizeof values[i]);
+        }
     }
     return status;
 }
@@ -57,10 +66,14 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference referen
 fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2Integer values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetInteger", references, n, values, KIND_INTEGER, &status);
+    Instance *c = begin_get(component, "fmi2GetInteger", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
+        const unsigned char *from = readable(c, "fmi2GetInteger", references[i], KIND_INTEGER);
         int32_t value;
-        memcpy(&value, place(c, &variables[references[i]]), sizeof value);
+        if (from == NULL) {
+            return fmi2Error;
+        }
+        memcpy(&value, from, sizeof value);
         values[i] = value;
     }
     return status;
@@ -69,10 +82,14 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference refe
 fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2Boolean values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetBoolean", references, n, values, KIND_BOOLEAN, &status);
+    Instance *c = begin_get(component, "fmi2GetBoolean", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
+        const unsigned char *from = readable(c, "fmi2GetBoolean", references[i], KIND_BOOLEAN);
         bool value;
-        memcpy(&value, place(c, &variables[references[i]]), sizeof value);
+        if (from == NULL) {
+            return fmi2Error;
+        }
+        memcpy(&value, from, sizeof value);
         values[i] = value ? fmi2True : fmi2False;
     }
     return status;
@@ -82,9 +99,13 @@ fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference refe
 fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2String values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetString", references, n, values, KIND_STRING, &status);
+    Instance *c = begin_get(component, "fmi2GetString", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
-        values[i] = (const char *)place(c, &variables[references[i]]);
+        const unsigned char *from = readable(c, "fmi2GetString", references[i], KIND_STRING);
+        if (from == NULL) {
+            return fmi2Error;
+        }
+        values[i] = (const char *)from;
     }
     return status;
 }
@@ -103,24 +124,20 @@ static bool settable(const Instance *c, const char *function, const Variable *v)
 }
 
 static Instance *begin_set(fmi2Component component, const char *function, const fmi2ValueReference references[], size_t n,
-                           const void *values, Kind kind, fmi2Status *status)
+                           const void *values, fmi2Status *status)
 {
     Instance *c = enter(component, function, IN_SETUP | IN_INITIALIZATION | IN_STEP, status);
-    if (c == NULL) {
+    if (c != NULL && n > 0 && (references == NULL || values == NULL)) {
+        *status = refuse_text(c, function, "an array is NULL");
         return NULL;
     }
-    *status = fmi2Error;
-    if (n > 0 && (references == NULL || values == NULL)) {
-        refuse_text(c, function, "an array is NULL");
-        return NULL;
-    }
-    for (size_t i = 0; i < n; ++i) {
-        if (!known(c, function, references[i], kind) || !settable(c, function, &variables[references[i]])) {
-            return NULL;
-        }
-    }
-    *status = fmi2OK;
     return c;
+}
+
+/* The variable of this kind that is to be set; NULL where it cannot be. */
+static const Variable *writable(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
+{
+    return known(c, function, reference, kind) && settable(c, function, &variables[reference]) ? &variables[reference] : NULL;
 }
 
 /* After a value of v was written. */
@@ -132,22 +149,27 @@ static void touched(Instance *c, const Variable *v)
     }
 }
 
-static bool within(const Instance *c, const char *function, const Variable *v, double value)
-{
-    return (value >= v->min && value <= v->max && isfinite(value)) || refuse_value(c, function, v, value);
-}
-
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Real values[])
 {
     fmi2Status status;
-    Instance *c = begin_set(component, "fmi2SetReal", references, n, values, KIND_REAL, &status);
-    for (size_t i = 0; c != NULL && i < n; ++i) {
-        if (!within(c, "fmi2SetReal", &variables[references[i]], values[i])) {
+    Instance *c = begin_set(component, "fmi2SetReal", references, n, values, &status);
+    size_t run = 0;
+    for (size_t i = 0; c != NULL && i < n; i += run) {
+        const Variable *v = writable(c, "fmi2SetReal", references[i], KIND_REAL);
+        if (v == NULL) {
             return fmi2Error;
         }
+        const double low = v->min, high = v->max;
+        const size_t most = reach(references[i], n - i);
+        for (run = 0; run < most && references[i + run] == references[i] + run; ++run) {
+            if (!(values[i + run] >= low && values[i + run] <= high)) {
+                return refuse_value(c, "fmi2SetReal", &v[run], values[i + run]);
+            }
+        }
     }
-    for (size_t i = 0; c != NULL && i < n; ++i) {
-        memcpy(place(c, &variables[references[i]]), &values[i], sizeof values[i]);
+    const size_t together = run == n ? n : 1; /* one run, as of a master that keeps the order of references */
+    for (size_t i = 0; c != NULL && i < n; i += together) {
+        memcpy(place(c, &variables[references[i]]), &values[i], together * sizeof values[i]);
         touched(c, &variables[references[i]]);
     }
     return status;
@@ -156,10 +178,14 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference referen
 fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Integer values[])
 {
     fmi2Status status;
-    Instance *c = begin_set(component, "fmi2SetInteger", references, n, values, KIND_INTEGER, &status);
+    Instance *c = begin_set(component, "fmi2SetInteger", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
-        if (!within(c, "fmi2SetInteger", &variables[references[i]], values[i])) {
+        const Variable *v = writable(c, "fmi2SetInteger", references[i], KIND_INTEGER);
+        if (v == NULL) {
             return fmi2Error;
+        }
+        if (!(values[i] >= v->min && values[i] <= v->max)) {
+            return refuse_value(c, "fmi2SetInteger", v, values[i]);
         }
     }
     for (size_t i = 0; c != NULL && i < n; ++i) {
@@ -173,11 +199,14 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference refe
 fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Boolean values[])
 {
     fmi2Status status;
-    Instance *c = begin_set(component, "fmi2SetBoolean", references, n, values, KIND_BOOLEAN, &status);
+    Instance *c = begin_set(component, "fmi2SetBoolean", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
+        const Variable *v = writable(c, "fmi2SetBoolean", references[i], KIND_BOOLEAN);
+        if (v == NULL) {
+            return fmi2Error;
+        }
         if (values[i] != fmi2False && values[i] != fmi2True) {
-            const Fault f = {variables[references[i]].name, "fmi2False (0) or fmi2True (1)", NULL, values[i]};
-            return refuse_fault(c, "fmi2SetBoolean", &f);
+            return refuse_fault(c, "fmi2SetBoolean", &(Fault){v->name, "fmi2False (0) or fmi2True (1)", NULL, values[i]});
         }
     }
     for (size_t i = 0; c != NULL && i < n; ++i) {
@@ -191,9 +220,12 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference refe
 fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2String values[])
 {
     fmi2Status status;
-    Instance *c = begin_set(component, "fmi2SetString", references, n, values, KIND_STRING, &status);
+    Instance *c = begin_set(component, "fmi2SetString", references, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
-        const Variable *v = &variables[references[i]];
+        const Variable *v = writable(c, "fmi2SetString", references[i], KIND_STRING);
+        if (v == NULL) {
+            return fmi2Error;
+        }
         if (values[i] == NULL) {
             return refuse_variable(c, "fmi2SetString", v, "cannot be NULL");
         }
