@@ -133,8 +133,8 @@ class _Layout:
         live = self.recorded[name]
 
         def order(element: Element) -> tuple[int, bool, int, Element]:
-            kind, *others = self.rank(name, element)
-            return kind, not live[element], *others
+            kind, reference, same = self.rank(name, element)
+            return kind, not live[element], reference, same
 
         return sorted(live, key=order)
 

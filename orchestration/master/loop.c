@@ -235,12 +235,18 @@ static int check(Loop *loop, size_t index, int64_t begun)
     return sum == 0 ? 0 : stop(loop, index, CALL_CHECK, 0, 0, begun);
 }
 
-static int sequential_step(Loop *loop, int64_t count)
+/* Whether a seat's step ends at this base step. A division takes as long as the rest of the loop's work on a seat. */
+static int due(const Loop *loop, size_t index, int64_t count)
 {
-    const int recorded = count % loop->interval == 0;
+    const int64_t every = loop->seats[index].every;
+    return every == 1 || count % every == 0;
+}
+
+static int sequential_step(Loop *loop, int64_t count, int recorded)
+{
     for (size_t i = 0; i < loop->seat_count; i++) {
         const int64_t every = loop->seats[i].every;
-        if (count % every != 0) {
+        if (!due(loop, i, count)) {
             continue;
         }
         const int64_t begun = count - every;
@@ -252,28 +258,27 @@ static int sequential_step(Loop *loop, int64_t count)
     return 0;
 }
 
-static int parallel_step(Loop *loop, int64_t count)
+static int parallel_step(Loop *loop, int64_t count, int recorded)
 {
-    const int recorded = count % loop->interval == 0;
     for (size_t i = 0; i < loop->seat_count; i++) {
-        if (count % loop->seats[i].every == 0 && set_inputs(loop, i, count - 1)) {
+        if (due(loop, i, count) && set_inputs(loop, i, count - 1)) {
             return 1;
         }
     }
     for (size_t i = 0; i < loop->seat_count; i++) {
         const int64_t every = loop->seats[i].every;
-        if (count % every == 0 && do_step(loop, i, count - every)) {
+        if (due(loop, i, count) && do_step(loop, i, count - every)) {
             return 1;
         }
     }
     for (size_t i = 0; i < loop->seat_count; i++) {
         const int64_t every = loop->seats[i].every;
-        if (count % every == 0 && get_outputs(loop, i, count - every, recorded || every > 1)) {
+        if (due(loop, i, count) && get_outputs(loop, i, count - every, recorded || every > 1)) {
             return 1;
         }
     }
     for (size_t i = 0; i < loop->seat_count; i++) {
-        if (count % loop->seats[i].every == 0 && check(loop, i, count - 1)) {
+        if (due(loop, i, count) && check(loop, i, count - 1)) {
             return 1;
         }
     }
@@ -293,11 +298,12 @@ int run_loop(Loop *loop, int64_t until)
         for (size_t i = 0; i < loop->delayed_count; i++) {
             loop->held[i] = loop->bus[loop->delayed[i]];
         }
-        if (loop->parallel ? parallel_step(loop, count) : sequential_step(loop, count)) {
+        const int recorded = count % loop->interval == 0;
+        if (loop->parallel ? parallel_step(loop, count, recorded) : sequential_step(loop, count, recorded)) {
             return 1;
         }
         loop->count = count;
-        if (count % loop->interval == 0) {
+        if (recorded) {
             double *row = loop->rows + (size_t)(count / loop->interval) * loop->column_count;
             for (size_t i = 0; i < loop->column_count; i++) {
                 row[i] = loop->bus[loop->columns[i]];

@@ -145,7 +145,7 @@ bool plant_check(const PlantParameters *p, Fault *f)
 
 /* An octagonal cylinder: eight sides and two ends, width across the flats. The normals of four sides lie along the two
  * axes across; from (along, across, across) to body axes in their cyclic order. */
-static void lay_plates(const PlantParameters *p, Plate plates[PLATES])
+static void lay_plates(const PlantParameters *p, Plates *plates)
 {
     static const double half_root = 0.70710678118654752440; /* of two: cos 45 deg */
     static const double c[8] = {1.0, half_root, 0.0, -half_root, -1.0, -half_root, 0.0, half_root};
@@ -160,8 +160,10 @@ static void lay_plates(const PlantParameters *p, Plate plates[PLATES])
                                                                   : (Vector){across, other, along};
         const double area = side ? edge * p->body_length : 2.0 * edge * p->body_width;
         const double distance = 0.5 * (side ? p->body_width : p->body_length);
-        plates[i].normal = normal;
-        plates[i].arm = scale(coefficient * area, subtract(scale(distance, normal), vector(p->center_of_mass_B)));
+        plates->x[i] = normal.x;
+        plates->y[i] = normal.y;
+        plates->z[i] = normal.z;
+        plates->arms[i] = scale(coefficient * area, subtract(scale(distance, normal), vector(p->center_of_mass_B)));
     }
 }
 
@@ -187,7 +189,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));
-    lay_plates(p, plant->plates);
+    lay_plates(p, &plant->plates);
 
     (void)epoch_read(p->epoch, &date);
     (void)orbit_of(p, &date, &environment->orbit, &unused);

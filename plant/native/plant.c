@@ -37,11 +37,15 @@ static Vector gravity_gradient(const PlantLaw *plant, Vector pull_B)
  * F_i = -1/2 rho C_d A_i max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500. */
 static Vector drag(const PlantLaw *plant, Vector v_B, double density)
 {
+    const Plates *plates = &plant->plates;
+    double facing[PLATES];
     Vector arms = {0.0, 0.0, 0.0};
     for (int i = 0; i < PLATES; ++i) {
-        const double facing = dot(plant->plates[i].normal, v_B);
-        if (facing > 0.0) {
-            arms = add(arms, scale(facing, plant->plates[i].arm));
+        facing[i] = plates->x[i] * v_B.x + plates->y[i] * v_B.y + plates->z[i] * v_B.z;
+    }
+    for (int i = 0; i < PLATES; ++i) {
+        if (facing[i] > 0.0) {
+            arms = add(arms, scale(facing[i], plates->arms[i]));
         }
     }
     return cross(arms, scale(-density, v_B));

@@ -20,10 +20,11 @@ typedef struct {
 
 enum { PLATES = 10 };
 
-/* A flat plate: outward normal, and C_d/2 times area times arm from the centre of mass. */
+/* Flat plates: their outward normals, and C_d/2 times area times arm from the centre of mass. */
 typedef struct {
-    Vector normal, arm;
-} Plate;
+    double x[PLATES], y[PLATES], z[PLATES];
+    Vector arms[PLATES];
+} Plates;
 
 /* What orbit and attitude alone make of the surroundings, in body axes. */
 typedef struct {
@@ -40,7 +41,7 @@ typedef struct {
     Wheel wheel;
     Matrix rods_to_body; /* columns u_i */
     Matrix R_NB0;
-    Plate plates[PLATES];
+    Plates plates;
     Environment environment;
     Loads loads; /* the last ones asked for: a step ends, gives its outputs and goes on at one attitude */
     bool field_extrapolated;

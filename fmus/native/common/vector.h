@@ -70,7 +70,7 @@ static inline double norm(Vector v)
 
 static inline bool is_finite(Vector v)
 {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+    return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0.0; /* NaN otherwise */
 }
 
 /* M v. */

@@ -6,7 +6,8 @@
 static const double BEYOND_STOP = 0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
 static const double ROUNDING = 1e-12;   /* of a time */
 
-/* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it. */
+/* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it, and its
+ * outputs are put back. */
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before)
 {
     fmi2Status status;
@@ -39,15 +40,13 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     Fault f = {"inputs", "", NULL, 0.0};
     State *x = other_state(c);
     memcpy(x, state_of(c), sizeof *x);
-    Outputs y = memory->ports.y;
-    if (!block_step(&c->law, x, &memory->ports.u, h, &y, &f)) {
-        return refuse_fault(c, "fmi2DoStep", &f);
-    }
-    if (!outputs_finite(c, "fmi2DoStep", &y)) {
-        return fmi2Error;
+    const Outputs before = memory->ports.y;
+    const bool stepped = block_step(&c->law, x, &memory->ports.u, h, &memory->ports.y, &f);
+    if (!stepped || !outputs_finite(c, "fmi2DoStep", &memory->ports.y)) {
+        memory->ports.y = before;
+        return stepped ? fmi2Error : refuse_fault(c, "fmi2DoStep", &f);
     }
     commit_state(c);
-    memcpy(&memory->ports.y, &y, sizeof y);
     memory->time = t + h;
     memory->fresh = true;
     return fmi2OK;
