@@ -92,14 +92,14 @@ def block_header(interface: Interface, guid: str) -> str:
 def table(interface: Interface) -> str:
     """table.c: all scalar variables in the order of their value references."""
     scalars = [(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements)]
-    rows = "\n".join(_row(*scalar, run) for scalar, run in zip(scalars, _runs(interface), strict=True))
+    rows = "\n".join(_row(*scalar, followers) for scalar, followers in zip(scalars, _followers(interface), strict=True))
     return f"""\
 #include "instance.h"
 
 #include <float.h>
 
-#define ROW(name, member, run, kind, causality, variability, start, min, max, text) \\
-    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), run, kind, causality, variability}},
+#define ROW(name, member, kind, causality, variability, start, min, max, text, followers) \\
+    {{name, text, start, min, max, (uint32_t)offsetof(Ports, member), kind, causality, variability, followers}},
 
 const Variable variables[BLOCK_VARIABLES] = {{
 {rows}
@@ -111,15 +111,15 @@ const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {{{", ".join(map(str, _real_ou
 
 def _real_outputs(interface: Interface) -> list[int]:
     """The first of each run of them."""
-    runs = _runs(interface)
+    followers = _followers(interface)
     real = {r for v in interface.of("output") if v.type == "real" for r in v.value_references}
-    return [r for r in sorted(real) if r - 1 not in real or runs[r - 1] == 1]
+    return [r for r in sorted(real) if r - 1 not in real or followers[r - 1] == 0]
 
 
-def _runs(interface: Interface) -> list[int]:
-    """Of each scalar variable, how many from it on are alike: they lie side by side in the structures and one check suits all."""
+def _followers(interface: Interface) -> list[int]:
+    """Of each scalar variable, how many after it are alike: they lie side by side in the structures and one check suits all."""
     alike = [_alike(v) for v in interface.variables.values() for _ in v.elements]
-    return [i for _, group in itertools.groupby(alike) for i in range(len(list(group)), 0, -1)]
+    return [i for _, group in itertools.groupby(alike) for i in reversed(range(len(list(group))))]
 
 
 def _alike(variable: Variable) -> tuple[str, ...]:
@@ -132,7 +132,7 @@ def _alike(variable: Variable) -> tuple[str, ...]:
     return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits
 
 
-def _row(variable: Variable, position: int, element: Element, run: int) -> str:
+def _row(variable: Variable, position: int, element: Element, followers: int) -> str:
     record = _RECORDS[variable.causality][1]
     indices = list(itertools.product(*(range(n) for n in variable.shape)))[position]
     member = f"{record}.{variable.name}" + "".join(f"[{i}]" for i in indices)
@@ -143,8 +143,8 @@ def _row(variable: Variable, position: int, element: Element, run: int) -> str:
             raise InterfaceError(f"{element.name}: start {start!r} has more than {TEXT_SIZE - 1} bytes")
         text, start = _quoted(start), 0
     return (
-        f"    ROW({_quoted(element.name)}, {member}, {run}, {kind}, {causality}, {variability}, "
-        f"{float(start)!r}, {low}, {high}, {text})"
+        f"    ROW({_quoted(element.name)}, {member}, {kind}, {causality}, {variability}, "
+        f"{float(start)!r}, {low}, {high}, {text}, {followers})"
     )
 
 

@@ -51,7 +51,7 @@ bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
     for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
         const Variable *v = &variables[real_outputs[i]];
         const unsigned char *bytes = (const unsigned char *)y + (v->offset - offsetof(Ports, y));
-        for (uint32_t k = 0; !run_finite(bytes, v->run) && k < v->run; ++k) {
+        for (uint32_t k = 0; !run_finite(bytes, v->followers + 1) && k <= v->followers; ++k) {
             double value;
             memcpy(&value, bytes + k * sizeof value, sizeof value);
             if (!isfinite(value)) {

@@ -21,10 +21,10 @@ typedef struct {
     const char *text;       /* start of a string */
     double start, min, max; /* without a limit of its own: -DBL_MAX and DBL_MAX, which NaN and infinity are beyond */
     uint32_t offset;        /* in Ports */
-    uint32_t run;           /* how many variables, from this one on, differ in name, text and start only and lie side by side */
     Kind kind;
     Causality causality;
     Variability variability;
+    uint32_t followers; /* how many after this one differ in name, text and start only, and lie side by side: a run */
 } Variable;
 
 typedef struct {

@@ -20,7 +20,7 @@ static bool known(const Instance *c, const char *function, fmi2ValueReference re
 /* How many of n references that begin with this one lie within its run where they follow each other. */
 static size_t reach(fmi2ValueReference reference, size_t n)
 {
-    return n < variables[reference].run ? n : variables[reference].run;
+    return n <= variables[reference].followers ? n : variables[reference].followers + 1;
 }
 
 static Instance *begin_get(fmi2Component component, const char *function, const fmi2ValueReference references[], size_t n,
