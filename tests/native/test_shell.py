@@ -201,6 +201,23 @@ def test_a_set_of_several_values_is_all_or_nothing() -> None:
         assert it.get("K0").tolist() == it.interface.variables["K0"].start
 
 
+def test_references_in_any_order_across_variables_set_and_get_their_own() -> None:
+    """Runs that end within a variable, that run backwards, repeat and jump; a value that is not finite ends none quietly."""
+    with Instance("controller") as it:
+        first = it.interface.variables["R_NB"].value_references[0]
+        for order in ([7, 8, 9, 10, 11, 12, 2, 1, 0, 15, 16], [17, 16, 15], [3, 4, 5, 3], list(range(18))):
+            n = len(order)
+            places = (c_uint * n)(*(first + i for i in order))
+            it.call("SetReal", places, n, (c_double * n)(*(100.0 + i for i in order)))
+            read = (c_double * n)()
+            it.call("GetReal", places, n, read)
+            assert list(read) == [100.0 + i for i in order]
+        assert it.get("v_N").tolist() == [115.0, 116.0, 117.0]
+        with pytest.raises(Refused, match=r"omega_B\[2\].*infinity"):
+            it.call("SetReal", (c_uint * 18)(*range(first, first + 18)), 18, (c_double * 18)(*[0.0] * 10, math.inf))
+        assert it.get("R_NB").ravel().tolist() == [100.0 + i for i in range(9)]
+
+
 @pytest.mark.parametrize(
     ("t", "h"), [(0.0, 0.0), (0.0, -0.1), (0.0, math.nan), (0.0, math.inf), (0.05, 0.1), (math.nan, 0.1)]
 )
