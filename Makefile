@@ -58,7 +58,7 @@ figures: $(VENV)/test
 reproduction: $(VENV)/test
 	$(BIN)/python -m studies reproduction
 
-# Thousands of flights in SI units: docs/flight.md and its figures; about half an hour on two cores, goes on where it was stopped.
+# Thousands of flights in SI units as campaigns: docs/flight.md and its figures; about an hour on two cores, goes on where it was stopped.
 flight: $(VENV)/test
 	$(BIN)/python -m studies flight
 

@@ -194,28 +194,24 @@ def allocators(jobs: int, fly: bool, page: bool) -> None:
     "--cases",
     default=1000,
     show_default=True,
-    type=click.IntRange(1, 1000),
+    type=click.IntRange(2, 1000),
     help="Random tumbles of each kind; fewer write to results/.",
 )
 @click.option("--page", is_flag=True, help="Write page and figures from docs/flight.csv, without flying its cases.")
 def flight(jobs: int, cases: int, page: bool) -> None:
-    """Make docs/flight.md and its figures from flights; one that was interrupted goes on."""
-    if page:
-        say(f"written: {flights.publish()}")
-        return
-    say(flights.seeds_text(cases))
-    say(f"written: {flights.make(cases, jobs)}")
+    """Make docs/flight.md and its figures from campaigns; one that was interrupted goes on."""
+    say(f"written: {flights.publish() if page else flights.make(cases, jobs)}")
 
 
 @main.command("flight-case")
 @click.argument("group")
-@click.argument("seed", type=int)
-def flight_case(group: str, seed: int) -> None:
-    """Fly one case of docs/flight.md, such as nominal 100017, and write its scenario."""
-    file, row = flights.write_case(group, seed)
-    for name, value in row.items():
-        say(f"{name:12} {value}")
-    say(f"written: {file}")
+@click.argument("run", type=int)
+def flight_case(group: str, run: int) -> None:
+    """Fly one case of docs/flight.md, such as nominal 17, and write its scenario."""
+    flown = flights.fly_case(group, run)
+    for name, value in flown.metrics.items():
+        say(f"{name:14} {value}")
+    say(f"written: {flown.file}")
 
 
 @main.command("flight-tune")

@@ -23,7 +23,7 @@ from orchestration.fmu.model import Model
 from orchestration.scenario.source import Source
 from orchestration.system.starts import resolve
 
-from .native import JUDGE, PAPER
+from .paper import JUDGE, PAPER
 
 _BLOCKS: dict[str, Any] = {"plant": plant, "controller": controller, "allocator": allocator}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
@@ -136,15 +136,7 @@ def cluster(
         "distributed.client",
     ):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    settings = {
-        "distributed.scheduler.allowed-failures": _TRIES - 1,
-        "distributed.comm.timeouts.connect": f"{_PATIENCE:g}s",
-        "distributed.admin.large-graph-warning-threshold": "1GiB",
-        # Dask keeps samples of each worker's stacks of 1000 s, which grow by 0.1 MB/s; only the dashboard shows them.
-        "distributed.worker.profile.enabled": dashboard,
-        "distributed.admin.low-level-log-length": 1000 if dashboard else 100,  # its messages hold batches, 17 kB each
-    }
-    with dask.config.set(settings), _client(workers, scheduler, dashboard) as client:
+    with dask.config.set(_settings(dashboard)), _client(workers, scheduler, dashboard) as client:
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except TimeoutError:
@@ -175,18 +167,49 @@ def _client(workers: int | None, scheduler: str | None, dashboard: bool) -> Iter
         with client:
             yield client
         return
+    with local(workers, dashboard) as cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
+def _settings(dashboard: bool) -> dict[str, Any]:
+    return {
+        "distributed.scheduler.allowed-failures": _TRIES - 1,
+        "distributed.comm.timeouts.connect": f"{_PATIENCE:g}s",
+        "distributed.admin.large-graph-warning-threshold": "1GiB",
+        # Dask keeps samples of each worker's stacks of 1000 s, which grow by 0.1 MB/s; only the dashboard shows them.
+        "distributed.worker.profile.enabled": dashboard,
+        "distributed.admin.low-level-log-length": 1000 if dashboard else 100,  # its messages hold batches, 17 kB each
+    }
+
+
+@contextmanager
+def local(workers: int | None = None, dashboard: bool = False) -> Iterator[Any]:
+    """Worker processes of this machine, one for each core unless `workers` says how many. Raises InputError.
+
+    Several campaigns share them, each given their `scheduler_address` as its scheduler.
+    """
     if dashboard and find_spec("bokeh") is None:
         raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
     if not dashboard:  # else Dask would serve pages about itself without one, too
         dask.config.set({"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []})
-    local = LocalCluster(
-        n_workers=workers or os.cpu_count() or 1,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-        scheduler_kwargs={"dashboard": dashboard},
-        silence_logs=logging.CRITICAL,
-    )
-    with local, Client(local, set_as_default=False) as client:
-        yield client
+    with (
+        dask.config.set(_settings(dashboard)),
+        LocalCluster(
+            n_workers=workers or os.cpu_count() or 1,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            scheduler_kwargs={"dashboard": dashboard},
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+    ):
+        yield cluster
+
+
+def each(function: Callable[[Any], Any], items: Iterable[Any], scheduler: str) -> Iterator[tuple[int, Any]]:
+    """The results of a function of each item as the workers at an address give them, each with the place of its item."""
+    with Client(scheduler, timeout=_PATIENCE, set_as_default=False) as client:
+        places = {client.submit(function, item, pure=False): place for place, item in enumerate(items)}
+        for future in as_completed(list(places), loop=client.loop):
+            yield places.pop(future), future.result()

@@ -49,7 +49,8 @@ class Draw:
     """The unit that an expression's numbers are given."""
     quaternion: bool = False
     """Whether a rotation is set as a quaternion, and not as a matrix."""
-
+    whole: bool = False
+    """Whether an expression sets whole numbers; one that gives another is refused as a start value."""
     port: str = ""
     """The unit of the port that takes it, where its numbers have none of their own."""
 
@@ -62,6 +63,8 @@ class Draw:
         """The value as `--set` takes it."""
         if self.entry.rotation:
             return value if self.quaternion else {"quaternion": value}
+        if self.whole:
+            return _whole(value)
         return _with(value, self.suffix or self.unit) if self.numbers else value
 
     def known(self, value: Any) -> Any:
@@ -201,6 +204,7 @@ def _draw(name: str, entry: Varied, helper: bool, variable: Variable | None, fir
         own,
         suffix,
         quaternion,
+        sample is None and variable is not None and variable.type == "integer",
         "" if variable is None or variable.unit is None or str(variable.unit) == "1" else str(variable.unit),
     )
 
@@ -230,6 +234,13 @@ def _with(value: Any, unit: str) -> Any:
     if not unit:
         return value
     return [_with(item, unit) for item in value] if isinstance(value, list) else f"{value!r} {unit}"
+
+
+def _whole(value: Any) -> Any:
+    """Floats that are whole as whole numbers."""
+    if isinstance(value, list):
+        return [_whole(item) for item in value]
+    return int(value) if value.is_integer() else value
 
 
 def _scaled(value: Any, unit: Unit) -> Any:

@@ -84,13 +84,13 @@ def _hash(data: Any) -> str:
 
 
 def read_campaign(
-    path: Path | str, overrides: Mapping[str, Any] | None = None, sets: Mapping[str, Any] | None = None
+    campaign: Path | str | Source, overrides: Mapping[str, Any] | None = None, sets: Mapping[str, Any] | None = None
 ) -> Case:
-    """A campaign file, held against its scenario and FMUs. Raises InputError with what is wrong.
+    """A campaign file, or the same as data, held against its scenario and FMUs. Raises InputError with what is wrong.
 
     `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by name.
     """
-    source = read_text(Path(path))
+    source = campaign if isinstance(campaign, Source) else read_text(Path(campaign))
     if isinstance(source.data, dict):
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")
@@ -98,11 +98,11 @@ def read_campaign(
             source.data.setdefault("set", {})[name] = value
             source.options["set", name] = f"--set {name}={value}"
     flown = _scenario(source)
-    campaign = complaints.checked(
+    checked = complaints.checked(
         Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
     )
     assert flown is not None
-    return prepare(campaign, source, load(_changed(campaign, source, flown)))
+    return prepare(checked, source, load(_changed(checked, source, flown)))
 
 
 def _scenario(source: Source) -> Source | None:

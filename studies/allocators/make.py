@@ -7,9 +7,9 @@ follows it.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,11 @@ import numpy as np
 from rich.table import Table
 
 from orchestration.runner.read import read
-from orchestration.scenario.source import Source
 
-from .. import native
+from .. import crew as campaigns
 from ..paper import (
     ATTITUDE_TOLERANCE,
-    DURATION,
+    FOLDER,
     LIMITS,
     ORBIT,
     RATE_TOLERANCE,
@@ -31,10 +30,8 @@ from ..paper import (
     SCENARIOS,
     STEP,
     Array,
-    node,
 )
-from ..processes import each
-from ..settling import settling_time
+from .metrics import END
 
 NODES = np.arange(0.0, 360.0, 10.0)
 """Longitudes of the ascending node, degrees east."""
@@ -42,7 +39,7 @@ KEPT = ROOT / "docs" / "allocators.csv"
 ALLOCATORS = {"allocator": "the paper's", "allocator_bounded": "bounded"}
 WEIGHTS = (0.0, 0.0236, 0.05, 0.1, 0.2, 0.4)
 """What is tried for wheel_weight."""
-_RECORDED = "judge.attitude_error judge.rate_error_B allocator.holding plant.h_w plant.dipole".split()
+RESULTS = FOLDER / "allocators"
 
 
 @dataclass(frozen=True)
@@ -79,37 +76,41 @@ class Case:
     changes: Mapping[str, Any]
 
 
-@cache
-def _scenario(which: str, allocator: str) -> Source:
-    """The manoeuvre's own scenario, without what is only said of it, and with the block that is asked for."""
-    source = read(SCENARIOS[which]).with_entry(("blocks", "allocator", "fmu"), allocator)
+def campaign(name: str, case: Case, nodes: Sequence[float], duration: float = ORBIT) -> campaigns.Case:
+    """A case at every node, deg; the fields of `Flown` are made of its metrics."""
+    source = read(SCENARIOS[case.which]).with_entry(("blocks", "allocator", "fmu"), case.allocator)
     source = source.without([("expect",), ("figures",), ("holds",)])
-    if allocator != "allocator":
+    if case.allocator != "allocator":
         source = source.without([("blocks", "allocator", "start", "hold_fraction")])
-    return source.with_entry(("record",), {"signals": _RECORDED})
+    angle, rate = {"signal": "judge.attitude_error"}, {"signal": "judge.rate_error_B", "measure": "norm"}
+    first, rest = {"before": END}, {"after": END + 0.5 * STEP}
+    holding = {"signal": "allocator.holding"}
+    metrics: dict[str, dict[str, Any]] = {
+        "angle": {**angle, "settles": {"below": ATTITUDE_TOLERANCE}, **first},
+        "rate": {**rate, "settles": {"below": RATE_TOLERANCE}, **first},
+        "out": {"python": "metrics:out", "signals": [angle["signal"], rate["signal"]]},
+        "wheel": {"signal": "plant.h_w", "statistic": "peak", **first},
+        "wheel_later": {"signal": "plant.h_w", "statistic": "peak", **rest},
+        "dipole": {"signal": "plant.dipole", "statistic": "peak"},
+        "held": {**holding, "share": {"equals": True}},
+        "latched": {**holding, "statistic": "final"},
+    }
+    data = {
+        "name": re.sub(r"[^\w.]+", "_", name),
+        "scenario": {**source.data, "step": STEP, "duration": duration, "record": {"interval": 1.0}},
+        "set": dict(case.changes),
+        "vary": {"plant.node_longitude": {"grid": [f"{float(x)} deg" for x in nodes]}},
+        "sampling": "grid",
+        "metrics": [{"name": key, **metric} for key, metric in metrics.items()],
+    }
+    return campaigns.case(data, Path(__file__).parent)
 
 
-def fly(case: Case, longitude: float, fmus: Mapping[str, Path]) -> tuple[float, ...]:
-    """One run of an orbit from a node at this longitude, deg; its figures in the order of `Flown`."""
-    start = {**case.changes, **node(longitude), "step": STEP, "duration": ORBIT}
-    return figures_of(native.run(_scenario(case.which, case.allocator), fmus, start))
-
-
-def figures_of(result: Any) -> tuple[float, ...]:
-    """The figures of a run, in the order of `Flown`."""
-    time, l_w, holding = result.time, np.abs(result["plant.h_w"]), result["allocator.holding"]
-    rate = np.linalg.norm(result["judge.rate_error_B"], axis=1)
-    outside = (result["judge.attitude_error"] >= ATTITUDE_TOLERANCE) | (rate >= RATE_TOLERANCE)
-    n = int(np.searchsorted(time, DURATION)) + 1
-    return (
-        settling_time(time[:n], outside[:n]),
-        float(outside[n:].mean()),
-        float(l_w[:n].max()),
-        float(l_w[n:].max()),
-        float(np.abs(result["plant.dipole"]).max()),
-        float(holding.mean()),
-        float(holding[-1]),
-    )
+def figures_of(numbers: Callable[[str], Array]) -> Flown:
+    """The figures of runs, from their metrics (n,) by name."""
+    times = np.maximum(numbers("angle"), numbers("rate"))
+    rest = [numbers(f.name) for f in fields(Flown) if f.name != "settled"]
+    return Flown(np.where(np.isfinite(times), times, np.nan), *rest)
 
 
 def comparison(letter: str = "a") -> dict[str, Case]:
@@ -127,14 +128,12 @@ def cases() -> dict[str, Case]:
     return found
 
 
-def compute(wanted: Mapping[str, Case], processes: int = 2, nodes: Iterable[float] = NODES) -> dict[str, Flown]:
-    """Flies the cases at every node, with a progress bar."""
-    fmus = native.pin(("plant", "controller", native.JUDGE, *ALLOCATORS))
-    at = [float(longitude) for longitude in nodes]
-    tasks = {f"{name} {x:g}": (fly, (case, x, fmus)) for name, case in wanted.items() for x in at}
-    done = dict(each(tasks, processes))
-    columns = {name: np.array([done[f"{name} {x:g}"] for x in at]).T for name in wanted}
-    return {name: _flown(rows) for name, rows in columns.items()}
+def compute(
+    wanted: Mapping[str, Case], jobs: int = 2, nodes: Sequence[float] = tuple(NODES), results: Path = RESULTS
+) -> dict[str, Flown]:
+    """Flies the cases at every node, with a progress bar; those that were flown before are not flown again."""
+    with campaigns.crew(jobs) as hands:
+        return {n: figures_of(hands.fly(campaign(n, case, nodes), results).numbers) for n, case in wanted.items()}
 
 
 def _flown(columns: Iterable[Array]) -> Flown:

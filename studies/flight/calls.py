@@ -5,18 +5,17 @@ from __future__ import annotations
 import ctypes
 import os
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from orchestration import load
+from orchestration.runner.flight import with_values
+from orchestration.runner.open import open_scenario
 from orchestration.runner.run import run_blocks
 
-from .. import native
-from .cases import SEEDS, flight
-from .run import BLOCKS
+from .cases import SEEDS, tumbles
 
 
 @dataclass(frozen=True)
@@ -60,16 +59,18 @@ class _Timed:
         self.spent.append(time.thread_time() - self.current)
 
 
-def calls(seeds: Sequence[int] = range(SEEDS["errors"], SEEDS["errors"] + 10), duration: float = 2000.0) -> Calls:
-    """Flies tumbles under all errors in the loop of Python, and times every sample of the controller."""
-    fmus = native.pin(BLOCKS)
+def calls(tumbled: int = 10, duration: float = 2000.0) -> Calls:
+    """Flies the first tumbles under all errors in the loop of Python, and times every sample of the controller."""
     spent: list[float] = []
     memory = None
-    for seed in seeds:
-        data = {**flight("errors", seed, errors=True).data, "duration": duration}
-        with native.instances(load(data), fmus) as (ready, blocks):
+    wanted = replace(tumbles("calls", SEEDS["errors"], tumbled, errors=True), duration=duration, early=duration).case
+    draws = wanted.job.draws
+    for point in wanted.job.design.points(range(tumbled)).tolist():
+        opened = open_scenario(with_values(wanted.scenario, draws.given(draws.at(point))))
+        with ExitStack() as stack:
+            blocks = opened.instantiate(stack)
             controller = _Timed(blocks["controller"])
-            run_blocks(ready, {**blocks, "controller": controller}, compiled=False)
+            run_blocks(opened.plan, {**blocks, "controller": controller}, compiled=False)
             spent += controller.spent[1:]  # the first is of the initialization
             memory = _memory(controller.block.component)
     times = np.array(spent)

@@ -1,56 +1,104 @@
-"""What docs/flight.md flies: scenarios as data, each with a name and the seed that it comes from.
+"""What docs/flight.md flies, as campaigns: tumbles drawn at random, V.B and V.C from every node, long holds, each pairing.
 
-All are scenarios/flight_*.yaml with other start values, or with other blocks in the same places. Every random case
-follows from one seed; seeds 1000 to 3999 were used in tuning and are none of these.
+All are scenarios/flight_*.yaml with other start values, or with other blocks in the same places. Each lasts three orbits.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fmus.interface import load
+from orchestration.campaign.load import Case
 from orchestration.runner.read import read
 
-from ..paper import INERTIA, ORBIT, ROOT, Array, constants
-from ..samples import random_rotations
+from .. import crew
+from ..paper import INERTIA, ORBIT, ROOT, constants
 
 Data = dict[str, Any]
 
-SEEDS = {"nominal": 100_000, "errors": 200_000, "tried": 300_000}
-"""The first seed of each set of random cases; case i has the i-th after it."""
+SEEDS = {"nominal": 100, "errors": 200, "tried": 300, "tune": 400}
+"""Of each set of random tumbles. Run i depends on the seed and i alone, so all schemes fly the same ones."""
 RATE_MAX = math.radians(6.0)
 J = np.diag(INERTIA)
-SHORT, LONG = 1.1 * ORBIT, 3.0 * ORBIT
-"""How long a case is flown, s, and how long if it has not settled by then."""
-RECORD = ("judge.attitude_error", "judge.rate_error_B", "plant.h_w")
+EARLY, LONG = 1.1 * ORBIT, 3.0 * ORBIT
+"""After this time, s, it is told apart what becomes of a flight; how long it lasts, s."""
+HOLD = 2000.0
+"""The hold's error is that of so many last seconds."""
+RATE = 1e-3
+"""Settled: below the angle and this rate, rad/s, from then to the end of the flight."""
 TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
 """Gains of law [8] in SI units with the bounded allocator: the best of `python -m studies flight-tune`."""
 
 
 @dataclass(frozen=True)
-class Case:
-    """One flight."""
+class Group:
+    """Flights of one kind: a campaign."""
 
-    group: str
-    seed: int
-    """That of a random case; for V.B and V.C the longitude of the node, deg."""
-    data: Data = field(hash=False)
-    """The scenario."""
-    lengths: tuple[float, ...] = (SHORT, LONG)
-    """Durations, s: the first, and those after it where the case has not settled."""
-    late: float | None = None
-    """What the errors are after this time, s, is told apart."""
+    name: str
+    scenario: Data = field(hash=False)
+    runs: int = 1
+    seed: int = 0
+    draw: Data = field(default_factory=dict, hash=False)
+    vary: Data = field(default_factory=dict, hash=False)
+    """Start values as expressions of what is drawn."""
+    duration: float = LONG
+    early: float = EARLY
 
-    @property
-    def name(self) -> str:
-        return f"{self.group}/{self.seed}"
+    @cached_property
+    def case(self) -> Case:
+        """The campaign, checked. Raises InputError."""
+        grid = any("grid" in entry for entry in self.draw.values())
+        campaign = {
+            "name": re.sub(r"\W+", "_", self.name),
+            "scenario": {**self.scenario, "duration": self.duration},
+            "draw": self.draw,
+            "vary": {name: {"expression": text} for name, text in self.vary.items()},
+            "sampling": "grid" if grid else "random",
+            "runs": self.runs,
+            "seed": self.seed,
+            "metrics": metrics(self.duration, self.early, self.scenario),
+        }
+        return crew.case(campaign, Path(__file__).parent)
+
+
+def metrics(duration: float, early: float, scenario: Data) -> list[Data]:
+    """What each flight is measured by, all of the plant's truth; a flight is settled from when both errors are."""
+    angle = {"signal": "judge.attitude_error"}
+    rate = {"signal": "judge.rate_error_B", "measure": "norm"}
+    slow = {"settles": {"below": f"{RATE} rad/s"}}
+    last, later = {"after": max(0.0, duration - HOLD)}, {"after": min(early, duration)}
+    found: dict[str, Data] = {
+        "angle_5": {**angle, "settles": {"below": "5 deg"}},
+        "angle_1": {**angle, "settles": {"below": "1 deg"}},
+        "rate": {**rate, **slow},
+        "early_angle_5": {**angle, "settles": {"below": "5 deg"}, "before": early},
+        "early_rate": {**rate, **slow, "before": early},
+        "hold_rms": {**angle, "statistic": "rms", **last},
+        "hold_max": {**angle, "statistic": "maximum", **last},
+        "later_rms": {**angle, "statistic": "rms", **later},
+        "later_max": {**angle, "statistic": "maximum", **later},
+        "later_wheel": {"signal": "plant.h_w", "statistic": "peak", **later},
+        "end_angle": {**angle, "statistic": "final"},
+        "end_rate": {**rate, "statistic": "final"},
+        "initial_rate": {**rate, "statistic": "maximum", "before": 0.0},
+        "wheel_max": {"signal": "plant.h_w", "statistic": "peak"},
+        "wheel_full": {"signal": "plant.wheel_momentum_saturated", "share": {"equals": True}},
+    }
+    if scenario["blocks"]["controller"]["fmu"] == "controller_planned":
+        found["steered"] = {"signal": "controller.phase", "reaches": {"above": 1}}
+    return [{"name": name, **metric} for name, metric in found.items()]
+
+
+# ---------------------------------------------------------------- scenarios
 
 
 @cache
@@ -59,11 +107,11 @@ def _text(scenario: str) -> str:
 
 
 def base(scenario: str = "tumble") -> Data:
-    """A flight scenario as data that records what is needed, and expects and draws nothing."""
+    """A flight scenario as data that expects and draws nothing."""
     data: Data = json.loads(_text(scenario))
     for key in ("expect", "figures"):
         data.pop(key, None)
-    data["record"] = {"interval": 1.0, "signals": [*RECORD, "controller.phase"]}
+    data["record"] = {"interval": 1.0}
     return data
 
 
@@ -87,41 +135,6 @@ NO_ERRORS: dict[str, Any] = {
 }
 
 
-def unit(rng: np.random.Generator) -> Array:
-    """A direction (3,), uniform on the sphere."""
-    v = rng.standard_normal(3)
-    return np.asarray(v / np.linalg.norm(v))
-
-
-def tumble(seed: int, errors: bool = False) -> dict[str, Any]:
-    """Start values of a random case.
-
-    Attitude uniform on SO(3), direction of the rate uniform, its size uniform in 0 to 6 deg/s, node uniform. Nominal: a
-    disturbance of 1e-6 N m. Errors, all together: J 5 to 10% off in each axis, rods that give 0.9, a disturbance of 1e-5 N m,
-    noise of 0.01 deg, 1e-5 rad/s and 50 nT, an onboard field 200 nT off in its first three coefficients.
-    """
-    rng = np.random.default_rng(seed)
-    attitude = random_rotations(rng, 1)[0]
-    rate = unit(rng) * RATE_MAX * rng.uniform()
-    node = rng.uniform(0.0, 2.0 * math.pi)
-    push = unit(rng)
-    J_error = np.diag(np.diag(J) * rng.choice([-1.0, 1.0], 3) * rng.uniform(0.05, 0.1, 3))
-    field_error = 200e-9 * unit(rng)
-    start = {"plant.Q0": attitude, "plant.omega_B0": rate, "plant.node_longitude": node, "sensors.seed": seed}
-    if not errors:
-        return {**start, **NO_ERRORS, "plant.disturbance_torque_B": 1e-6 * push}
-    return {
-        **start,
-        "plant.J_error_B": J_error,
-        "plant.rod_gain": [0.9, 0.9, 0.9],
-        "plant.disturbance_torque_B": 1e-5 * push,
-        "sensors.attitude_noise": math.radians(0.01),
-        "sensors.rate_noise": 1e-5,
-        "sensors.field_noise": 50e-9,
-        "controller.field_error": field_error,
-    }
-
-
 def without(data: Data, *targets: str) -> Data:
     """Takes out the connections to these inputs, `block.input` with all its elements; in place."""
     data["connections"] = [
@@ -143,8 +156,6 @@ def fit(data: Data, block: str, fmu: str, every: int | None = None) -> Data:
         return owner != block or port in ports
 
     data["connections"] = [c for c in data["connections"] if all(map(there, c.split("->")))]
-    if "phase" not in ports and block == "controller":
-        data["record"]["signals"] = list(RECORD)
     return data
 
 
@@ -166,41 +177,75 @@ def tuned(data: Data, gains: Mapping[str, Any] = TUNED) -> Data:
 SCHEMES: dict[str, Callable[[Data], Data]] = {"planned": lambda data: data, "tuned": tuned, "paper": papers}
 
 
-def flight(group: str, seed: int, scheme: str = "planned", errors: bool = False) -> Case:
-    """A random case by one of SCHEMES."""
-    data = change(base(), tumble(seed, errors))
-    return Case(group, seed, SCHEMES[scheme](data), (SHORT, LONG) if scheme == "planned" else (LONG,))
+# ---------------------------------------------------------------- groups
+
+DRAWN: Data = {
+    "attitude": {"rotation": "uniform"},
+    "omega": {"sphere": {"uniform": ["0 deg/s", f"{math.degrees(RATE_MAX):g} deg/s"]}},
+    "node": {"uniform": ["0 deg", "360 deg"]},
+    "push": {"sphere": 1.0},
+    "off": {"uniform": [[0.05, 0.05, 0.05], [0.1, 0.1, 0.1]]},
+    **{f"side{i}": {"choice": [-1.0, 1.0]} for i in (1, 2, 3)},
+    "field": {"sphere": 200e-9},
+    "noise": {"integers": [1, 2**31 - 1]},
+}
+"""What every random tumble draws, in this order: what a group draws beside it comes after, and so changes none of it."""
 
 
-def manoeuvre(which: str, node: int, scheme: str = "planned") -> Case:
-    """V.B ("vb") or V.C ("vc") from a node, deg."""
-    data = change(base(which), {"plant.node_longitude": math.radians(node)})
-    group = which if scheme == "planned" else f"{which} {scheme}"
-    return Case(group, node, SCHEMES[scheme](data), (SHORT, LONG) if scheme == "planned" else (LONG,))
+def tumbles(
+    name: str, seed: int, runs: int, errors: bool = False, scheme: str = "planned", data: Data | None = None
+) -> Group:
+    """Random tumbles by one of SCHEMES.
+
+    Attitude uniform on SO(3), direction of the rate uniform, its size uniform in 0 to 6 deg/s, node uniform. Nominal: a
+    disturbance of 1e-6 N m. Errors, all together: J 5 to 10% off in each axis, rods that give 0.9, a disturbance of 1e-5 N m,
+    noise of 0.01 deg, 1e-5 rad/s and 50 nT, an onboard field 200 nT off in its first three coefficients.
+    """
+    given = base() if data is None else data
+    if not errors:
+        change(given, NO_ERRORS)
+    vary = {
+        "plant.Q0": "attitude",
+        "plant.omega_B0": "omega",
+        "plant.node_longitude": "node",
+        "plant.disturbance_torque_B": "1e-5 * push" if errors else "1e-6 * push",
+        "sensors.seed": "noise",
+    }
+    if errors:
+        vary["plant.J_error_B"] = f"diag({list(INERTIA)} * off * [side1, side2, side3])"
+        if scheme == "planned":
+            vary["controller.field_error"] = "field"
+    return Group(name, SCHEMES[scheme](given), runs, seed, DRAWN, vary)
 
 
-def seeds(kind: str, n: int) -> range:
-    """The seeds of n cases of one of SEEDS."""
-    return range(SEEDS[kind], SEEDS[kind] + n)
-
-
-NODES = range(0, 360, 10)
-HOLD_NODES = range(8, 360, 60)
+NODES, HOLD_NODES = 36, 6
+"""At how many longitudes of the node the manoeuvres begin, and the long holds."""
 HOLD_ORBITS = 20
 BESIDE = 200
-"""How many of the random cases the other schemes fly."""
+"""How many of the random tumbles the other schemes fly."""
 TRIES = 50
 
 
 def share(n: int, full: int) -> int:
-    """How many of a set that has `full` with 1000 random cases, with n of them."""
+    """How many of a set that has `full` with 1000 random tumbles, with n of them."""
     return min(n, max(2, full * n // 1000))
 
 
-def hold(node: int) -> Case:
-    """flight_hold.yaml from a node, deg."""
-    data = change(base("hold"), {"plant.node_longitude": math.radians(node)})
-    return Case("hold", node, data, (HOLD_ORBITS * ORBIT,), late=ORBIT)
+def _nodes(name: str, data: Data, first: int, count: int, duration: float = LONG, early: float = EARLY) -> Group:
+    """From nodes round the Earth, the first of them at so many deg."""
+    drawn = {"node": {"grid": [f"{first + 360 * i / count} deg" for i in range(count)]}}
+    return Group(name, data, count, 0, drawn, {"plant.node_longitude": "node"}, duration, early)
+
+
+def manoeuvre(which: str, scheme: str = "planned", n: int = 1000) -> Group:
+    """V.B ("vb") or V.C ("vc") from NODES, or their share."""
+    name = which if scheme == "planned" else f"{which} {scheme}"
+    return _nodes(name, SCHEMES[scheme](base(which)), 0, share(n, NODES))
+
+
+def hold(n: int = 1000) -> Group:
+    """flight_hold.yaml from HOLD_NODES, or their share."""
+    return _nodes("hold", base("hold"), 8, share(n, HOLD_NODES), HOLD_ORBITS * ORBIT, ORBIT)
 
 
 PAIRINGS = {
@@ -211,14 +256,14 @@ PAIRINGS = {
 }
 
 
-def pairings() -> list[Case]:
+def pairings() -> list[Group]:
     """V.B from 158 deg E by each of PAIRINGS; the paper's controller with the gains tuned for SI units."""
-    cases = []
+    groups = []
     for law, allocator in PAIRINGS:
         data = base("vb")
         if law != "controller_planned":
             tuned(data)
         if allocator != "allocator_bounded":
             fit(data, "allocator", allocator)
-        cases.append(Case(f"{law} + {allocator}", 158, data, (LONG,)))
-    return cases
+        groups.append(_nodes(f"{law} + {allocator}", data, 158, 1))
+    return groups

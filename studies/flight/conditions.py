@@ -1,8 +1,7 @@
-"""Fields of docs/flight.md: other conditions, the cases that are flown on, and each controller with each allocator."""
+"""Fields of docs/flight.md: other conditions, and each controller with each allocator."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -11,7 +10,7 @@ from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT
 from .cases import PAIRINGS
 from .kept import Flights, angle, quantile
-from .tried import FLOWN_ON, TRIED
+from .tried import TRIED
 
 
 def tried(flights: Flights) -> list[list[str]]:
@@ -28,36 +27,29 @@ def tried(flights: Flights) -> list[list[str]]:
                 finite(flights.times(t.name, 1)),
                 angle(held, np.median),
                 angle(held, np.max),
+                became(flights, t.name),
             ]
         )
     return rows
 
 
-def flown_on(flights: Flights) -> dict[str, str] | None:
-    """What became of the cases of FLOWN_ON in three orbits: errors after the time at which they are judged, deg."""
-    on = [flights.column(f"{name} flown on", "late_max_deg") for name in FLOWN_ON]
-    each = len(on[0])
-    if not each:
-        return None
-    settled = [np.isfinite(flights.times(name)[:each]) for name in FLOWN_ON]
-    largest = np.concatenate([errors[good] for errors, good in zip(on, settled, strict=True)])
-    lost = largest[largest > 5.0]
-    return {
-        "cases": f"{each * len(on)}",
-        "each": f"{each}",
-        "settled": f"{len(largest)}",
-        "lost": f"{len(lost)}",
-        "least": degrees(float(lost.min(initial=math.inf))),
-        "largest": degrees(float(lost.max(initial=0.0))),
-    }
+def became(flights: Flights, group: str) -> str:
+    """What became over three orbits of those that were settled at EARLY."""
+    then = np.isfinite(flights.column(group, "early_5deg_s"))
+    lost = flights.lost(group)
+    if not lost.any():
+        return f"{then.sum()}, all stay" if then.any() else "0"
+    return f"{then.sum()}, {lost.sum()} lose it, up to {degrees(float(flights.column(group, 'later_max_deg')[lost].max()))}"
 
 
 def notable(flights: Flights) -> list[Mapping[str, str]]:
     """What stands out in the table of TRIED, by its own numbers."""
     usual = quantile(flights.times("as nominal"), 0.5)
-    lost, slow, coarse = [], [], []
+    lost, back, slow, coarse = [], [], [], []
     for t in TRIED:
-        times, held = flights.times(t.name), flights.hold_errors(t.name)
+        times, held, again = flights.times(t.name), flights.hold_errors(t.name), flights.lost(t.name)
+        if again.any():
+            back.append(f"{t.text} ({int(again.sum())})")
         if not np.isfinite(times).all():
             lost.append(f"{t.text} ({int((~np.isfinite(times)).sum())})")
         elif quantile(times, 0.5) > 1.5 * usual:
@@ -65,7 +57,8 @@ def notable(flights: Flights) -> list[Mapping[str, str]]:
         if len(held) and np.median(held) > 0.1:
             coarse.append(t.text)
     lists = (
-        ("Not all settle (how many do not)", lost),
+        ("Not all are settled at the end (how many are not)", lost),
+        ("Some were settled once and were not for good (how many)", back),
         ("All settle, but half of them more than 1.5 times as late as nominally", slow),
         ("Held worse than 0.1° rms at the median of those that settle", coarse),
     )

@@ -12,9 +12,13 @@ from orchestration import Result
 from ..paper import ORBIT, TITLES, Array
 from ..plots import AMBER, BLUE, GREEN, PINK, RED, SKY, limit, name_axes, panels, patches, save
 from .kept import Flights
-from .run import errors
 
 _PHASES = ((1, "#fde8d0", "steering"), (2, "#e3eef8", "plan"), (3, "#e8f4e8", "hold"))
+
+
+def errors(result: Result) -> tuple[Array, Array]:
+    """Angle to LVLH, rad, and rate error, rad/s, of a run, from the plant's truth; each (n,)."""
+    return result["judge.attitude_error"], np.asarray(np.linalg.norm(result["judge.rate_error_B"], axis=1))
 
 
 def draw(flights: Flights, tumble: Result, hold: Result, folder: Path) -> None:
@@ -81,7 +85,7 @@ def nodes(done: Flights) -> Any:
     """V.B and V.C round the Earth."""
     figure, axes = panels(1, 2, 5.2, 3.3, sharey=True)
     for ax, which, name in ((axes[0, 0], "vb", "V.B"), (axes[0, 1], "vc", "V.C")):
-        at = done.column(which, "seed")
+        at = done.column(which, "node_deg")
         for degrees, colour in ((5, BLUE), (1, SKY)):
             ax.plot(
                 at,

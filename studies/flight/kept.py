@@ -1,4 +1,4 @@
-"""docs/flight.csv: a line a case, from which docs/flight.md and its figures are made."""
+"""docs/flight.csv: a line for each flight, from the datasets of the campaigns; docs/flight.md and its figures are made from it."""
 
 from __future__ import annotations
 
@@ -11,27 +11,29 @@ from typing import Any
 
 import numpy as np
 
+from orchestration import InputError
+from orchestration.campaign.rows import Rows
+
 from .. import markdown
 from ..paper import ORBIT, Array
-from .cases import Case
-from .run import HOLD, Row
+from .cases import HOLD, Group
 
 GOALS = {"nominal": (0.09, 0.20, 0.01), "errors": (0.10, 0.23, 0.1)}
 """Median and worst time to 5 deg, orbits, and hold error, deg rms."""
 COLUMNS = (
-    "group seed duration_s settled_5deg_s settled_1deg_s momentum_bound_s initial_rate_deg_s hold_rms_deg wheel_max_mNms "
-    "late_rms_deg late_max_deg late_wheel_mNms remark"
+    "group run node_deg duration_s settled_5deg_s settled_1deg_s early_5deg_s momentum_bound_s initial_rate_deg_s hold_rms_deg "
+    "wheel_max_mNms later_rms_deg later_max_deg later_wheel_mNms remark"
 ).split()
 
 
 @dataclass(frozen=True)
 class Flights:
-    """All cases, as they stand in the file."""
+    """All flights, as they stand in the file."""
 
     lines: tuple[Mapping[str, str], ...]
 
     def of(self, group: str) -> list[Mapping[str, str]]:
-        """The lines of a group, in the order of their seeds."""
+        """The lines of a group, in the order of their runs."""
         return [line for line in self.lines if line["group"] == group]
 
     def column(self, group: str, name: str, empty: float = math.nan) -> Array:
@@ -46,69 +48,88 @@ class Flights:
         """Their momentum bounds, orbits; NaN beyond the horizon."""
         return self.column(group, "momentum_bound_s") / ORBIT
 
+    def lost(self, group: str) -> Array:
+        """Which were settled below 5 deg at EARLY and lost it again (n,)."""
+        return np.isfinite(self.column(group, "early_5deg_s")) & ~np.isfinite(self.times(group))
+
     def hold_errors(self, group: str) -> Array:
-        """Rms angle, deg, over the last seconds of the cases that had settled below 5 deg by then."""
-        held = self.column(group, "settled_5deg_s", math.inf) <= self.column(group, "duration_s") - HOLD
-        return self.column(group, "hold_rms_deg")[held]
+        """Rms angle, deg, over the last HOLD seconds of the flights that are settled below 5 deg."""
+        return self.column(group, "hold_rms_deg")[np.isfinite(self.times(group))]
 
 
 def load(file: Path) -> Flights:
-    """The cases of a file that `save` wrote."""
+    """The flights of a file that `save` wrote. Raises InputError for one of another form."""
     with file.open(encoding="utf-8", newline="") as text:
-        return Flights(tuple(csv.DictReader(text)))
+        lines = csv.DictReader(text)
+        if missing := next((name for name in COLUMNS if name not in (lines.fieldnames or ())), None):
+            raise InputError(f"{file}: expected a column {missing!r}, found none; remedy: make flight")
+        return Flights(tuple(lines))
 
 
-def save(file: Path, cases: Sequence[Case], rows: Mapping[str, Row], bounds: Mapping[str, float | None]) -> None:
-    """Writes every case: times in s, errors in deg, wheel momentum in mN m s."""
+def save(file: Path, flown: Sequence[tuple[Group, Rows]], bounds: Mapping[str, Sequence[float | None]]) -> None:
+    """Writes every flight: times in s, errors in deg, wheel momentum in mN m s."""
     with file.open("w", encoding="utf-8", newline="") as text:
         out = csv.DictWriter(text, COLUMNS, lineterminator="\n")
         out.writeheader()
-        for case in cases:
-            out.writerow(line(case, rows[case.name], bounds.get(case.name)))
+        for group, rows in flown:
+            out.writerows(lines(group, rows, bounds.get(group.name, [None] * len(rows))))
 
 
-def line(case: Case, row: Row, least: float | None) -> dict[str, str]:
-    """A case's line; what it has no value for stays empty."""
+def lines(group: Group, rows: Rows, bounds: Sequence[float | None]) -> list[dict[str, str]]:
+    """A group's lines; what a flight has no value for stays empty."""
+    metrics = {m["name"]: rows.numbers(m["name"]) for m in rows.manifest["metrics"]}
+    metrics["node"] = rows.numbers("plant.node_longitude")
+    reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
+    found = []
+    for i, (index, least) in enumerate(zip(rows.index, bounds, strict=True)):
+        m = {name: float(values[i]) for name, values in metrics.items()}
+        numbers = {
+            "node_deg": (math.degrees(m["node"]), ".4g"),
+            "duration_s": (group.duration, ".0f"),
+            "settled_5deg_s": (settled(group, m, 5), ".0f"),
+            "settled_1deg_s": (settled(group, m, 1), ".0f"),
+            "early_5deg_s": (max(m["early_angle_5"], m["early_rate"]), ".0f"),
+            "momentum_bound_s": (math.nan if least is None else least, ".1f"),
+            "initial_rate_deg_s": (math.degrees(m["initial_rate"]), ".3g"),
+            "hold_rms_deg": (math.degrees(m["hold_rms"]), ".3g"),
+            "wheel_max_mNms": (1e3 * m["wheel_max"], ".3g"),
+            "later_rms_deg": (math.degrees(m["later_rms"]), ".3g"),
+            "later_max_deg": (math.degrees(m["later_max"]), ".3g"),
+            "later_wheel_mNms": (1e3 * m["later_wheel"], ".3g"),
+        }
+        line = {name: format(value, form) if math.isfinite(value) else "" for name, (value, form) in numbers.items()}
+        text = f"the run failed: {reasons.get(int(index), '')}" if rows.failed[i] else remark(group, m)
+        found.append({"group": group.name, "run": f"{index}", **line, "remark": text})
+    return found
 
-    def number(key: str, form: str, factor: float = 1.0) -> str:
-        return "" if row.get(key) is None else format(factor * row[key], form)
 
-    return {
-        "group": case.group,
-        "seed": f"{case.seed}",
-        "duration_s": number("duration", ".0f"),
-        "settled_5deg_s": number("settled5", ".0f"),
-        "settled_1deg_s": number("settled1", ".0f"),
-        "momentum_bound_s": "" if least is None else f"{least:.1f}",
-        "initial_rate_deg_s": number("rate", ".3g", math.degrees(1.0)),
-        "hold_rms_deg": number("hold_rms", ".3g", math.degrees(1.0)),
-        "wheel_max_mNms": number("wheel_max", ".3g", 1e3),
-        "late_rms_deg": number("late_rms", ".3g", math.degrees(1.0)),
-        "late_max_deg": number("late_max", ".3g", math.degrees(1.0)),
-        "late_wheel_mNms": number("late_wheel", ".3g", 1e3),
-        "remark": remark(case, row),
-    }
+def settled(group: Group, m: Mapping[str, float], degrees: int) -> float:
+    """From when on a flight with these metrics is settled, s; infinite where it is not for at least HOLD up to its end.
+
+    One that was settled below 5 deg at `group.early` and lost it again counts as not settled, whatever follows.
+    """
+    lost = max(m["early_angle_5"], m["early_rate"]) < math.inf and max(m["angle_5"], m["rate"]) > group.early
+    time = max(m[f"angle_{degrees}"], m["rate"])
+    return math.inf if lost or time > group.duration - HOLD else time
 
 
-def remark(case: Case, row: Row) -> str:
-    """Why a case of GOALS or a pairing has not settled, or was later than the goal."""
-    if "failed" in row:
-        return f"the run failed: {row['failed']}"
-    if case.group not in GOALS and "+" not in case.group:
+def remark(group: Group, m: Mapping[str, float]) -> str:
+    """Why a flight of GOALS or a pairing has not settled, or was later than the goal; from its metrics."""
+    if group.name not in GOALS and "+" not in group.name:
         return ""
-    steered = row.get("steered", 0.0)
-    if row["settled5"] is not None and row["settled1"] is not None:
-        late = case.group in GOALS and row["settled5"] / ORBIT > GOALS[case.group][1]
-        return f"steering took {(steered or 0.0) / ORBIT:.3f} orbit" if late else ""
+    steered = m.get("steered", 0.0)
+    if math.isfinite(settled(group, m, 1)):
+        late = group.name in GOALS and settled(group, m, 5) / ORBIT > GOALS[group.name][1]
+        return f"steering took {steered / ORBIT:.3f} orbit" if late else ""
     end = (
-        f"{markdown.degrees(math.degrees(row['end_angle']))} and {row['end_rate']:.1e} rad/s "
-        f"at the end of {row['duration'] / ORBIT:.1f} orbits"
+        f"{markdown.degrees(math.degrees(m['end_angle']))} and {m['end_rate']:.1e} rad/s "
+        f"at the end of {group.duration / ORBIT:.1f} orbits"
     )
-    if steered is None:
+    if not math.isfinite(steered):
         return f"still steering the momentum: {end}"
-    if row["wheel_full"] > 0.01:
-        return f"wheel at its limit for {100.0 * row['wheel_full']:.0f}% of the time: {end}"
-    return f"{end}; at most {markdown.degrees(math.degrees(row['hold_max']))} in the last {HOLD:.0f} s"
+    if m["wheel_full"] > 0.01:
+        return f"wheel at its limit for {100.0 * m['wheel_full']:.0f}% of the time: {end}"
+    return f"{end}; at most {markdown.degrees(math.degrees(m['hold_max']))} in the last {HOLD:.0f} s"
 
 
 def quantile(times: Array, q: float) -> float:

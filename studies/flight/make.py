@@ -1,38 +1,43 @@
-"""Flies the cases of docs/flight.md, keeps them in docs/flight.csv, and makes page and figures from it."""
+"""Flies the campaigns of docs/flight.md, writes docs/flight.csv from their datasets, and makes page and figures from it."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-from orchestration import InputError, Result
+from orchestration import InputError, Result, run
+from orchestration.campaign.replay import Replayed, replay
 from orchestration.errors import hint
 
-from .. import native
+from ..crew import crew
+from ..paper import FOLDER as STUDIES
 from ..paper import ROOT
 from . import figures, kept, page
+from .bound import bound, starts
 from .calls import calls
-from .cases import BESIDE, SEEDS, TRIES, base, share
-from .run import BLOCKS, FOLDER, Row, compute, fly
-from .tried import all_cases
+from .cases import base
+from .tried import all_groups
 
+FOLDER = STUDIES / "flight"
 BOUNDED = {"nominal", "errors", "vb", "vc"}
-"""Groups whose cases are set beside their momentum bound."""
+"""Groups whose flights are set beside their momentum bound."""
 
 
-def make(n: int = 1000, processes: int = 2) -> Path:
-    """Flies, draws and writes; returns the page. With fewer than 1000 cases it is written beside the rows, not to docs/."""
-    folder = ROOT / "docs" if n >= 1000 else FOLDER
+def make(n: int = 1000, jobs: int = 2) -> Path:
+    """Flies, draws and writes; returns the page. With fewer than 1000 tumbles all of it goes to a folder of its own."""
+    results = FOLDER if n >= 1000 else FOLDER / f"trial-{n}"
+    folder = ROOT / "docs" if n >= 1000 else results
     folder.mkdir(parents=True, exist_ok=True)
-    cases = all_cases(n)
-    kept.save(folder / "flight.csv", cases, *compute(cases, BOUNDED, processes))
+    with crew(jobs) as hands:
+        flown = [(group, hands.fly(group.case, results)) for group in all_groups(n)]
+        bounds = {g.name: hands.each(f"bound of {g.name}", bound, starts(g)) for g, _ in flown if g.name in BOUNDED}
+    kept.save(folder / "flight.csv", flown, bounds)
     return publish(folder)
 
 
 def publish(folder: Path = ROOT / "docs") -> Path:
     """Makes page and figures from flight.csv in the folder; flies only the two scenarios that are drawn."""
     flights = kept.load(folder / "flight.csv")
-    tumble = shown("tumble", "plant.dipole", "plant.wheel_torque", "controller.h_w_ref", "controller.tau_cmd_B")
+    tumble = shown("tumble", "controller.phase", "plant.dipole", "controller.h_w_ref")
     hold = shown("hold", "allocator.b_wheel")
     figures.draw(flights, tumble, hold, folder / "figures")
     target = folder / "flight.md"
@@ -43,32 +48,15 @@ def publish(folder: Path = ROOT / "docs") -> Path:
 def shown(scenario: str, *signals: str) -> Result:
     """A flight scenario as it stands, with more signals, for a figure."""
     data = base(scenario)
-    interval = 10.0 if scenario == "hold" else 1.0
-    data["record"] = {"interval": interval, "signals": [*data["record"]["signals"], *signals]}
-    return native.run(data, native.pin(BLOCKS))
+    errors = ("judge.attitude_error", "judge.rate_error_B", "plant.h_w")
+    data["record"] = {"interval": 10.0 if scenario == "hold" else 1.0, "signals": [*errors, *signals]}
+    return run(data)
 
 
-def seeds_text(n: int) -> str:
-    """The seeds of a study with n cases, in words."""
-    sets = [(n, "nominal"), (n, "errors"), (share(n, TRIES), "tried")]
-    ranges = "; ".join(f"{name} {SEEDS[name]} to {SEEDS[name] + count - 1}" for count, name in sets)
-    return f"seeds: {ranges}; the first {share(n, BESIDE)} of nominal and errors also by the other schemes"
-
-
-def write_case(group: str, seed: int) -> tuple[Path, Row]:
-    """Flies one case, and writes its scenario to a file that `orchestrate` runs. Raises InputError for one that is not there."""
-    cases = {case.name: case for case in all_cases(1000) if case.seed == seed}
-    name = f"{group}/{seed}"
-    if name not in cases:
-        groups = sorted({case.group for case in cases.values()})
-        raise InputError(
-            f"{name}: there is no such case{hint(name, cases)}; of this seed there are: {', '.join(groups) or 'none'}"
-        )
-    case = cases[name]
-    row = fly(case, native.pin(BLOCKS))
-    label = "".join(c if c.isalnum() else "_" for c in name)
-    file = FOLDER / f"{label}.yaml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    data = {**case.data, "name": f"flight_{label}", "duration": row.get("duration", case.lengths[0])}
-    file.write_text(json.dumps(data, indent=1), "utf-8")
-    return file, row
+def fly_case(name: str, index: int) -> Replayed:
+    """Flies one run of a group again, and writes its scenario. Raises InputError for one that is not there."""
+    groups = {group.name: group for group in all_groups(1000)}
+    if name not in groups:
+        raise InputError(f"{name}: there is no such group{hint(name, groups)}; there are: {', '.join(groups)}")
+    wanted = groups[name].case
+    return replay(wanted, index, FOLDER / f"{wanted.campaign.name}-{index}")

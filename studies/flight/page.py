@@ -16,9 +16,9 @@ from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT, Array
 from . import conditions
 from .calls import Calls
-from .cases import BESIDE, HOLD_ORBITS, NODES, RATE_MAX, SEEDS, SHORT, TRIES, TUNED, share
+from .cases import BESIDE, EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS, TRIES, TUNED, share
+from .figures import errors
 from .kept import GOALS, Flights, angle, quantile
-from .run import HOLD, RATE, errors
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 SCHEMES = {"": "planned", " tuned": "law [8], tuned", " paper": "the paper's scheme"}
@@ -39,7 +39,7 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
         beside=beside,
         rate=f"{RATE:g}",
         orbit=f"{ORBIT:.1f}",
-        short=f"{SHORT / ORBIT:.1f}",
+        early=f"{EARLY / ORBIT:.1f}",
         hold_s=f"{HOLD:.0f}",
         results=_results(flights),
         tuned_K=f"{TUNED['K0'][1]:.3g}",
@@ -47,15 +47,13 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
         beside_cases=share(n, BESIDE),
         goals=[_goals(flights, g) for g in NAMES],
         failures=_failures(flights),
-        errors_seed=SEEDS["errors"],
-        nodes=len(NODES),
+        nodes=len(flights.of("vb")),
         manoeuvres=_manoeuvres(flights),
         hold_orbits=HOLD_ORBITS,
         holds=_holds(flights),
         peaks=_peaks(hold),
         tries=share(n, TRIES),
         tried=conditions.tried(flights),
-        flown_on=conditions.flown_on(flights),
         notable=conditions.notable(flights),
         pairings=conditions.pairings(flights),
         failure_rates="; ".join(_failure_rate(flights, g) for g in NAMES),
@@ -93,7 +91,7 @@ def _results(flights: Flights) -> list[list[str]]:
                     angle(held, np.median),
                     angle(held, np.max),
                     _over_bound(flights, group + scheme, group),
-                    "" if scheme else flights.of(group)[int(np.argmax(t))]["seed"],
+                    "" if scheme else flights.of(group)[int(np.argmax(t))]["run"],
                 ]
             )
     return rows
@@ -127,13 +125,13 @@ def _failures(flights: Flights) -> str:
         for degree in (5, 1):
             for line in flights.of(group):
                 if not line[f"settled_{degree}deg_s"]:
-                    lines.append(f"- {condition}, seed {line['seed']}, not below {degree}°: {line['remark']}")
+                    lines.append(f"- {condition}, run {line['run']}, not below {degree}°: {line['remark']}")
         goal = GOALS[group][1] * ORBIT
         late = [line for line in flights.of(group) if float(line["settled_5deg_s"] or 0.0) > goal]
         for line in sorted(late, key=lambda line: -float(line["settled_5deg_s"])):
             time = float(line["settled_5deg_s"]) / ORBIT
             lines.append(
-                f"- {condition}, seed {line['seed']}, later than the goal: {time:.3f} orbits, "
+                f"- {condition}, run {line['run']}, later than the goal: {time:.3f} orbits, "
                 f"from {float(line['initial_rate_deg_s']):.1f} deg/s; {line['remark']}"
             )
     return "\n".join(lines) or "None: every tumble settles below 5° and below 1°, and none later than the goal."
@@ -156,11 +154,11 @@ def _manoeuvres(flights: Flights) -> list[list[str]]:
 
 def _holds(flights: Flights) -> list[list[str]]:
     return [
-        [line["seed"]]
-        + [f"{float(line[name]):.1f}" for name in ("wheel_max_mNms", "late_wheel_mNms")]
-        + [degrees(float(line[name])) for name in ("late_rms_deg", "late_max_deg")]
+        [line["node_deg"]]
+        + [f"{float(line[name]):.1f}" for name in ("wheel_max_mNms", "later_wheel_mNms")]
+        + [degrees(float(line[name])) for name in ("later_rms_deg", "later_max_deg")]
         for line in flights.of("hold")
-        if line["late_rms_deg"]
+        if line["later_rms_deg"]
     ]
 
 

@@ -1,10 +1,10 @@
-"""What else docs/flight.md flies: tumbles with one thing different; and the list of all cases."""
+"""What else docs/flight.md flies: tumbles with one thing different; and the list of all groups."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -13,29 +13,22 @@ import numpy as np
 from fmus.interface import load
 
 from .. import setup
-from ..paper import SCENARIOS, Array
-from ..samples import wrong_inertias
+from ..paper import INERTIA, SCENARIOS
 from ..setup import Loop
 from .cases import (
     BESIDE,
-    HOLD_NODES,
-    LONG,
-    NODES,
-    SHORT,
+    DRAWN,
+    SEEDS,
     TRIES,
-    Case,
     Data,
-    J,
+    Group,
     base,
     change,
-    flight,
     hold,
     manoeuvre,
     pairings,
-    seeds,
     share,
-    tumble,
-    unit,
+    tumbles,
     without,
 )
 
@@ -47,58 +40,34 @@ class Tried:
     name: str
     text: str
     """What is different, as the page says it."""
-    alter: Callable[[Data, np.random.Generator], Any]
+    alter: Callable[[Data], Any] = lambda data: data
     """Changes the scenario in place."""
+    draw: Data = field(default_factory=dict, hash=False)
+    vary: Callable[[], Data] = dict
+    """What is drawn and varied beside what a tumble is."""
     errors: bool = False
 
-    def case(self, seed: int) -> Case:
-        data = change(base(), tumble(seed, self.errors))
-        self.alter(data, np.random.default_rng((seed, 1)))
-        return Case(self.name, seed, data, (SHORT,))
-
-    def on(self, seed: int) -> Case:
-        """The same flown on to three orbits."""
-        return replace(self.case(seed), group=f"{self.name} flown on", lengths=(LONG,), late=SHORT)
+    def group(self, runs: int) -> Group:
+        """The campaign."""
+        data = base()
+        usual = tumbles(self.name, SEEDS["tried"], runs, self.errors, data=data)
+        self.alter(data)
+        return Group(self.name, data, runs, usual.seed, {**DRAWN, **self.draw}, {**usual.vary, **self.vary()})
 
 
-def _turned(axes: Iterable[Iterable[float]], angle: float, rng: np.random.Generator) -> Array:
-    """Unit rows, each turned by an angle in a random direction."""
-    found = []
-    for u in np.array([list(row) for row in axes]):
-        across = np.cross(u, unit(rng))
-        found.append(math.cos(angle) * u + math.sin(angle) * across / np.linalg.norm(across))
-    return np.array(found)
+def _fail(*faults: Mapping[str, Any]) -> Callable[[Data], Any]:
+    return lambda data: data.__setitem__("faults", [dict(f) for f in faults])
 
 
-def _fail(*faults: Mapping[str, Any]) -> Callable[[Data, np.random.Generator], Any]:
-    return lambda data, _: data.__setitem__("faults", [dict(f) for f in faults])
+def _start(**values: Any) -> Callable[[Data], Any]:
+    return lambda data: change(data, {k.replace("__", "."): v for k, v in values.items()})
 
 
-def _start(**values: Any) -> Callable[[Data, np.random.Generator], Any]:
-    return lambda data, _: change(data, {k.replace("__", "."): v for k, v in values.items()})
+def _lost(*targets: str) -> Callable[[Data], Any]:
+    return lambda data: without(data, *targets)
 
 
-def _anywhere(data: Data, rng: np.random.Generator) -> None:
-    change(data, {"plant.argument_of_latitude": rng.uniform(0.0, 2.0 * math.pi)})
-
-
-def _products(known: bool) -> Callable[[Data, np.random.Generator], Any]:
-    def alter(data: Data, rng: np.random.Generator) -> None:
-        new = wrong_inertias(J, 1, int(rng.integers(2**31)), 0.3 if known else 0.1)[0]
-        if known:
-            change(data, {"plant.J_B": new, "controller.J_B": new})
-        else:
-            change(data, {"plant.J_error_B": new - J})
-
-    return alter
-
-
-def _misaligned(data: Data, rng: np.random.Generator) -> None:
-    axes = next(v for v in load("plant").of("parameter") if v.name == "rod_axes")
-    change(data, {"plant.rod_axes": _turned(np.reshape(axes.start, (3, 3)), math.radians(2.0), rng)})
-
-
-def _late(data: Data, _: np.random.Generator) -> None:
+def _late(data: Data) -> None:
     """One sample later: at a base step of the sample, so that a delay is as long as it."""
     data["step"] = 0.5
     for block in data["blocks"].values():
@@ -106,19 +75,31 @@ def _late(data: Data, _: np.random.Generator) -> None:
     data["delays"] = ["plant.dipole_cmd", "plant.wheel_torque_cmd"]
 
 
-def _fast(data: Data, rng: np.random.Generator) -> None:
-    change(data, {"plant.omega_B0": math.radians(30.0) * unit(rng)})
+def _dipole_alone(data: Data) -> None:
+    change(without(data, "controller.b_B"), {"controller.field_degree": 1})
 
 
-def _eccentric(data: Data, rng: np.random.Generator) -> None:
-    """e = 0.02 at the same semi-major axis, from a perigee anywhere on the orbit."""
-    node = float(data["blocks"]["plant"]["start"]["node_longitude"])
-    place = {"plant.node_longitude": node, "plant.argument_of_latitude": rng.uniform(0.0, 2.0 * math.pi)}
-    orbit = scenario_loop().change(place).plant.orbit
-    r, v = orbit.position_velocity(0.0)
-    e = 0.02
-    factor = math.sqrt((1.0 + e) / (1.0 - e))
-    change(data, {"plant.orbit_start": "position_velocity", "plant.r_N0": (1.0 - e) * r, "plant.v_N0": factor * v})
+ANYWHERE: Data = {"along": {"uniform": ["0 deg", "360 deg"]}}
+BODY: Data = {"axes": {"rotation": "uniform"}, "size": {"uniform": [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]}}
+TURNS: Data = {f"turn{i}": {"sphere": 1.0} for i in (1, 2, 3)}
+
+
+def body(most: float) -> str:
+    """The inertia of a body near J as an expression of BODY: J' = S (1 + most E) S with S = J^(1/2).
+
+    E is symmetric with eigenvalues uniform in [-1, 1] and axes uniform on SO(3), so (1 - most) J <= J' <= (1 + most) J: up to 0.25
+    the greatest moment of J' stays below the sum of the others, as a body's does.
+    """
+    root = f"diag(sqrt({list(INERTIA)}))"
+    return f"{root} @ (diag([1, 1, 1]) + {most} * axes @ diag(size) @ transpose(axes)) @ {root}"
+
+
+def _turned() -> str:
+    """The rods' axes, each 2 deg off in the direction that TURNS draws."""
+    axes = next(v for v in load("plant").of("parameter") if v.name == "rod_axes")
+    rows = np.reshape(axes.start, (3, 3)).tolist()
+    turned = [f"rotation(cross({u}, turn{i}), {math.radians(2.0)}) @ {u}" for i, u in enumerate(rows, 1)]
+    return f"[{', '.join(turned)}]"
 
 
 @cache
@@ -127,26 +108,48 @@ def scenario_loop() -> Loop:
     return setup.read(SCENARIOS["V.B"]).loop
 
 
-def _lost(*targets: str) -> Callable[[Data, np.random.Generator], Any]:
-    return lambda data, _: without(data, *targets)
-
-
-def _dipole_alone(data: Data, _: np.random.Generator) -> None:
-    change(without(data, "controller.b_B"), {"controller.field_degree": 1})
+def _perigee(e: float) -> dict[str, str]:
+    """Position and velocity as expressions: at the perigee of an orbit of the same semi-major axis, at `along` from its node."""
+    orbit = scenario_loop().change({"plant.node_longitude": 0.0, "plant.argument_of_latitude": 0.0}).plant.orbit
+    r, v = (np.asarray(x) for x in orbit.position_velocity(0.0))
+    normal = np.cross(r, v)
+    frame = np.column_stack((r / np.linalg.norm(r), v / np.linalg.norm(v), normal / np.linalg.norm(normal)))
+    turned = f"rotation([0, 0, 1], node) @ {frame.tolist()} @ rotation([0, 0, 1], along)"
+    near, fast = (1.0 - e) * float(np.linalg.norm(r)), math.sqrt((1.0 + e) / (1.0 - e)) * float(np.linalg.norm(v))
+    return {"plant.r_N0": f"{turned} @ [{near}, 0, 0]", "plant.v_N0": f"{turned} @ [0, {fast}, 0]"}
 
 
 TRIED = (
-    Tried("as nominal", "nothing: the nominal case", lambda data, rng: None),
-    Tried("all errors", "all errors together", lambda data, rng: None, errors=True),
-    Tried("away from the node", "start anywhere on the orbit", _anywhere),
-    Tried("eccentric", "orbit of eccentricity 0.02, start at its perigee, anywhere", _eccentric),
+    Tried("as nominal", "nothing: the nominal case"),
+    Tried("all errors", "all errors together", errors=True),
+    Tried(
+        "away from the node",
+        "start anywhere on the orbit",
+        draw=ANYWHERE,
+        vary=lambda: {"plant.argument_of_latitude": "along"},
+    ),
+    Tried(
+        "eccentric",
+        "orbit of eccentricity 0.02, start at its perigee, anywhere",
+        _start(plant__orbit_start="position_velocity"),
+        ANYWHERE,
+        lambda: _perigee(0.02),
+    ),
     Tried(
         "products known",
-        "inertia with products, moments and axes up to 30% away, known to the controller",
-        _products(True),
+        "inertia with products, moments and axes up to 25% away, known to the controller",
+        draw=BODY,
+        vary=lambda: {"plant.J_B": body(0.25), "controller.J_B": body(0.25)},
     ),
-    Tried("products unknown", "the same up to 10% away, not known", _products(False)),
-    Tried("rods misaligned", "each rod's axis 2° off, not known", _misaligned),
+    Tried(
+        "products unknown",
+        "the same up to 10% away, not known",
+        draw=BODY,
+        vary=lambda: {"plant.J_error_B": f"{body(0.1)} - diag({list(INERTIA)})"},
+    ),
+    Tried(
+        "rods misaligned", "each rod's axis 2° off, not known", draw=TURNS, vary=lambda: {"plant.rod_axes": _turned()}
+    ),
     Tried(
         "taking turns",
         "rods on for 0.7 s of each second, not known",
@@ -178,33 +181,24 @@ TRIED = (
         "no feed-forward errors",
         "all errors, no feed-forward to the allocator",
         _lost("allocator.dipole_ff", "allocator.wheel_torque_ff"),
-        True,
+        errors=True,
     ),
-    Tried("no u_applied errors", "all errors, `u_applied` not connected", _lost("controller.u_applied"), True),
-    Tried("no h_w errors", "all errors, `h_w` of the controller not connected", _lost("controller.h_w"), True),
-    Tried("30 deg/s", "a start at 30 deg/s", _fast),
+    Tried("no u_applied errors", "all errors, `u_applied` not connected", _lost("controller.u_applied"), errors=True),
+    Tried("no h_w errors", "all errors, `h_w` of the controller not connected", _lost("controller.h_w"), errors=True),
+    Tried(
+        "30 deg/s",
+        "a start at 30 deg/s",
+        vary=lambda: {"plant.omega_B0": f"{math.radians(30.0)} * omega / norm(omega)"},
+    ),
 )
 
-FLOWN_ON = ("rod 1 failed", "rod 2 failed")
-"""A rod that gives nothing: some of the cases that have settled are flown on."""
 
-
-def tried(n: int) -> list[Case]:
-    """The cases of TRIED, in proportion to n random cases of the study, and those of FLOWN_ON."""
-    few = seeds("tried", share(n, TRIES))
-    on = [t for t in TRIED if t.name in FLOWN_ON]
-    return [t.case(seed) for seed in few for t in TRIED] + [t.on(seed) for seed in few[: share(n, 10)] for t in on]
-
-
-def all_cases(n: int) -> list[Case]:
-    """Everything that is flown, with n random cases under each condition, and of the smaller sets in proportion."""
-    cases = [flight("nominal", s) for s in seeds("nominal", n)]
-    cases += [flight("errors", s, errors=True) for s in seeds("errors", n)]
-    cases += [manoeuvre(which, node) for which in ("vb", "vc") for node in NODES]
+def all_groups(n: int) -> list[Group]:
+    """Everything that is flown, with n random tumbles under each condition, and of the smaller sets in proportion."""
+    groups = [tumbles(kind, SEEDS[kind], n, kind == "errors") for kind in ("nominal", "errors")]
+    groups += [manoeuvre(which, n=n) for which in ("vb", "vc")]
     for scheme in ("tuned", "paper"):
-        some = share(n, BESIDE)
-        cases += [flight(f"nominal {scheme}", s, scheme) for s in seeds("nominal", some)]
-        cases += [flight(f"errors {scheme}", s, scheme, True) for s in seeds("errors", some)]
-        cases += [manoeuvre(which, node, scheme) for which in ("vb", "vc") for node in NODES]
-    cases += [hold(node) for node in HOLD_NODES] + pairings()
-    return cases + tried(n)
+        for kind in ("nominal", "errors"):
+            groups.append(tumbles(f"{kind} {scheme}", SEEDS[kind], share(n, BESIDE), kind == "errors", scheme))
+        groups += [manoeuvre(which, scheme, n) for which in ("vb", "vc")]
+    return [*groups, hold(n), *pairings(), *(t.group(share(n, TRIES)) for t in TRIED)]

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..crew import Crew, crew
 from ..paper import ORBIT
-from .cases import LONG, Case, base, change, tumble, tuned
-from .run import fly
+from .cases import LONG, SEEDS, tumbles, tuned
+from .make import FOLDER
 
 SEED = 4000
 CANDIDATES, TUMBLES, FINALISTS = 60, 16, 6
@@ -29,19 +29,15 @@ def gains(k: float, l: float, kappa: float, lam: float, schedule: str) -> dict[s
     }
 
 
-def score(candidate: dict[str, Any], seeds: range) -> tuple[int, float]:
+def score(hands: Crew, candidate: dict[str, Any], runs: int) -> tuple[int, float]:
     """How many tumbles settle below 5 deg in three orbits, and the mean time with three orbits for those that do not, orbits."""
-    fmus = native.pin(("plant", "plant_sensors", native.JUDGE, "controller", "allocator_bounded"))
-    times = []
-    for seed in seeds:
-        data = change(base(), tumble(seed))
-        case = Case("tune", seed, tuned(data, candidate), (LONG,))
-        times.append(fly(case, fmus).get("settled5"))
-    count = sum(t is not None for t in times)
-    return count, float(np.mean([LONG if t is None else t for t in times])) / ORBIT
+    usual = tumbles("tune", SEEDS["tune"], runs)
+    rows = hands.fly(replace(usual, scenario=tuned(usual.scenario, candidate)).case, FOLDER / "tune")
+    times = np.maximum(rows.numbers("angle_5"), rows.numbers("rate"))
+    return int(np.isfinite(times).sum()), float(np.where(np.isfinite(times), times, LONG).mean()) / ORBIT
 
 
-def search(processes: int = 2) -> Iterator[str]:
+def search(jobs: int = 2) -> Iterator[str]:
     """Lines that tell the best; random candidates on a few tumbles, then the first of them on more."""
     rng = np.random.default_rng(SEED)
     log = lambda low, high: math.exp(rng.uniform(math.log(low), math.log(high)))  # noqa: E731
@@ -50,14 +46,13 @@ def search(processes: int = 2) -> Iterator[str]:
         schedule = "constant" if i % 2 else "error"
         kappa, lam = (1.0, 1.0) if i % 2 else (0.098, 1.47)
         candidates.append(gains(log(1e-4, 3e-2), log(3e-3, 1.0), kappa, lam, schedule))
-    yield f"seeds: {SEED} for the candidates, {SEED + 1} to {SEED + 200} for the tumbles"
-    for count, keep in ((TUMBLES, FINALISTS), (5 * TUMBLES, 1)):
-        seeds = range(SEED + 1, SEED + 1 + count)
-        with ProcessPoolExecutor(processes) as pool:
-            scores = list(pool.map(score, candidates, [seeds] * len(candidates)))
-        order = sorted(range(len(candidates)), key=lambda i: (-scores[i][0], scores[i][1]))
-        for i in order[:FINALISTS]:
-            g = candidates[i]
-            yield f"{scores[i][0]} of {count} settle, mean {scores[i][1]:.2f} orbits: K0 {g['K0'][1]:.3g}, L0 {g['L0'][0][0]:.3g}, {g['gain_schedule']}"
-        candidates = [candidates[i] for i in order[:keep]]
+    yield f"seeds: {SEED} for the candidates, {SEEDS['tune']} for the tumbles"
+    with crew(jobs) as hands:
+        for count, keep in ((TUMBLES, FINALISTS), (5 * TUMBLES, 1)):
+            scores = [score(hands, candidate, count) for candidate in candidates]
+            order = sorted(range(len(candidates)), key=lambda i: (-scores[i][0], scores[i][1]))
+            for i in order[:FINALISTS]:
+                g = candidates[i]
+                yield f"{scores[i][0]} of {count} settle, mean {scores[i][1]:.2f} orbits: K0 {g['K0'][1]:.3g}, L0 {g['L0'][0][0]:.3g}, {g['gain_schedule']}"
+            candidates = [candidates[i] for i in order[:keep]]
     yield f"best: {candidates[0]}"

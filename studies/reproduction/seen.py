@@ -1,15 +1,16 @@
-"""What a run shows, in the figures that the paper's claims are about."""
+"""What runs show, in the figures that the paper's claims are about: metrics of campaigns."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..paper import ATTITUDE_TOLERANCE, RATE_TOLERANCE, Array
-from ..settling import settling_time
+from .metrics import COMMAND, HOLDING, UNHELD
 
 
 @dataclass(frozen=True)
@@ -53,54 +54,38 @@ class Seen:
     """Whether a rod was commanded beyond its limit."""
 
 
-def of_run(time: Array, s: Mapping[str, Array], dipole_max: float) -> dict[str, float]:
-    """`Seen` of one run, by its fields' names, from its signals (rows are samples) and the rods' limit, A m2."""
-    outside = (s["attitude_error"] >= ATTITUDE_TOLERANCE) | (_norm(s["rate_error_B"]) >= RATE_TOLERANCE)
-    sign = np.sign(s["b_wheel"])
-    known = np.flatnonzero(sign)
-    crossed = known[1:][sign[known[1:]] != sign[known[:-1]]]
-    at_limit = settling_time(time, ~s["wheel_momentum_saturated"].astype(bool))
-    return {
-        "settled": settling_time(time, outside),
-        "attitude_error": float(s["attitude_error"][-1]),
-        "torque": float(_norm(s["tau_cmd_B"]).max()),
-        "dipole": float(np.abs(s["dipole"]).max()),
-        "wheel_momentum": float(np.abs(s["h_w"]).max()),
-        "b_wheel": float(np.abs(s["b_wheel"]).min()),
-        "crossings": float(len(crossed)),
-        "crossed": float(time[crossed[0]]) if len(crossed) else math.nan,
-        "wheel_at_limit_since": at_limit,
-        "saturated": float(s["dipole_saturated"].any()),
-        **_holds(time, s, dipole_max),
-    }
+_METRICS: dict[str, dict[str, Any]] = {
+    "angle": {"signal": "judge.attitude_error", "settles": {"below": ATTITUDE_TOLERANCE}},
+    "rate": {"signal": "judge.rate_error_B", "measure": "norm", "settles": {"below": RATE_TOLERANCE}},
+    "attitude_error": {"signal": "judge.attitude_error", "statistic": "final"},
+    "torque": {"signal": "controller.tau_cmd_B", "measure": "norm", "statistic": "maximum"},
+    "dipole": {"signal": "plant.dipole", "statistic": "peak"},
+    "wheel_momentum": {"signal": "plant.h_w", "statistic": "peak"},
+    "latched": {"signal": HOLDING, "statistic": "final"},
+    "wheel_at_limit_since": {"signal": "plant.wheel_momentum_saturated", "settles": {"equals": True}},
+    "saturated": {"signal": "plant.dipole_saturated", "statistic": "maximum"},
+}
+_FUNCTIONS = {
+    "allocator.b_wheel": ("b_wheel", "crossings", "crossed"),
+    HOLDING: ("held", "hold_ends", "hold_longest", "holds"),
+    f"{HOLDING} {COMMAND}": ("held_command",),
+    f"{HOLDING} {COMMAND} allocator.wheel_torque_cmd": ("held_at_zero",),
+    f"{HOLDING} {UNHELD}": ("held_demand",),
+}
+"""Those of metrics.py, by the signals that they are given."""
+METRICS = [{"name": name, **metric} for name, metric in _METRICS.items()] + [
+    {"name": name, "python": f"metrics:{name}", "signals": signals.split()}
+    for signals, names in _FUNCTIONS.items()
+    for name in names
+]
+_NEVER = ("settled", "crossed", "held", "hold_ends", "wheel_at_limit_since")
+"""Times, infinite as metrics where a thing never happened."""
 
 
-def _holds(time: Array, s: Mapping[str, Array], dipole_max: float) -> dict[str, float]:
-    """The figures of the hold of all commands."""
-    now = s["holding"].astype(bool)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], now.astype(np.int8)))))
-    begins, ends = edges[::2], edges[1::2]
-    latched = bool(now[-1])
-    lasts = time[np.append(ends, len(time) - 1) if latched else ends] - time[begins]
-    size = _norm(s["dipole_cmd"])
-    none = not len(begins)
-    first = slice(begins[0], ends[0] if len(ends) else None) if not none else slice(0)
-    return {
-        "held": math.nan if none else float(time[begins[0]]),
-        "hold_ends": float(time[ends[-1]]) if len(ends) and not latched else math.nan,
-        "hold_longest": 0.0 if none else float(lasts.max()),
-        "holds": float(len(begins)),
-        "held_command": math.inf if none else float(size[first].min()),
-        "held_at_zero": float(not none and size[begins[0]] == 0.0 and s["wheel_torque_cmd"][begins[0]] == 0.0),
-        "hold_by_rod": 0.0 if none else float(np.abs(s["unheld_dipole_cmd"][now]).max() / dipole_max),
-        "latched": float(latched),
-    }
-
-
-def together(runs: Sequence[Mapping[str, float]]) -> Seen:
-    """Many runs as one `Seen`."""
-    return Seen(**{f.name: np.array([run[f.name] for run in runs]) for f in fields(Seen)})
-
-
-def _norm(vectors: Array) -> Array:
-    return np.asarray(np.linalg.norm(vectors, axis=1))
+def seen(numbers: Callable[[str], Array], dipole_max: float) -> Seen:
+    """`Seen` of runs, from their metrics (n,) by name and the rods' limit, A m2."""
+    names = [name for name in Seen.__dataclass_fields__ if name not in ("settled", "hold_by_rod")]
+    found = {name: numbers(name) for name in names}
+    found["settled"] = np.maximum(numbers("angle"), numbers("rate"))
+    found["hold_by_rod"] = numbers("held_demand") / dipole_max
+    return Seen(**found | {name: np.where(np.isinf(found[name]), math.nan, found[name]) for name in _NEVER})

@@ -11,6 +11,7 @@ import numpy as np
 
 from plant.orbit import lvlh
 
+from ..crew import Crew
 from ..paper import DURATION, INERTIA, MASS, ORBIT, READINGS, SCENARIOS, STEP, Array, constants, node
 from ..samples import wrong_inertias
 from ..setup import read
@@ -74,39 +75,46 @@ ONE_BY_ONE = (
 )
 
 
-def one_by_one() -> dict[str, list[Seen]]:
+def one_by_one(hands: Crew) -> dict[str, list[Seen]]:
     """Each constant swept alone; in the order of ONE_BY_ONE."""
-    return {w: [sweep(w, (c.change(float(v)) for v in c.values)) for c in ONE_BY_ONE] for w in SCENARIOS}
+    found: dict[str, list[Seen]] = {w: [] for w in SCENARIOS}
+    for i, c in enumerate(ONE_BY_ONE):
+        for w, seen in _both(hands, f"constant_{i + 1}", [c.change(float(v)) for v in c.values]).items():
+            found[w].append(seen)
+    return found
 
 
-def node_and_gain() -> dict[str, Seen]:
+def node_and_gain(hands: Crew) -> dict[str, Seen]:
     """Every node longitude with every scale of K0; rows K_SCALES, columns NODES, flattened."""
-    return _both([constants(k=float(k)) | node(x) for k in K_SCALES for x in NODES])
+    return _both(hands, "node_and_K0", [constants(k=float(k)) | node(x) for k in K_SCALES for x in NODES])
 
 
-def gains() -> dict[str, Seen]:
+def gains(hands: Crew) -> dict[str, Seen]:
     """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
-    return _both([constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
+    return _both(hands, "K0_and_L0", [constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
 
 
-def node_and_step(step: float) -> dict[str, Seen]:
+def node_and_step(hands: Crew, step: float) -> dict[str, Seen]:
     """Every node longitude with one control step."""
-    return _both([node(x) for x in NODES], step)
+    return _both(hands, f"step_{step:g}", [node(x) for x in NODES], step)
 
 
-def si_for_an_orbit() -> dict[str, Seen]:
+def si_for_an_orbit(hands: Crew) -> dict[str, Seen]:
     """SI units and the real limits, a whole orbit from 24 nodes."""
-    return _both([{**READINGS["c"].changes, **node(x)} for x in range(0, 360, 15)], STEP, ORBIT)
+    changes = [{**READINGS["c"].changes, **node(x)} for x in range(0, 360, 15)]
+    return _both(hands, "SI_for_an_orbit", changes, STEP, ORBIT)
 
 
-def latch(k: float, l: float) -> Seen:  # noqa: E741
+def latch(hands: Crew, k: float, l: float) -> Seen:  # noqa: E741
     """V.C at node longitudes 1 deg apart with gains of these scales."""
-    return sweep("V.C", [constants(k=k, l=l) | node(x) for x in range(360)])
+    return sweep(hands, f"latch_{k:g}_{l:g}", "V.C", [constants(k=k, l=l) | node(x) for x in range(360)])
 
 
-def _both(changes: Sequence[Mapping[str, Any]], step: float = STEP, duration: float = DURATION) -> dict[str, Seen]:
+def _both(
+    hands: Crew, name: str, changes: Sequence[Mapping[str, Any]], step: float = STEP, duration: float = DURATION
+) -> dict[str, Seen]:
     """Flies both manoeuvres with each of the changes."""
-    return {which: sweep(which, changes, step, duration) for which in SCENARIOS}
+    return {which: sweep(hands, name, which, changes, step, duration) for which in SCENARIOS}
 
 
 def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, str, str] | None:
@@ -144,9 +152,9 @@ def _failing(which: str, seen: Seen, at: int) -> str:
 DRAG_FACTORS = np.logspace(-1.0, 4.0, 26)
 
 
-def drag() -> dict[str, Seen]:
+def drag(hands: Crew) -> dict[str, Seen]:
     """The moment of drag, which the law does not know, times DRAG_FACTORS."""
-    return _both([{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
+    return _both(hands, "drag", [{"plant.drag_factor": 0.02 * float(f)} for f in DRAG_FACTORS])
 
 
 def drag_moments(which: str) -> Array:
@@ -157,7 +165,8 @@ def drag_moments(which: str) -> Array:
     return DRAG_FACTORS * float(np.linalg.norm(one)) / p.drag_factor
 
 
-def inertia_errors(n: int = 200, seed: int = 2, size: float = 0.1) -> dict[str, Seen]:
+def inertia_errors(hands: Crew, n: int = 200, seed: int = 2, size: float = 0.1) -> dict[str, Seen]:
     """The body's inertia off what the law knows; the law keeps its own."""
     J = np.diag(INERTIA) / MASS
-    return _both([{"plant.J_error_B": (body - J).tolist()} for body in wrong_inertias(J, n, seed, size)])
+    changes = [{"plant.J_error_B": (body - J).tolist()} for body in wrong_inertias(J, n, seed, size)]
+    return _both(hands, "inertia", changes)

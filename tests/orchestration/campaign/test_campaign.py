@@ -151,6 +151,15 @@ def test_an_expression_counts_in_base_units(toy):
         assert row["motor.speed0"] == pytest.approx(row["turn"] * 2.0 * np.pi / 60.0 / 10.0)
 
 
+def test_an_expression_sets_whole_numbers_where_the_port_takes_them_and_no_others(toy):
+    changed(toy, ("vary:", "draw:\n  half: {choice: [1, 2]}\nvary:\n  motor.poles: {expression: 2 * half}"))
+    fly(toy, runs=8)
+    assert {(row["half"], row["motor.poles"]) for row in rows()} == {(1.0, 2.0), (2.0, 4.0)}
+    changed(toy, ("2 * half", "0.4 * half"))
+    with pytest.raises(InputError, match="expected a whole number, found 0.8"):
+        read_campaign(toy)
+
+
 @pytest.mark.parametrize("index", [0, 17])
 def test_a_replayed_run_gives_its_rows_bits(toy, index):
     fly(toy)

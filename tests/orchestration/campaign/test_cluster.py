@@ -16,6 +16,7 @@ from time import monotonic, sleep
 import pytest
 
 from orchestration.campaign import engine
+from orchestration.campaign.cluster import each
 from orchestration.campaign.load import read_campaign
 
 from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)
@@ -66,6 +67,12 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     for process in (second, first):
         process.terminate()
         process.wait(20)
+
+
+def test_calls_by_a_clusters_workers_come_back_with_the_places_of_their_items(scheduler):
+    assert dict(each(abs, [-3, 1, -2], scheduler)) == {0: 3, 1: 1, 2: 2}
+    with pytest.raises(TypeError):
+        dict(each(abs, [1, "one"], scheduler))
 
 
 def fly(path: Path, out: str, scheduler: str | None = None, **overrides: object) -> engine.Finished:

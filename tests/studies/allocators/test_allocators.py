@@ -1,39 +1,36 @@
 """The comparison of the allocators: its figures of made-up runs, and two of its runs through the FMUs."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from studies.allocators.make import KEPT, NODES, Flown, comparison, compute, figures_of, load, rows, save
+from studies.allocators.metrics import END, out
 from studies.allocators.page import text
-from studies.paper import DURATION, ORBIT
-from studies.settling import settling_time
+from studies.paper import ORBIT, STEP
 
 
-def test_settling_is_from_the_last_instant_outside():
-    time = np.array([0.0, 0.1, 0.2, 0.3])
-    for outside, expected in (([1, 0, 1, 0], 0.3), ([1, 1, 0, 0], 0.2), ([0, 0, 0, 0], 0.0)):
-        assert settling_time(time, np.array(outside, bool)) == expected
-    assert math.isnan(settling_time(time, np.array([0, 0, 0, 1], bool)))
+def test_what_is_out_of_tolerance_after_the_manoeuvre_counts_and_what_is_before_does_not():
+    time = STEP * np.arange(round(ORBIT / STEP))
+    late = time > END + 0.01
+    angle = np.where(time < 150.0, 1.0, 0.0) + np.where(time > ORBIT - 500.0, 1.0, 0.0)
+    rate = np.zeros((len(time), 3))
+    rate[(time > 1000.0) & (time < 1100.0), 1] = 1e-3
+    expected = 600.0 / (ORBIT - END)
+    signals = {"judge.attitude_error": angle, "judge.rate_error_B": rate}
+    assert out(time, signals) == pytest.approx(expected, rel=1e-3)
+    assert (
+        out(time, {**signals, "judge.attitude_error": np.where(late, 0.0, 1.0), "judge.rate_error_B": 0.9 * rate})
+        == 0.0
+    )
 
 
-def test_figures_of_a_run_part_the_manoeuvre_from_the_hold():
-    time = np.arange(0.0, ORBIT, 1.0)
-    late = time > DURATION + 1.0
-    result = {
-        "judge.attitude_error": np.where(time < 150.0, 1.0, 0.0) + np.where(time > ORBIT - 501.0, 1.0, 0.0),
-        "judge.rate_error_B": np.zeros((len(time), 3)),
-        "allocator.holding": time < 10.0,
-        "plant.h_w": np.where(late, -7e-3, 2e-3),
-        "plant.dipole": np.where(late[:, None], 3.0, [[1.0, -9.0, 2.0]]),
-    }
-    run = type("Run", (), {"time": time, "__getitem__": lambda self, name: result[name]})()
-    settled, out, wheel, later, dipole, held, latched = figures_of(run)
-    assert settled == 150.0
-    assert out == pytest.approx(500.0 / (ORBIT - DURATION), rel=0.01)
-    assert (wheel, later, dipole, latched) == (2e-3, 7e-3, 9.0, 0.0)
-    assert held == pytest.approx(10.0 / len(time))
+def test_a_manoeuvre_is_settled_when_both_errors_are():
+    metrics = dict.fromkeys(("out", "wheel", "wheel_later", "dipole", "held", "latched"), np.zeros(3))
+    metrics |= {"angle": np.array([150.0, 150.0, math.inf]), "rate": np.array([10.0, 160.0, 10.0])}
+    np.testing.assert_array_equal(figures_of(metrics.__getitem__).settled, [150.0, 160.0, math.nan])
 
 
 def test_kept_is_settled_and_never_out_again():
@@ -42,10 +39,10 @@ def test_kept_is_settled_and_never_out_again():
     assert f.kept.tolist() == [False, False, True]
 
 
-def test_where_the_papers_hold_latches_the_bounded_allocator_settles():
+def test_where_the_papers_hold_latches_the_bounded_allocator_settles(tmp_path):
     """V.C at 200 deg E, which docs/reproduction.md shows latched."""
     chosen = {name: case for name, case in comparison().items() if case.which == "V.C"}
-    done = compute(chosen, 1, [200.0])
+    done = compute(chosen, 0, [200.0], tmp_path)
     paper, bounded = done["V.C allocator a"], done["V.C allocator_bounded a"]
     assert paper.latched[0] == 1.0
     assert math.isnan(paper.settled[0])
@@ -53,6 +50,10 @@ def test_where_the_papers_hold_latches_the_bounded_allocator_settles():
     assert bounded.held[0] == 0.0
     assert bounded.settled[0] < 200.0
     assert bounded.kept[0]
+    written = load()["V.C allocator a"]
+    assert [getattr(paper, f.name)[0] for f in fields(Flown)] == pytest.approx(
+        [getattr(written, f.name)[20] for f in fields(Flown)], rel=1e-5, nan_ok=True
+    )
     told = rows(done | {name.replace("C", "B"): f for name, f in done.items()}, "a")
     assert [row[2] for row in told] == ["0 of 1", "1 of 1"] * 2
 

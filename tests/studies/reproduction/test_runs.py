@@ -7,14 +7,21 @@ import numpy as np
 import pytest
 
 from allocator.allocation import Singular, allocate
-from studies.paper import SCENARIOS, node
+from studies.crew import crew
+from studies.paper import SCENARIOS, constants, node
+from studies.reproduction import metrics
 from studies.reproduction.runs import run, sweep
-from studies.reproduction.seen import Seen, of_run, together
+from studies.reproduction.seen import Seen, seen
 from studies.setup import read
 from tests.studies.reproduction import flown
 
 DURATION = 12.0
 """s: V.C's hold begins and ends in it."""
+
+
+def fly(changes, folder):
+    with crew(0) as hands:
+        return sweep(hands, "few", "V.C", changes, duration=DURATION, results=folder)
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +30,10 @@ def alone():
     return loop, flown.fly(loop, 0.1, DURATION)
 
 
-def test_the_figures_of_a_swept_run_are_those_of_the_blocks_own_signals(alone):
+def test_the_figures_of_a_swept_run_are_those_of_the_blocks_own_signals(alone, tmp_path):
     loop, samples = alone
-    found = {f.name: float(getattr(sweep("V.C", [{}], duration=DURATION), f.name)[0]) for f in fields(Seen)}
+    swept = fly([{}], tmp_path)
+    found = {f.name: float(getattr(swept, f.name)[0]) for f in fields(Seen)}
     held = [i for i, (_, _, a) in enumerate(samples) if a.holding]
     demands = []
     for i in held:
@@ -60,14 +68,22 @@ def test_the_figures_of_a_swept_run_are_those_of_the_blocks_own_signals(alone):
         assert found[name] == pytest.approx(value, rel=1e-7, nan_ok=True), name
 
 
-def test_a_sweep_flies_each_change_alone():
-    changes = [node(158.0), node(200.0)]
-    both = sweep("V.C", changes, duration=DURATION)
+def test_a_sweep_flies_each_change_alone(tmp_path):
+    changes = [node(158.0) | constants(k=0.65), node(200.0) | constants(k=0.6)]
+    both = fly(changes, tmp_path)
     for i, change in enumerate(changes):
-        one = sweep("V.C", [change], duration=DURATION)
+        one = fly([change], tmp_path)
         for f in fields(Seen):
             np.testing.assert_array_equal(getattr(both, f.name)[i], getattr(one, f.name)[0], err_msg=f.name)
     assert both.latched.tolist() == [0.0, 1.0]  # 200 deg E latches, as docs/reproduction.md shows
+
+
+def test_a_sweep_goes_through_texts_as_through_numbers(tmp_path):
+    years = [{"plant.epoch": f"{year}-08-10T00:00:00Z"} for year in (2005, 2015)]
+    both = fly(years, tmp_path)
+    for i, year in enumerate(years):
+        assert both.torque[i] == fly([year], tmp_path).torque[0]
+    assert both.dipole[0] != both.dipole[1]
 
 
 def test_a_run_reports_the_hold_in_words_and_shows_the_same_in_numbers():
@@ -76,40 +92,43 @@ def test_a_run_reports_the_hold_in_words_and_shows_the_same_in_numbers():
     assert (hold.seen.held[0], hold.seen.hold_ends[0]) == pytest.approx((0.1, 0.6))
 
 
-def signals(n, **changed):
-    """Signals of n quiet samples."""
-    zero, vector = np.zeros(n), np.zeros((n, 3))
-    quiet = {
-        "attitude_error": zero,
-        "rate_error_B": vector,
-        "tau_cmd_B": vector,
-        "dipole": vector,
-        "dipole_cmd": vector,
-        "unheld_dipole_cmd": vector,
-        "wheel_torque_cmd": zero,
-        "holding": zero,
-        "h_w": zero,
-        "b_wheel": zero + 0.5,
-        "dipole_saturated": vector,
-        "wheel_momentum_saturated": zero,
-    }
-    return quiet | {name: np.asarray(value, float) for name, value in changed.items()}
+def of(name, time, **signals):
+    """A metric of made-up signals."""
+    blocks = {"unheld_dipole_cmd": "unheld.dipole_cmd"}
+    return getattr(metrics, name)(
+        time, {blocks.get(k, f"allocator.{k}"): np.asarray(v, float) for k, v in signals.items()}
+    )
 
 
 def test_holds_are_counted_and_the_last_may_last_to_the_end():
     time = 0.1 * np.arange(8)
     command = np.array([[1.0, 0, 0], [3, 0, 0], [2, 0, 0], [9, 0, 0], [4, 0, 0], [4, 0, 0], [4, 0, 0], [4, 0, 0]])
-    of = of_run(
-        time, signals(8, holding=[0, 1, 1, 0, 0, 1, 1, 1], dipole_cmd=command, unheld_dipole_cmd=10 * command), 20.0
-    )
-    assert (of["held"], of["holds"], of["latched"]) == pytest.approx((0.1, 2.0, 1.0))
-    assert (of["held_command"], of["hold_by_rod"]) == (2.0, 2.0)
-    assert of["hold_longest"] == pytest.approx(0.2)
-    assert math.isnan(of["hold_ends"])
-    zero = of_run(time, signals(8, holding=[1, 1, 0, 0, 0, 0, 0, 0]), 20.0)
-    assert (zero["held"], zero["held_at_zero"], zero["latched"]) == (0.0, 1.0, 0.0)
-    assert zero["hold_ends"] == pytest.approx(0.2)
-    assert together([of, zero]).holds.tolist() == [2.0, 1.0]
+    holding = [0, 1, 1, 0, 0, 1, 1, 1]
+    assert of("held", time, holding=holding) == pytest.approx(0.1)
+    assert of("holds", time, holding=holding) == 2.0
+    assert of("held_command", time, holding=holding, dipole_cmd=command) == 2.0
+    assert of("held_demand", time, holding=holding, unheld_dipole_cmd=-10 * command) == 40.0
+    assert of("hold_longest", time, holding=holding) == pytest.approx(0.2)
+    assert of("hold_ends", time, holding=holding) == math.inf
+    zero = [1, 1, 0, 0, 0, 0, 0, 0]
+    quiet = {"dipole_cmd": np.zeros((8, 3)), "wheel_torque_cmd": np.zeros(8)}
+    assert of("held_at_zero", time, holding=zero, **quiet) == 1.0
+    assert of("held_at_zero", time, holding=holding, **quiet | {"dipole_cmd": command}) == 0.0
+    assert of("held_at_zero", time, holding=zero, **quiet | {"wheel_torque_cmd": np.ones(8)}) == 0.0
+    assert of("held", time, holding=zero) == 0.0
+    assert of("hold_ends", time, holding=zero) == pytest.approx(0.2)
+
+
+def test_without_a_hold_none_begins_ends_or_demands():
+    time, never = 0.1 * np.arange(8), np.zeros(8)
+    assert [of(name, time, holding=never) for name in ("held", "hold_ends", "holds", "hold_longest")] == [
+        math.inf,
+        math.inf,
+        0.0,
+        0.0,
+    ]
+    assert of("held_command", time, holding=never, dipole_cmd=np.ones((8, 3))) == math.inf
+    assert of("held_demand", time, holding=never, unheld_dipole_cmd=np.ones((8, 3))) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -122,18 +141,23 @@ def test_holds_are_counted_and_the_last_may_last_to_the_end():
     ],
 )
 def test_the_longest_hold_is_counted_by_hand(holding, longest):
-    of = of_run(0.1 * np.arange(10), signals(10, holding=holding), 20.0)
-    assert of["hold_longest"] == pytest.approx(longest)
+    assert of("hold_longest", 0.1 * np.arange(10), holding=holding) == pytest.approx(longest)
 
 
 def test_a_crossing_of_zero_is_seen_through_a_sample_of_zero():
-    time = 0.1 * np.arange(6)
-    of = of_run(time, signals(6, b_wheel=[0.2, 0.0, -0.1, -0.2, 0.1, 0.0]), 20.0)
-    assert of["crossings"] == 2
-    assert of["crossed"] == pytest.approx(0.2)
-    assert of["b_wheel"] == 0.0
+    time, b = 0.1 * np.arange(6), [0.2, 0.0, -0.1, -0.2, 0.1, 0.0]
+    assert of("crossings", time, b_wheel=b) == 2
+    assert of("crossed", time, b_wheel=b) == pytest.approx(0.2)
+    assert of("b_wheel", time, b_wheel=b) == 0.0
+    assert of("crossed", time, b_wheel=np.ones(6)) == math.inf
 
 
-def test_the_wheel_is_at_its_limit_since_the_last_time_that_it_got_there():
-    of = of_run(0.1 * np.arange(5), signals(5, wheel_momentum_saturated=[0, 1, 0, 1, 1]), 20.0)
-    assert of["wheel_at_limit_since"] == pytest.approx(0.3)
+def test_times_of_what_never_happened_are_nan_and_both_errors_have_to_settle():
+    found = {
+        name: np.array([1.0, math.inf]) for name in ("angle", "crossed", "held", "hold_ends", "wheel_at_limit_since")
+    }
+    seen_ = seen(lambda name: found.get(name, np.array([2.0, 3.0])), 20.0)
+    assert seen_.settled == pytest.approx([2.0, math.nan], nan_ok=True)
+    for name in ("crossed", "held", "hold_ends", "wheel_at_limit_since"):
+        assert getattr(seen_, name) == pytest.approx([1.0, math.nan], nan_ok=True)
+    assert seen_.hold_by_rod.tolist() == [0.1, 0.15]

@@ -1,0 +1,75 @@
+"""The workers of a study: campaigns are flown one after the other, and functions called, all on the same processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from orchestration import InputError
+from orchestration.campaign.engine import fly
+from orchestration.campaign.load import Case, read_campaign
+from orchestration.campaign.rows import Rows
+from orchestration.interrupt import Stopped
+from orchestration.scenario.source import Source
+
+
+def case(campaign: Mapping[str, Any], folder: Path) -> Case:
+    """A campaign given as data; its Python metrics and relative paths are looked for in the folder. Raises InputError."""
+    return read_campaign(Source(dict(campaign), str(campaign["name"]), folder))
+
+
+class Crew:
+    """Worker processes behind a scheduler's address; without one, this process."""
+
+    def __init__(self, address: str | None, progress: Progress) -> None:
+        self._address, self._progress = address, progress
+
+    def fly(self, wanted: Case, results: Path) -> Rows:
+        """The runs of a campaign, of which those that are in its folder under `results` are not flown again.
+
+        The folder is named by all that decides the runs, so what other FMUs flew is never mixed in. Raises Stopped on Ctrl-C, and
+        InputError where every run failed.
+        """
+        folder = results / f"{wanted.campaign.name}-{wanted.fingerprint[:8]}"
+        bar = self._progress.add_task(wanted.campaign.name, total=wanted.runs)
+        finished = fly(
+            wanted,
+            folder,
+            0 if self._address is None else None,
+            self._address,
+            tell=lambda now: self._progress.update(bar, completed=now.flown),
+        )
+        if finished.interrupted:
+            raise Stopped(finished.interrupted)
+        if finished.failed == finished.flown:
+            raise InputError(f"{wanted.campaign.name}: every run failed, the first with: {finished.reason}")
+        self._progress.update(bar, completed=finished.flown)
+        return Rows(folder)
+
+    def each(self, name: str, function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        """The results of a function of each item, in their order."""
+        from orchestration.campaign.cluster import each  # Dask, which takes 2 s to import  # noqa: PLC0415
+
+        given = list(items)
+        bar = self._progress.add_task(name, total=len(given))
+        found = each(function, given, self._address) if self._address else enumerate(map(function, given))
+        results: dict[int, Any] = {}
+        for place, result in found:
+            results[place] = result
+            self._progress.update(bar, advance=1)
+        return [results[place] for place in range(len(given))]
+
+
+@contextmanager
+def crew(jobs: int) -> Iterator[Crew]:
+    """A crew of so many processes; of 0, this process. Shows a progress bar for each campaign."""
+    from orchestration.campaign.cluster import local  # Dask, which takes 2 s to import  # noqa: PLC0415
+
+    columns = (TextColumn("{task.description:28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with ExitStack() as stack:
+        progress = stack.enter_context(Progress(*columns, TimeRemainingColumn()))
+        yield Crew(stack.enter_context(local(jobs)).scheduler_address if jobs else None, progress)

@@ -1,0 +1,45 @@
+"""The momentum bound of a flight: the least time that the balance of momentum allows for it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from orchestration.scenario.source import Source
+
+from ..momentum_bound import MomentumBalance, Tolerance
+from ..setup import read
+from .cases import RATE, Data, Group, change
+
+
+def starts(group: Group) -> list[Data]:
+    """What the bound needs of each flight: the plant with its start values, and what the blocks share."""
+    draws = group.case.job.draws
+    points = group.case.job.design.points(range(group.runs))
+    found = []
+    for point in points.tolist():
+        data = {"blocks": {"plant": dict(group.scenario["blocks"]["plant"])}, "shared": group.scenario["shared"]}
+        data["blocks"]["plant"]["start"] = dict(data["blocks"]["plant"]["start"])
+        values = draws.given(draws.at(point))
+        found.append(change(data, {name: value for name, value in values.items() if name.startswith("plant.")}))
+    return found
+
+
+def bound(data: Mapping[str, Any]) -> float | None:
+    """The least time, s, from one of `starts` to 5 deg and RATE; None beyond 3000 s."""
+    wires = {
+        "plant": {"R_NB": "controller", "omega_B": "controller", "r_N": "controller", "v_N": "controller"},
+        "controller": {"tau_cmd_B": "allocator"},
+        "allocator": {"dipole_cmd": "plant", "wheel_torque_cmd": "plant"},
+    }
+    connections = [f"{a}.{port} -> {b}.{port}" for a, ports in wires.items() for port, b in ports.items()]
+    connections += [f"plant.{port} -> allocator.{port}" for port in ("b_B", "omega_B", "h_w")]
+    blocks = {name: {"fmu": name} for name in wires} | {"plant": data["blocks"]["plant"]}
+    scenario = {"name": "bound", "step": 0.1, "duration": 1.0, "shared": data["shared"]}
+    loop = read(Source({**scenario, "blocks": blocks, "connections": connections})).loop
+    rods = loop.plant.dipole_max * float(np.max(loop.plant.rod_gain))
+    balance = MomentumBalance(loop.plant, loop.controller, rods, Tolerance(math.radians(5.0), RATE), 3000.0)
+    return balance.least_time().least
