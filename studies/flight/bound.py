@@ -12,7 +12,8 @@ from orchestration.scenario.source import Source
 
 from ..momentum_bound import MomentumBalance, Tolerance
 from ..setup import read
-from .cases import RATE, Data, Group, change
+from .cases import RATE, Group
+from .schemes import Data, change
 
 
 def starts(group: Group) -> list[Data]:

@@ -5,25 +5,19 @@ All are scenarios/flight_*.yaml with other start values, or with other blocks in
 
 from __future__ import annotations
 
-import json
 import math
 import re
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from fmus.interface import load
 from orchestration.campaign.load import Case
-from orchestration.runner.read import read
 
 from .. import crew
-from ..paper import INERTIA, ORBIT, ROOT, constants
-
-Data = dict[str, Any]
+from ..paper import INERTIA, ORBIT
+from .schemes import NO_ERRORS, SCHEMES, Data, base, change, fit, tuned
 
 SEEDS = {"nominal": 100, "errors": 200, "tried": 300, "tune": 400}
 """Of each set of random tumbles. Run i depends on the seed and i alone, so all schemes fly the same ones."""
@@ -35,8 +29,6 @@ HOLD = 2000.0
 """The hold's error is that of so many last seconds."""
 RATE = 1e-3
 """Settled: below the angle and this rate, rad/s, from then to the end of the flight."""
-TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
-"""Gains of law [8] in SI units with the bounded allocator: the best of `python -m studies flight-tune`."""
 
 
 @dataclass(frozen=True)
@@ -96,85 +88,6 @@ def metrics(duration: float, early: float, scenario: Data) -> list[Data]:
     if scenario["blocks"]["controller"]["fmu"] == "controller_planned":
         found["steered"] = {"signal": "controller.phase", "reaches": {"above": 1}}
     return [{"name": name, **metric} for name, metric in found.items()]
-
-
-# ---------------------------------------------------------------- scenarios
-
-
-@cache
-def _text(scenario: str) -> str:
-    return json.dumps(read(ROOT / "scenarios" / f"flight_{scenario}.yaml").data)
-
-
-def base(scenario: str = "tumble") -> Data:
-    """A flight scenario as data that expects and draws nothing."""
-    data: Data = json.loads(_text(scenario))
-    for key in ("expect", "figures"):
-        data.pop(key, None)
-    data["record"] = {"interval": 1.0}
-    return data
-
-
-def change(data: Data, changes: Mapping[str, Any]) -> Data:
-    """Start values by `block.parameter`, set in place."""
-    for name, value in changes.items():
-        block, _, parameter = name.partition(".")
-        data["blocks"][block].setdefault("start", {})[parameter] = (
-            value.tolist() if isinstance(value, np.ndarray) else value
-        )
-    return data
-
-
-NO_ERRORS: dict[str, Any] = {
-    "plant.J_error_B": np.zeros((3, 3)),
-    "plant.rod_gain": [1.0, 1.0, 1.0],
-    "sensors.attitude_noise": 0.0,
-    "sensors.rate_noise": 0.0,
-    "sensors.field_noise": 0.0,
-    "controller.field_error": [0.0, 0.0, 0.0],
-}
-
-
-def without(data: Data, *targets: str) -> Data:
-    """Takes out the connections to these inputs, `block.input` with all its elements; in place."""
-    data["connections"] = [
-        c for c in data["connections"] if c.split("->")[1].strip().partition("[")[0] not in set(targets)
-    ]
-    return data
-
-
-def fit(data: Data, block: str, fmu: str, every: int | None = None) -> Data:
-    """Puts another of the project's blocks in a block's place, with the connections that both ends have; in place."""
-    entry = {"fmu": fmu, "every": every or data["blocks"][block]["every"]}
-    ports = {v.name for v in load(fmu).variables.values() if v.causality != "parameter"}
-    known = {v.name for v in load(fmu).of("parameter")}
-    entry["start"] = {k: v for k, v in data["blocks"][block].get("start", {}).items() if k in known}
-    data["blocks"][block] = entry
-
-    def there(end: str) -> bool:
-        owner, _, port = end.strip().partition("[")[0].partition(".")
-        return owner != block or port in ports
-
-    data["connections"] = [c for c in data["connections"] if all(map(there, c.split("->")))]
-    return data
-
-
-def papers(data: Data) -> Data:
-    """The paper's scheme with its gains in SI units, at 10 Hz as in its reproduction."""
-    fit(data, "controller", "controller", 1)
-    fit(data, "allocator", "allocator", 1)
-    data["blocks"]["sensors"]["every"] = 1
-    gains = {k: v for k, v in constants(mass=1.0).items() if k in ("controller.K0", "controller.L0")}
-    return change(data, {"allocator.hold_fraction": 0.8} | gains)
-
-
-def tuned(data: Data, gains: Mapping[str, Any] = TUNED) -> Data:
-    """Law [8] with gains tuned for SI units and the bounded allocator without feed-forward."""
-    fit(data, "controller", "controller")
-    return change(data, {f"controller.{k}": v for k, v in gains.items()})
-
-
-SCHEMES: dict[str, Callable[[Data], Data]] = {"planned": lambda data: data, "tuned": tuned, "paper": papers}
 
 
 # ---------------------------------------------------------------- groups

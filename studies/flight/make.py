@@ -14,7 +14,7 @@ from ..paper import ROOT
 from . import figures, kept, page
 from .bound import bound, starts
 from .calls import calls
-from .cases import base
+from .schemes import base
 from .tried import all_groups
 
 FOLDER = STUDIES / "flight"

@@ -16,9 +16,10 @@ from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT, Array
 from . import conditions
 from .calls import Calls
-from .cases import BESIDE, EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS, TRIES, TUNED, share
+from .cases import BESIDE, EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS, TRIES, share
 from .figures import errors
 from .kept import GOALS, Flights, angle, quantile
+from .schemes import TUNED
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 SCHEMES = {"": "planned", " tuned": "law [8], tuned", " paper": "the paper's scheme"}

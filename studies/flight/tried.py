@@ -15,22 +15,8 @@ from fmus.interface import load
 from .. import setup
 from ..paper import INERTIA, SCENARIOS
 from ..setup import Loop
-from .cases import (
-    BESIDE,
-    DRAWN,
-    SEEDS,
-    TRIES,
-    Data,
-    Group,
-    base,
-    change,
-    hold,
-    manoeuvre,
-    pairings,
-    share,
-    tumbles,
-    without,
-)
+from .cases import BESIDE, DRAWN, SEEDS, TRIES, Group, hold, manoeuvre, pairings, share, tumbles
+from .schemes import Data, base, change, without
 
 
 @dataclass(frozen=True)

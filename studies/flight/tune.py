@@ -11,8 +11,9 @@ import numpy as np
 
 from ..crew import Crew, crew
 from ..paper import ORBIT
-from .cases import LONG, SEEDS, tumbles, tuned
+from .cases import LONG, SEEDS, tumbles
 from .make import FOLDER
+from .schemes import tuned
 
 SEED = 4000
 CANDIDATES, TUMBLES, FINALISTS = 60, 16, 6

@@ -13,7 +13,7 @@ from orchestration import run
 from orchestration.campaign.job import Pilot
 from studies.__main__ import main
 from studies.crew import crew
-from studies.flight import cases, kept
+from studies.flight import cases, kept, schemes
 from studies.flight.figures import errors
 from studies.flight.tried import TRIED, all_groups
 
@@ -34,7 +34,7 @@ def tried(name, n=5):
 def flown(**metrics):
     """Rows of a campaign with these metrics, rates that settle at once, and nothing else of note."""
     n = len(next(iter(metrics.values())))
-    names = [m["name"] for m in cases.metrics(cases.LONG, cases.EARLY, cases.base())]
+    names = [m["name"] for m in cases.metrics(cases.LONG, cases.EARLY, schemes.base())]
     usual = dict.fromkeys([*names, "plant.node_longitude"], np.zeros(n)) | metrics
     return SimpleNamespace(
         manifest={"metrics": [{"name": name} for name in names]},
@@ -69,7 +69,7 @@ def test_a_flight_is_settled_from_when_both_errors_are_and_one_that_loses_it_aga
 def test_a_flight_is_judged_by_the_angle_to_lvlh_and_the_rate_less_the_orbits_of_the_true_motion():
     """Witness: SciPy on the plant's recorded motion."""
     group = cases.tumbles("errors", 7, 1, errors=True)
-    data = cases.change(group.scenario, drawn(group, 1)[0])
+    data = schemes.change(group.scenario, drawn(group, 1)[0])
     recorded = (
         "plant.R_NB plant.omega_B plant.r_N plant.v_N controller.attitude_error judge.attitude_error judge.rate_error_B"
     )
@@ -171,7 +171,7 @@ def test_each_rod_is_turned_by_two_degrees():
 
 
 def test_another_controller_keeps_the_wires_that_it_has():
-    data = cases.tuned(cases.base())
+    data = schemes.tuned(schemes.base())
     wires = set(data["connections"])
     assert "sensors.R_NB_measured -> controller.R_NB" in wires
     assert "controller.tau_cmd_B -> allocator.tau_cmd_B" in wires
