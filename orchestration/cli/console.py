@@ -7,7 +7,7 @@ import logging
 import os
 import shutil
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from itertools import zip_longest
 from pathlib import Path
@@ -120,6 +120,8 @@ class Progress:
 
     def __init__(self, duration: float, wanted: bool, counted: str = "") -> None:
         self.duration, self.wanted, self.counted = duration, wanted and is_terminal(sys.stdout), counted
+        self.status: Callable[[], str] | None = None
+        """A few words that stand behind the bar."""
         self._begun = perf_counter()
         self._bar: Any = None
         self._task: Any = None
@@ -133,12 +135,13 @@ class Progress:
             places, unit = (0, self.counted) if self.counted else (1, "s")
             text = progress.TextColumn(f"{{task.completed:.{places}f}} / {self.duration:.10g} {unit}")
             share = progress.TextColumn("{task.percentage:.0f}%")
+            status = progress.TextColumn("{task.fields[status]}")
             self._bar = progress.Progress(
-                text, progress.BarColumn(), share, progress.TimeRemainingColumn(), transient=True
+                text, progress.BarColumn(), share, progress.TimeRemainingColumn(), status, transient=True
             )
-            self._task = self._bar.add_task("run", total=self.duration)
+            self._task = self._bar.add_task("run", total=self.duration, status="")
             self._bar.start()
-        self._bar.update(self._task, completed=time)
+        self._bar.update(self._task, completed=time, status=self.status() if self.status else "")
 
     def close(self) -> None:
         if self._bar is not None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..scenario.realtime import OFF
 from .paths import PATH
 
 SET = click.option(
@@ -36,6 +37,45 @@ FORMAT = click.option(
 )
 FIGURES = click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
 OPEN = click.option("--open", "open_", is_flag=True, help="Open the report in the browser.")
+
+
+def pacing(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options `--realtime`, `--late` and `--late-tolerance`; `overrides.paced` takes them."""
+    for option in (
+        click.option(
+            "--late-tolerance", metavar="T", help="How late a step of a run in real time may end, in s or with a unit."
+        ),
+        click.option(
+            "--late",
+            metavar="continue|stop",
+            help="What a run in real time does after a late step: go on, or end with status 3.",
+        ),
+        click.option(
+            "--realtime",
+            is_flag=False,
+            flag_value="1",
+            metavar="[FACTOR]",
+            type=_Factor(),
+            help="Pace the run by wall time: FACTOR simulated seconds in a second, 1 by default; off: not, whatever the scenario says.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+class _Factor(click.ParamType):
+    """A number or `off`; what else follows --realtime was most likely meant as the scenario."""
+
+    name = "factor"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        try:
+            return value if value == OFF else float(value)
+        except ValueError:
+            message = (
+                f"expected a number or {OFF}, found {value!r}; remedy: --realtime after the scenario, or --realtime=1"
+            )
+            self.fail(message, param, ctx)
 
 
 def out_folder(help: str) -> Callable[[Any], Any]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from ..runner.read import load, read
+from ..scenario.realtime import OFF, with_pace
 from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..scenario.text import parse
@@ -44,10 +45,39 @@ def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -
 
 
 def loaded(
-    path: Path, sets: Iterable[str] = (), swaps: Sequence[str] = (), maps: Sequence[str] = (), **values: str | None
+    path: Path,
+    sets: Iterable[str] = (),
+    swaps: Sequence[str] = (),
+    maps: Sequence[str] = (),
+    pace: Mapping[str, Any] | None = None,
+    **values: str | None,
 ) -> Scenario:
-    """The scenario of a file as the options change it. Raises InputError."""
+    """The scenario of a file as the options change it; `pace` as `paced` takes it. Raises InputError."""
     source = read(path)
     if swaps or maps:
         source = swapped(source, swaps, maps)
-    return load(overridden(source, sets, **values))
+    return load(paced(overridden(source, sets, **values), **(pace or {})))
+
+
+def paced(
+    source: Source,
+    realtime: float | str | None = None,
+    late: str | None = None,
+    late_tolerance: str | None = None,
+) -> Source:
+    """The scenario paced as the options say. Raises InputError."""
+    options = {
+        "factor": ("--realtime", realtime),
+        "late": ("--late", late),
+        "tolerance": ("--late-tolerance", late_tolerance),
+    }
+    given = {key: (name, value) for key, (name, value) in options.items() if value is not None}
+    stated = isinstance(source.data, dict) and source.data.get("realtime") is not None
+    if given and (realtime == OFF or (realtime is None and not stated)):
+        for name, value in (entry for key, entry in given.items() if key != "factor"):
+            raise InputError(f"{name} {value}: only a run in real time has late steps; remedy: --realtime")
+    places = {
+        key: f"{name} {value:g}" if key == "factor" and value != OFF else f"{name} {value}"
+        for key, (name, value) in given.items()
+    }
+    return with_pace(source, {key: value for key, (_, value) in given.items()}, places) if given else source

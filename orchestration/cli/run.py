@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,11 +15,13 @@ from ..results.figures import require
 from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..runner import run as runner
+from ..runner.pace import pacer
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
 from .console import Progress, complain, lost, notes, open_page, say
 from .help import examples
-from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder
+from .keyboard import KEYS, keyboard
+from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder, pacing
 from .overrides import loaded
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
@@ -31,6 +35,7 @@ from .summary import summary
         "orchestrate scenarios/paper_singularity.yaml --figures --open",
         "orchestrate loop.yaml --set plant.inclination='51.6 deg' -o results/other",
         "orchestrate loop.yaml --swap allocator=vendor.fmu --map mapping.yaml",
+        "orchestrate loop.yaml --realtime --late stop",
         "orchestrate loop.ssp --duration '2 orbits' --format parquet -q",
     ),
 )
@@ -44,6 +49,7 @@ from .summary import summary
 @STEP
 @DURATION
 @FLAVOUR
+@pacing
 @FORMAT
 @FIGURES
 @OPEN
@@ -72,13 +78,14 @@ def command(
     loop: str,
     log: bool,
     quiet: bool,
+    **pace: Any,
 ) -> None:
     """Run a scenario (the default command).
 
     SCENARIO is a YAML file or an SSP archive. Writes signals, a manifest and a report, and prints a summary.
     """
     formats.check(format_)
-    chosen = loaded(scenario, sets, swaps, maps, step=step, duration=duration, flavour=flavour)
+    chosen = loaded(scenario, sets, swaps, maps, pace, step=step, duration=duration, flavour=flavour)
     if figures:
         require(chosen)
     target = out or Path("results") / (scenario.stem if scenario.suffix == ".ssp" else chosen.name)
@@ -91,10 +98,16 @@ def command(
 
     progress = Progress(chosen.duration, not quiet)
     with reserved(target):
-        try:
-            result = runner.execute(chosen, progress, log, loop == "compiled", accept)
-        finally:
-            progress.close()
+        with keyboard() if chosen.realtime else nullcontext() as keys:
+            pace_keeper = pacer(chosen, keys)
+            if pace_keeper is not None:
+                progress.status = lambda: pace_keeper.status
+                if keys is not None and not quiet:
+                    say(KEYS)
+            try:
+                result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
+            finally:
+                progress.close()
         for block in (text.partition("=")[0].strip() for text in swaps):
             outputs = [variable.name for variable in result.models[block].of("output")]
             result.warnings += [str(finding) for finding in own_claims(result.scenario, block, outputs)]

@@ -7,7 +7,10 @@ import click
 from ..quantities import with_unit
 from ..results.result import Result
 from ..scenario.faults import sentence
-from .console import say, table
+from .console import folded, say, table
+
+_LISTED = 5
+"""Late steps that are printed."""
 
 
 def mark(word: str = "", width: int = 13) -> str:
@@ -27,6 +30,12 @@ def summary(result: Result) -> None:
         f"{result.scenario.name}: {how} {result.reached:.10g} s in {result.wall:.2f} s: {result.steps} steps, {speed}",
         bold=True,
     )
+    if result.pace is not None:
+        say(folded(f"real time: {result.pace.summary}"), fg="yellow" if result.pace.late_steps else None)
+        for late in result.pace.listed[:_LISTED]:
+            say(folded(f"  {late.text}"), fg="yellow")
+        if len(result.pace.listed) > _LISTED:
+            say("  more of them are in the report and in the manifest", fg="yellow")
     for fault in result.scenario.faults:
         say(f"fault: {sentence(fault)}", fg="yellow")
     if result.highlights:

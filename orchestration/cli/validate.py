@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -16,7 +17,7 @@ from ..scenario.faults import sentence
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
 from .help import examples
-from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, SET, STEP, SWAP
+from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, SET, STEP, SWAP, pacing
 from .overrides import loaded
 from .paths import PATH
 
@@ -37,6 +38,7 @@ from .paths import PATH
 @STEP
 @DURATION
 @FLAVOUR
+@pacing
 @FORMAT
 @FIGURES
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
@@ -51,6 +53,7 @@ def command(
     format_: str,
     figures: bool,
     quiet: bool,
+    **pace: Any,
 ) -> None:
     """Check a scenario without running it, and say what would run.
 
@@ -58,7 +61,7 @@ def command(
     refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
     """
     formats.check(format_)
-    chosen = loaded(scenario, sets, swaps, maps, step=step, duration=duration, flavour=flavour)
+    chosen = loaded(scenario, sets, swaps, maps, pace, step=step, duration=duration, flavour=flavour)
     if figures:
         require(chosen)
     opened = open_scenario(chosen)

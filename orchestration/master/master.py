@@ -18,6 +18,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from ..system.wiring import Node, Wiring
 from .bus import Bus, Seat, lay_out
 from .compiled import compiled_loop
 from .injection import at_start, with_faults
+from .pacing import Pacer
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite, not_finite
 
 
@@ -54,6 +56,8 @@ class Master:
     faults: Faults = field(default_factory=Faults)
     watch: Watch | None = None
     """What looks at some of the columns after every base step; None for nothing."""
+    pacer: Pacer | None = None
+    """What holds the loop in Python to wall time; None for a run as fast as it goes."""
     bus: Bus | None = None
     """Laid out by the first run; further ones of the same blocks, once they are reset, use it again."""
 
@@ -76,7 +80,7 @@ class Master:
                 bus.values.take(bus.watched, 0, self.watch.row(0), "clip")
             rows = 1
             loop = None
-            if self.compiled and not self.faults:
+            if self.compiled and not self.faults and self.pacer is None:
                 loop = compiled_loop(bus, self.clock, self.every, self.parallel, self.watch, recording)
             if loop is not None:
                 loop.run(recording, progress)
@@ -164,14 +168,21 @@ class Master:
         """The loop in Python; compiled.py has the same in C."""
         advance = self._advance(bus)
         take, columns, rows = bus.values.take, bus.columns, recording.values
-        watch, watched = self.watch, bus.watched
+        watch, watched, pacer = self.watch, bus.watched, self.pacer
         delay = bus.delay.keeper(bus.values) if bus.delay else None
         steps, interval = self.clock.steps, self.clock.interval
         count = 0
+
+        def report(count: int) -> None:
+            if progress is not None:
+                progress(self.clock.time(count))
+
         begun = perf_counter()
         due = begun + REPORT_EVERY
         with interruptible() as interrupted, np.errstate(over="ignore"):
             try:
+                if pacer is not None:
+                    pacer.begin(self.clock, interrupted, report)
                 for following in range(1, steps + 1):
                     if interrupted:
                         break
@@ -183,8 +194,10 @@ class Master:
                         take(columns, 0, rows[count // interval], "clip")
                     if watch is not None:
                         take(watched, 0, watch.row(count), "clip")
+                    if pacer is not None:
+                        pacer.hold(count)
                     if progress is not None and perf_counter() > due:
-                        progress(self.clock.time(count))
+                        report(count)
                         due = perf_counter() + REPORT_EVERY
             finally:
                 recording.steps, recording.wall = count, perf_counter() - begun
@@ -200,17 +213,22 @@ class Master:
             return sound()
         return with_faults(self.faults, bus, self.every, self.parallel, self.clock, sound)
 
+    def _timed(self, seat: Seat, call: Callable[..., Any]) -> Callable[..., Any]:
+        """The call, whose time a paced run counts."""
+        return call if self.pacer is None else self.pacer.timed(seat.block.name, call)
+
     def _sequential_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: block after block."""
         interval, numerator, denominator = self.clock.interval, self.clock.numerator, self.clock.denominator
         isfinite, values, dot = math.isfinite, bus.values, bus.values.dot
         usual, recorded = [], []
         for seat in bus.seats:
-            every, fetch_all = self._every(seat), stride(seat.block.set_inputs, seat.block.do_step, seat.block.get_all)
+            every = self._every(seat)
+            fetch_all = self._timed(seat, stride(seat.block.set_inputs, seat.block.do_step, seat.block.get_all))
             # An FMU in this process has one function for all three calls.
-            fetch_live = getattr(seat.block, "stride", None) or stride(
-                seat.block.set_inputs, seat.block.do_step, seat.block.get_live
-            )
+            live = getattr(seat.block, "stride", None)
+            live = live or stride(seat.block.set_inputs, seat.block.do_step, seat.block.get_live)
+            fetch_live = self._timed(seat, live)
             step = every * numerator / denominator
             usual.append((seat, every, step, seat.gather, fetch_live if every == 1 else fetch_all))
             recorded.append((seat, every, step, seat.gather, fetch_all))
@@ -237,24 +255,24 @@ class Master:
 
     def _parallel_step(self, bus: Bus) -> Callable[[int], None]:
         """One base step, up to the given count: all inputs from the step's start, then all blocks."""
-        seats = [(seat, self._every(seat)) for seat in bus.seats]
+        seats = [_Calls(seat, self._every(seat), self._timed) for seat in bus.seats]
         interval, time, values = self.clock.interval, self.clock.time, bus.values
 
         def advance(count: int) -> None:
-            active = [(seat, every) for seat, every in seats if count % every == 0]
+            active = [calls for calls in seats if count % calls.every == 0]
             begun = count - 1
             try:
-                for seat, _ in active:
-                    seat.gather()
-                    seat.block.set_inputs()
-                for seat, every in active:
-                    begun = count - every
-                    seat.block.do_step(time(begun), time(every))
-                for seat, every in active:
-                    if count % interval == 0 or every > 1:
-                        seat.block.get_all()
+                for calls in active:
+                    calls.gather()
+                    calls.set_inputs()
+                for calls in active:
+                    begun = count - calls.every
+                    calls.do_step(time(begun), time(calls.every))
+                for calls in active:
+                    if count % interval == 0 or calls.every > 1:
+                        calls.get_all()
                     else:
-                        seat.block.get_live()
+                        calls.get_live()
             except BlockError as error:
                 error.time = time(begun) if error.time is None else error.time
                 raise
@@ -272,3 +290,13 @@ class Master:
 
     def _every(self, seat: Seat) -> int:
         return self.every.get(seat.block.name, 1)
+
+
+class _Calls:
+    """The calls of a block in a parallel step."""
+
+    def __init__(self, seat: Seat, every: int, timed: Callable[[Seat, Callable[..., Any]], Callable[..., Any]]) -> None:
+        block = seat.block
+        self.every, self.gather = every, seat.gather
+        self.set_inputs, self.do_step = timed(seat, block.set_inputs), timed(seat, block.do_step)
+        self.get_all, self.get_live = timed(seat, block.get_all), timed(seat, block.get_live)

@@ -14,6 +14,7 @@ from ..errors import BlockError, hint
 from ..expectations.holds import Hold
 from ..expectations.judge import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
+from ..master.pace import Pace
 from ..quantities import Unit
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -43,6 +44,8 @@ class RunData(Mapping[str, NDArray[Any]]):
     reached: float = 0.0
     """The simulated time at which it ended, s."""
     wall: float = 0.0
+    pace: Pace | None = None
+    """How a run in real time kept its deadlines; None for one that was as fast as it goes."""
     failure: BlockError | None = None
     interrupted: int = 0
     """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from ..quantities import with_unit
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry
-from . import plots
+from . import lateness, plots
 from .data import RunData, json_text
 from .html import Page, items, joined, key, part, pieces, rows, verdict
 
@@ -35,6 +35,7 @@ def page(result: RunData) -> str:
         _part("expectations", rows(_expectations(result), _CLAIMS)),
         _part("columns", _events(result)),
         _part("notes", items(result.warnings)),
+        _realtime(result, made),
         *(
             [_part("figures", _figures(result, made), hint=_hint()), *_signals(result, made)]
             if len(result.time)
@@ -120,6 +121,21 @@ def _events(result: RunData) -> Markup:
             _part("key_figures", rows(figures)),
             _part("flags", items(result.raised)),
         ]
+    )
+
+
+def _realtime(result: RunData, made: Page) -> Markup:
+    """How a paced run kept its deadlines."""
+    pace = result.pace
+    if pace is None or not len(pace.lateness):
+        return Markup("")
+    panels = [lateness.histogram(pace, made.arrays), lateness.over_time(pace, made.arrays)]
+    return _part(
+        "realtime",
+        rows(lateness.figures(pace)),
+        facts=items(lateness.facts(pace)),
+        late=_part("late", items(late.text for late in pace.listed)),
+        figure=made.figure("lateness of the base steps", panels, kind="n2"),
     )
 
 

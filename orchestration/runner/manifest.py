@@ -24,7 +24,18 @@ from .plan import Plan
 
 _ENTRIES = (
     *("outcome", "failure", "scenario_file", "options", "scenario", "parameters", "flags", "units", "names", "order"),
-    *("notes", "faults", "fmus", "steps", "samples", "simulated_time", "wall_time", "steps_per_second", "finished"),
+    *(
+        "notes",
+        "faults",
+        "fmus",
+        "steps",
+        "samples",
+        "simulated_time",
+        "wall_time",
+        "steps_per_second",
+        "realtime",
+        "finished",
+    ),
     *("versions", "platform"),
 )
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
@@ -75,8 +86,10 @@ def manifest(known: Mapping[str, Any], plan: Plan, result: Result) -> dict[str, 
         "steps_per_second": result.steps / result.wall if result.wall > 0.0 else None,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
     }
+    if result.pace is not None:
+        of_run["realtime"] = result.pace.data()
     entries = {**copied(dict(known)), **of_run}
-    return {name: entries[name] for name in _ENTRIES}
+    return {name: entries[name] for name in _ENTRIES if name in entries}
 
 
 def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:

@@ -15,14 +15,17 @@ from ..expectations.judge import Judge, highlights, not_evaluated
 from ..fmu.model import Floats, Model
 from ..instances.block import Block
 from ..master.master import Master
+from ..master.pacing import Pacer
 from ..master.recording import Progress, Watch
 from ..results.place import refuse_foreign, reserved
 from ..results.result import Result, target
+from ..scenario.realtime import with_pace
 from ..scenario.scenario import Scenario
 from ..system.wiring import Node
 from .flight import Seer
 from .manifest import manifest
 from .open import open_scenario
+from .pace import PYTHON_LOOP, pacer
 from .plan import Plan
 from .read import load
 from .refusal import refusal
@@ -40,6 +43,7 @@ def run(
     progress: Progress | None = None,
     verbose: bool = False,
     compiled: bool = True,
+    realtime: float | None = None,
 ) -> Result:
     """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
 
@@ -47,15 +51,18 @@ def run(
     place of the scenario's.
     `out` is a folder to write the results to; without it nothing is written. `compiled` False asks for the
     step loop in Python, which is otherwise used only where the one in C cannot be; both give the same bits.
+    `realtime` paces the run by wall time: so many simulated seconds take a second; by default what the scenario says.
     Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
     to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result is marked as interrupted.
     """
     times = {key: value for key, value in (("duration", duration), ("step", step)) if value is not None}
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, {**(overrides or {}), **times})
+    if realtime is not None:
+        loaded = load(with_pace(loaded.source, {"factor": realtime}, {"factor": f"realtime={realtime!r}"}))
     if out is not None:
         refuse_foreign(target(out, loaded))
     with reserved(target(out, loaded)) if out is not None else nullcontext():
-        result = execute(loaded, progress, verbose, compiled)
+        result = execute(loaded, progress, verbose, compiled, pacer=pacer(loaded))
         if out is not None:
             result.save(out)
     if result.failure is not None:
@@ -71,10 +78,12 @@ def execute(
     compiled: bool = True,
     check: Callable[[Iterable[Node], Mapping[str, Model]], None] | None = None,
     seers: Seers = ((), ()),
+    pacer: Pacer | None = None,
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
 
     `check` is shown what will be recorded before the run, and may refuse it by an InputError. `seers` are shown signals of the run: which, and who.
+    Without a pacer the run is as fast as it goes, whatever the scenario says of real time.
     """
     opened = open_scenario(scenario)
     ready = opened.plan
@@ -83,7 +92,7 @@ def execute(
     with ExitStack() as stack:
         instances = opened.instantiate(stack, verbose)
         blocks = {name: opened.adapted(block) for name, block in instances.items()}
-        result = run_blocks(ready, blocks, progress, compiled, seers)
+        result = run_blocks(ready, blocks, progress, compiled, seers, pacer)
     for block in instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
     result.manifest = manifest(opened.described, ready, result)
@@ -96,6 +105,7 @@ def run_blocks(
     progress: Progress | None = None,
     compiled: bool = False,
     seers: Seers = ((), ()),
+    pacer: Pacer | None = None,
 ) -> Result:
     """Runs a plan on any blocks, and holds what they give against its expectations."""
     scenario = ready.scenario
@@ -117,7 +127,17 @@ def run_blocks(
     between = bool(watched) and (ready.clock.interval > 1 or not set(watched) <= set(ready.columns))
     watch = Watch(watched, ready.clock, see) if between else None
     master = Master(
-        blocks, ready.wiring, ready.order, ready.clock, ready.columns, every, parallel, compiled, ready.faults, watch
+        blocks,
+        ready.wiring,
+        ready.order,
+        ready.clock,
+        ready.columns,
+        every,
+        parallel,
+        compiled,
+        ready.faults,
+        watch,
+        pacer,
     )
     recording = master.run(ready.starts, progress)
     if recording.failure and (refused := refusal(scenario, ready.models, recording.failure)):
@@ -135,10 +155,11 @@ def run_blocks(
         not_evaluated=[not_evaluated(*entry) for entry in ready.not_evaluated],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
         highlights=highlights(judges),
-        warnings=list(ready.notes),
+        warnings=[*ready.notes, *([PYTHON_LOOP] if pacer is not None and compiled else [])],
         steps=recording.steps,
         reached=ready.clock.time(recording.steps),
         wall=recording.wall,
         failure=recording.failure,
         interrupted=recording.interrupted,
+        pace=pacer.pace if pacer is not None else None,
     )

@@ -14,6 +14,7 @@ from .expectations import Expectation, HoldEntry
 from .faults import Fault
 from .figures import FigureEntry
 from .mapping import MapEntry
+from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
 from .types import Bytes, Flavour, Isolation, Model, Period, Value
@@ -98,6 +99,8 @@ class Scenario(Model):
     """Which build of the project's own blocks is run: compiled C, or the Python reference."""
     isolation: Isolation | None = None
     """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not."""
+    realtime: Realtime | None = None
+    """How a run is paced by wall time. Default: it is as fast as it goes. Only `orchestrate run` and `orchestration.run` pace a run."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
     shared: dict[Name, Value] = {}

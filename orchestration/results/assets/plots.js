@@ -177,7 +177,7 @@
   }
   function spans(u, plot, css) {
     clipped(u, (ctx, ratio) => {
-      for (const [list, name] of [[page.faults, "--fault"], [plot.shade, "--shade"]]) {
+      for (const [list, name] of [[plot.xlabel ? [] : page.faults, "--fault"], [plot.shade, "--shade"]]) {
         ctx.fillStyle = css(name);
         for (const [from, to] of list) {
           const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
