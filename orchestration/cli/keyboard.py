@@ -10,12 +10,20 @@ from contextlib import contextmanager, suppress
 
 from .console import is_terminal
 
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import termios
+    import tty
+
+Keys = Callable[[], str]
+"""Gives the keys that were pressed since it was called last."""
 KEYS = "real time: the space bar pauses and goes on, s makes one base step, Ctrl-C ends the run"
 
 
 @contextmanager
-def keyboard() -> Iterator[Callable[[], str] | None]:
-    """A function that gives the keys pressed since it was called last; None without a terminal. Ctrl-C stays a signal."""
+def keyboard() -> Iterator[Keys | None]:
+    """The keys; None without a terminal. Ctrl-C stays a signal, and the terminal is left as it was."""
     if not is_terminal(sys.stdin):
         yield None
     elif sys.platform == "win32":
@@ -24,39 +32,38 @@ def keyboard() -> Iterator[Callable[[], str] | None]:
         yield from _of_terminal(sys.stdin.fileno())
 
 
-def _of_windows() -> str:
-    import msvcrt  # here, since only Windows has it  # noqa: PLC0415
+if sys.platform == "win32":
 
-    keys = ""
-    while sys.platform == "win32" and msvcrt.kbhit():
-        keys += msvcrt.getwch()
-    return keys
+    def _of_windows() -> str:
+        keys = ""
+        while msvcrt.kbhit():
+            keys += msvcrt.getwch()
+        return keys
 
+else:
 
-def _of_terminal(terminal: int) -> Iterator[Callable[[], str] | None]:
-    import termios  # here, since Windows does not have them  # noqa: PLC0415
-    import tty  # noqa: PLC0415
+    def _of_terminal(terminal: int) -> Iterator[Keys | None]:
+        def in_front() -> bool:
+            """Whether the terminal is this program's; in the background it would be stopped for using it."""
+            try:
+                return os.tcgetpgrp(terminal) == os.getpgrp()
+            except OSError:
+                return False
 
-    def in_front() -> bool:
-        """Whether the terminal is this program's; in the background it would be stopped for using it."""
-        with suppress(OSError):
-            return os.tcgetpgrp(terminal) == os.getpgrp()
-        return False
+        def pressed() -> str:
+            with suppress(OSError, ValueError):
+                if select.select([terminal], [], [], 0)[0] and in_front():
+                    return os.read(terminal, 64).decode("ascii", "replace")
+            return ""
 
-    def pressed() -> str:
-        with suppress(OSError, ValueError):
-            if select.select([terminal], [], [], 0)[0] and in_front():
-                return os.read(terminal, 64).decode("ascii", "replace")
-        return ""
-
-    if not in_front():
-        yield None
-        return
-    before = termios.tcgetattr(terminal)
-    tty.setcbreak(terminal)
-    try:
-        yield pressed
-    finally:
-        if in_front():
-            with suppress(termios.error):
-                termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+        if not in_front():
+            yield None
+            return
+        before = termios.tcgetattr(terminal)
+        tty.setcbreak(terminal)
+        try:
+            yield pressed
+        finally:
+            if in_front():
+                with suppress(termios.error):
+                    termios.tcsetattr(terminal, termios.TCSADRAIN, before)

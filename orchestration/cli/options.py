@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..errors import InputError
 from ..scenario.realtime import OFF
 from .paths import PATH
 
@@ -72,10 +73,8 @@ class _Factor(click.ParamType):
         try:
             return value if value == OFF else float(value)
         except ValueError:
-            message = (
-                f"expected a number or {OFF}, found {value!r}; remedy: --realtime after the scenario, or --realtime=1"
-            )
-            self.fail(message, param, ctx)
+            message = f"expected a number or {OFF}; remedy: --realtime after the scenario, or --realtime=1"
+            raise InputError(f"--realtime {value}: {message}") from None
 
 
 def out_folder(help: str) -> Callable[[Any], Any]:

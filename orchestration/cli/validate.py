@@ -104,6 +104,7 @@ def _print(opened: Opened, path: Path) -> None:
             "expectations",
             str(len(plan.checks)) + (f", and {n} not evaluated" if (n := len(plan.not_evaluated)) else ""),
         ),
+        *(("real time", entry.text) for entry in [scenario.realtime] if entry is not None),
         *(("fault", sentence(fault)) for fault in scenario.faults),
     ]
     for line in table(("", ""), facts)[1:]:

@@ -22,7 +22,8 @@ def _factor(value: Any) -> float:
     except (TypeError, ValueError):
         number = math.nan
     if not 0.0 < number < math.inf:
-        raise ValueError(f"expected a number above zero, found {as_written(value)}")
+        found = f"{value:g}" if isinstance(value, float) else as_written(value)
+        raise ValueError(f"expected a number above zero, found {found}")
     return number
 
 
@@ -37,6 +38,12 @@ class Realtime(Model):
     """Whether the run goes on after a late step, or ends there with exit status 3."""
     tolerance: Period = 2e-3
     """A step is late that ends more than this after it is due, in wall time."""
+
+    @property
+    def text(self) -> str:
+        """It in a line."""
+        late = "ends the run" if self.late == "stop" else "is counted"
+        return f"factor {self.factor:g}; a step that ends more than {self.tolerance:g} s late {late}"
 
 
 def with_pace(source: Source, values: Mapping[str, Any], options: Mapping[str, str]) -> Source:

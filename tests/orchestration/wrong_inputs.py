@@ -237,6 +237,39 @@ CASES = [
         "    every: 21\n    fmu: motor.fmu",
     ),
     Case(
+        "a factor of real time that is none",
+        "loop.yaml:4: realtime.factor: expected a number above zero, found 'fast'",
+        "blocks:\n",
+        "realtime: {factor: fast}\nblocks:\n",
+    ),
+    Case(
+        "a policy for late steps that is none",
+        "loop.yaml:4: realtime.late: expected 'continue' or 'stop', found 'sotp'; did you mean 'stop'?",
+        "blocks:\n",
+        "realtime: {late: sotp}\nblocks:\n",
+    ),
+    Case(
+        "a tolerance for late steps of zero",
+        "loop.yaml:4: realtime.tolerance: expected a time above zero, found 0 s",
+        "blocks:\n",
+        "realtime: {tolerance: 0}\nblocks:\n",
+    ),
+    Case(
+        "--realtime before the scenario",
+        "--realtime loop.yaml: expected a number or off; remedy: --realtime after the scenario, or --realtime=1",
+        options=("run", "--realtime", "loop.yaml"),
+    ),
+    Case(
+        "a factor of real time of zero",
+        "--realtime 0: expected a number above zero, found 0",
+        options=("loop.yaml", "--realtime", "0"),
+    ),
+    Case(
+        "late steps of a run that is not in real time",
+        "--late stop: only a run in real time has late steps; remedy: --realtime",
+        options=("loop.yaml", "--late", "stop"),
+    ),
+    Case(
         "an interval that is no multiple of the step",
         "loop.yaml:16: record.interval: expected a multiple of the base step, 0.1 s, found 0.25 s; nearest: 0.2 s or 0.3 s",
         "interval: 0.1 s",

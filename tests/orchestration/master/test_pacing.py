@@ -273,7 +273,7 @@ def test_the_histogram_counts_every_step_between_edges_of_1_2_and_5():
         clock := Clock(), block("quick", clock, lambda t: 0.0), scenario={**SCENARIO, "duration": "50 ms"}
     ).pace
     pace.lateness[:] = type(pace.lateness)("d", values.tolist())
-    drawn = lateness.histogram(pace, arrays)  # type: ignore[arg-type]
+    drawn = lateness.histogram(pace, arrays)
     assert len(drawn["items"]) == len(edges)
     assert drawn["range"] == [0, len(edges) - 1]
     counts = shown[-1]
