@@ -135,7 +135,7 @@ def _realtime(result: RunData, made: Page) -> Markup:
         rows(lateness.figures(pace)),
         facts=items(lateness.facts(pace)),
         late=_part("late", items(late.text for late in pace.listed)),
-        figure=made.figure("lateness of the base steps", panels, kind="n2"),
+        figure=made.figure("Lateness of the base steps", panels, kind="n2"),
     )
 
 

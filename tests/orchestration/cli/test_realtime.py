@@ -36,7 +36,7 @@ def test_a_run_in_real_time_says_how_it_kept_its_deadlines(loop):
     assert kept["options"] == ["--late continue", "--realtime 40"]
     page = Path("results/loop/report.html").read_text("utf-8")
     assert "<h2>Real time</h2>" in page
-    assert "lateness of the base steps" in page
+    assert "Lateness of the base steps" in page
 
 
 def test_the_command_line_wins_over_the_scenario_entry_by_entry(loop):
