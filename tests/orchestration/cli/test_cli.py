@@ -162,7 +162,7 @@ def test_help_names_the_commands_and_the_exit_status():
 
 
 def test_an_error_of_our_own_is_one_line(loop, monkeypatch):
-    monkeypatch.setattr("orchestration.runner.run.execute", lambda *a: 1 / 0)
+    monkeypatch.setattr("orchestration.runner.run.execute", lambda *a, **k: 1 / 0)
     result = orchestrate(loop.name)
     assert result.exit_code == 70
     assert result.stderr.startswith("internal error: ZeroDivisionError: division by zero")
