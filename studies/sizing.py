@@ -23,8 +23,7 @@ from controller.sizing import Sizing, Wish, fastest, size
 from orchestration import InputError
 from orchestration.scenario.source import Source
 
-from .native import PAPER
-from .paper import Array
+from .paper import PAPER, Array
 from .reproduction.convergence import Flown, fly
 from .setup import Loop, Setup, read
 
