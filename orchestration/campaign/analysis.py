@@ -54,7 +54,7 @@ def metric_problem(search: Search | None, metrics: Iterable[str]) -> str | None:
     metrics = list(metrics)
     if search is None or search.metric in metrics:
         return None
-    return f"search: metric: the campaign has no metric {search.metric!r}{hint(search.metric, metrics)}"
+    return f"metric: the campaign has no metric {search.metric!r}{hint(search.metric, metrics)}"
 
 
 class Asked(Protocol):

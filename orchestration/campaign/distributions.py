@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, WithJsonSchema, model_validator
 
 from ..scenario.types import NUMBER_OR_TEXT, Model, Quantity, Value, quantity
 
@@ -63,6 +63,26 @@ class Steps(Model):
     points: int = Field(strict=True, ge=2, le=1_000_000)
 
 
+def _steps(value: Any) -> Any:
+    """Points that are given by their ends, so that of `grid` only what was meant is reported."""
+    return _inner(Steps, value)
+
+
+def _inner(model: type[Model], value: Any) -> Any:
+    """The part as this model where it is written as one. Raises ValueError, in which the names of models have no place."""
+    if not isinstance(value, dict):
+        return value
+    try:
+        return model.model_validate(value)
+    except ValidationError as error:
+        found = []
+        for detail in error.errors(include_url=False):
+            text = str(detail.get("ctx", {}).get("error") or detail["msg"][:1].lower() + detail["msg"][1:])
+            ending = "" if detail["type"] in ("missing", "value_error") else f", found {detail['input']}"
+            found.append(": ".join([*map(str, detail["loc"][:1]), f"{text}{ending}"]))
+        raise ValueError("; ".join(found)) from None
+
+
 class Varied(Model):
     """A value that varies from run to run. Exactly one of these, `weights` beside `choice`."""
 
@@ -81,7 +101,7 @@ class Varied(Model):
     """One of these, all alike or by `weights`."""
     weights: list[Share] | None = None
     """Of `choice`: how often each is taken, relative to the others."""
-    grid: Annotated[list[Value], Field(min_length=1)] | Steps | None = None
+    grid: Annotated[Annotated[list[Value], Field(min_length=1)] | Steps | None, BeforeValidator(_steps)] = None
     """All of these in turn, with `sampling: grid`: a list, or `{from: 0 deg, to: 90 deg, points: 10}`."""
     rotation: Literal["uniform"] | None = None
     """A rotation matrix, or a unit quaternion, uniform over all attitudes."""
@@ -94,7 +114,7 @@ class Varied(Model):
     @classmethod
     def _length(cls, data: Any) -> Any:
         if isinstance(data, dict) and isinstance(data.get("sphere"), dict):
-            data = {**data, "sphere": Varied.model_validate(data["sphere"])}
+            data = {**data, "sphere": _inner(Varied, data["sphere"])}
         return data
 
     @model_validator(mode="after")

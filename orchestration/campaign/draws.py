@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..fmu.model import Model, NameUnknown, Variable
 from ..quantities import BASES, ONE, QuantityError, Unit, parse_unit
 from ..scenario.references import Name
-from ..scenario.source import Source
+from ..scenario.source import Key, Source
 from ..system.starts import taken
 from . import samplers
 from .distributions import Varied
@@ -22,6 +22,15 @@ from .entries import describe, numbers_only
 from .entries import sampler as of
 from .expression import Expression
 from .file import Campaign
+
+
+class NoValue(QuantityError):
+    """An expression has no value at some point; `key` is where it stands in the campaign file."""
+
+    def __init__(self, draw: Draw, text: str) -> None:
+        super().__init__(f"{draw.name}: {text}")
+        self.key: Key = ("draw" if draw.helper else "vary", draw.name, "expression")
+        self.text = text
 
 
 @dataclass(frozen=True)
@@ -91,12 +100,15 @@ class Draws:
         self.dimension = sum(draw.count for draw in draws)
 
     def at(self, point: Sequence[float]) -> list[Any]:
-        """The value of each at a point of the unit cube (dimension,). Raises QuantityError where an expression has none."""
+        """The value of each at a point of the unit cube (dimension,). Raises NoValue where an expression has none."""
         values: list[Any] = []
         known: dict[str, Any] = {}
         for draw in self.draws:
             if isinstance(draw.sampler, Expression):
-                value = draw.sampler.value(known)
+                try:
+                    value = draw.sampler.value(known)
+                except QuantityError as error:
+                    raise NoValue(draw, str(error)) from None
             else:
                 value = draw.sampler.value(point[draw.first : draw.first + draw.count])
             if draw.helper:

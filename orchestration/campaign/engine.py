@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from time import perf_counter
@@ -86,7 +86,11 @@ def fly(
         earlier = _earlier(case, folder)
         data = Dataset(folder, case.job, case.runs)
         state, interrupted, verdicts = "running", 0, list[Verdict]()
-        extended = _extended(case, earlier)
+        if (extended := _extended(case, earlier)) and case.campaign.stop != "decided":
+            remark(
+                "runs were added to a campaign that already had its verdicts, which is a second look: "
+                "the bounds are those of a confidence sequence, and wider"
+            )
         more: dict[str, Any] = {key: earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in earlier}
 
         def note() -> None:
@@ -133,7 +137,7 @@ def _flown(
     for look in statistics.looks(case.runs):
         _up_to(case, data, hands, look, begun, there, tell)
         met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
-        verdicts = statistics.verdicts(claims(case), met, look, case.runs, early=True)
+        verdicts = _with_cause(data, look, statistics.verdicts(claims(case), met, look, case.runs, early=True))
         if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
             return "stopped early", verdicts
     return "completed", verdicts
@@ -172,7 +176,14 @@ def decided(case: Case, data: Any, extended: bool) -> list[Verdict]:
     there = case.runs if data.done.all() else int(data.done.argmin())
     met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
     early = extended or there < case.runs or case.campaign.stop == "decided"
-    return statistics.verdicts(claims(case), met, there, case.runs, early=early)
+    return _with_cause(data, there, statistics.verdicts(claims(case), met, there, case.runs, early=early))
+
+
+def _with_cause(data: Any, there: int, verdicts: list[Verdict]) -> list[Verdict]:
+    """The verdicts; where every run failed, with the reason, since their share says nothing of the bounds then."""
+    if not there or not data.failed[:there].all():
+        return verdicts
+    return [replace(v, text=f"{v.text}; every run failed, the first with: {data.reason}") for v in verdicts]
 
 
 def _extended(case: Case, earlier: dict[str, Any]) -> bool:

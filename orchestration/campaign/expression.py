@@ -12,7 +12,7 @@ from .. import rotation
 from ..errors import hint
 from ..quantities import QuantityError
 
-_LENGTH_MAX, _DEPTH_MAX = 1000, 50
+_LENGTH_MAX, _DEPTH_MAX, _SHOWN = 1000, 50, 60
 
 
 def _rotation(axis: Any, angle: Any) -> Any:
@@ -58,13 +58,16 @@ class Expression:
 
     def __init__(self, text: str, known: Container[str], names: list[str]) -> None:
         """`known` are the values that may stand in it; `names` is the same, for hints. Raises QuantityError."""
-        self.text = text
+        self.text = text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
+        if len(text) > _LENGTH_MAX:
+            raise QuantityError(
+                f"the expression is too long: expected at most {_LENGTH_MAX} characters, found {len(text)}; "
+                "remedy: give its parts names under 'draw'"
+            )
         try:
-            if len(text) > _LENGTH_MAX:
-                raise QuantityError(f"expected at most {_LENGTH_MAX} characters")
             self._body = ast.parse(text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise QuantityError(f"no arithmetic: {getattr(error, 'msg', error)} in {text!r}") from None
+            raise QuantityError(f"no arithmetic: {getattr(error, 'msg', error)} in {self.text!r}") from None
         self.uses: set[str] = set()
         self._check(self._body, known, names, 0)
 
@@ -126,7 +129,11 @@ class Expression:
         if isinstance(node, ast.Subscript):
             places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
             index = tuple(place.value - 1 for place in places)  # type: ignore[attr-defined]
-            return np.asarray(self._compute(node.value, values))[index]
+            of = np.asarray(self._compute(node.value, values))
+            if len(index) > of.ndim or any(i >= n for i, n in zip(index, of.shape, strict=False)):
+                size = " x ".join(map(str, of.shape)) + " elements" if of.ndim else "no elements, it is one number"
+                raise IndexError(f"{ast.unparse(node.value)} has {size}, found {ast.unparse(node)}")
+            return of[index]
         assert isinstance(node, ast.Call)
         assert isinstance(node.func, ast.Name)
         return FUNCTIONS[node.func.id](*(self._compute(item, values) for item in node.args))

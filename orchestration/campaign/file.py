@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, WithJsonSchema, field_validator, model_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from ..scenario.expectations import Bound
 from ..scenario.metrics import Metric
@@ -131,18 +131,28 @@ class Campaign(Model):
                 raise ValueError(f"{name!r}: expected block.parameter, or parameter for a shared one")
         return vary
 
+    @field_validator("stop")
+    @classmethod
+    def _at_random(cls, stop: str, info: ValidationInfo) -> str:
+        if stop == "decided" and info.data.get("sampling", "random") != "random":
+            raise ValueError(f"only runs drawn at random can end early, found sampling: {info.data['sampling']}")
+        return stop
+
+    @field_validator("search")
+    @classmethod
+    def _of_a_metric(cls, search: Search | None, info: ValidationInfo) -> Search | None:
+        if problem := metric_problem(search, [metric.name for metric in info.data.get("metrics", ())]):
+            raise ValueError(problem)
+        return search
+
     @model_validator(mode="after")
     def _together(self) -> Campaign:
         if self.sampling == "grid" and not any(
             entry.kind == "grid" for entry in (*self.draw.values(), *self.vary.values())
         ):
             raise ValueError("sampling: a grid needs an entry under vary or draw that is given as 'grid'")
-        if self.stop == "decided" and self.sampling != "random":
-            raise ValueError(f"stop: only runs drawn at random can end early, found sampling: {self.sampling}")
         if self.stop == "decided" and not self.requirements:
             raise ValueError("stop: there is no requirement that could be decided")
-        if problem := metric_problem(self.search, [metric.name for metric in self.metrics]):
-            raise ValueError(problem)
         if self.sensitivity is not None and not self.metrics:
             raise ValueError("sensitivity: there is no metric whose dependence could be told")
         if not self.metrics and not self.requirements:

@@ -38,6 +38,14 @@ class Code:
         return module
 
 
+class NotLoaded(InputError):
+    """A module of metrics cannot be loaded."""
+
+    def __init__(self, module: str, message: str) -> None:
+        super().__init__(message)
+        self.module = module
+
+
 def find(reference: str, folder: Path, place: str) -> Code:
     """The code of `module:function`: `module.py` beside the campaign file, else an installed module. Raises InputError."""
     name, _, function = reference.partition(":")
@@ -49,8 +57,19 @@ def find(reference: str, folder: Path, place: str) -> Code:
         else:
             module = import_module(name)
             code = Code(name, getattr(sys.modules[name], "__file__", None) or "", None)
+    except ModuleNotFoundError as error:
+        missing = error.name or name
+        if not path.is_file() and (name == missing or name.startswith(f"{missing}.")):
+            why = f"there is no file {path}, and no installed module of this name; remedy: write the file, or install the module"
+        else:
+            why = f"it imports {missing!r}, which is not installed; remedy: pip install it"
+        raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}") from None
+    except SyntaxError as error:
+        at = f"{error.filename}:{error.lineno}: {error.msg}"
+        raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {at}") from None
     except Exception as error:
-        raise InputError(f"{place}: the module {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
+        why = f"{type(error).__name__}: {error}"
+        raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}, in {path}") from None
     if not callable(getattr(module, function, None)):
         names = [n for n in dir(module) if callable(getattr(module, n)) and not n.startswith("_")]
         raise InputError(

@@ -28,7 +28,7 @@ from . import analysis
 from . import draws as drawing
 from .design import design, notes
 from .file import Campaign
-from .functions import Code, find
+from .functions import Code, NotLoaded, find
 from .job import Claimed, Job
 from .statistics import Claim, hints
 
@@ -132,7 +132,16 @@ def _changed(campaign: Campaign, source: Source, flown: Source) -> Source:
     if campaign.swap:
         fmus = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.swap.items()]
         maps = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.map.items()]
-        flown = swapped(flown, fmus, maps)
+        places = {f"--swap {text}": source.where(("swap", text.partition("=")[0])) for text in fmus}
+        places |= {f"--map {text.partition('=')[2]}": source.where(("map", text.partition("=")[0])) for text in maps}
+        try:
+            flown = swapped(flown, fmus, maps)
+        except InputError as error:
+            told = [
+                next((m.replace(o, at, 1) for o, at in places.items() if m.startswith(o)), m) for m in error.messages
+            ]
+            raise InputError(*told) from None
+        flown.options.update({key: places[option] for key, option in flown.options.items() if option in places})
     for name, value in campaign.set.items():
         if name in campaign.vary:
             raise InputError(source.error(("set", name), f"{name} varies; expected it under 'set' or 'vary'"))
@@ -150,14 +159,17 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     errors: list[str] = []
     measures: list[metrics.Measure] = []
     codes: dict[str, Code] = {}
+    broken: set[str] = set()
     for number, metric in enumerate(campaign.metrics):
         key: Key = ("metrics", number)
         try:
             measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario.duration))
-            if metric.python:
+            if metric.python and metric.python.partition(":")[0] not in broken:
                 codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
         except InputError as error:
             errors += error.messages
+            if isinstance(error, NotLoaded):  # of a module that several metrics name, once
+                broken.add(error.module)
     try:
         draws = drawing.prepare(campaign, source, plan.models)
         at_centre(campaign, source, plan.scenario, draws, plan.models)
@@ -187,8 +199,8 @@ def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: dra
     places = {name: source.where(("vary", name)) for name in campaign.vary}
     try:
         values = draws.given(draws.at([0.5] * draws.dimension))
-    except QuantityError as error:
-        raise InputError(source.error(("vary",), str(error))) from None
+    except drawing.NoValue as error:
+        raise InputError(source.error(error.key, error.text)) from None
     resolve(with_values(scenario, values, places), models)
 
 

@@ -362,7 +362,29 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
         ),
         ((("runs: 60", "runs: 60\nset: {motor.speed0: 2}"),), r"toy.yaml:4: set.motor.speed0: motor.speed0 varies"),
         ((("runs: 60", "runs: 60\nsampling: grid"),), r"a grid needs an entry"),
-        ((("runs: 60", "runs: 60\nstop: decided\nsampling: sobol"),), r"only runs drawn at random can end early"),
+        ((("runs: 60", "runs: 60\nstop: decided\nsampling: sobol"),), r"toy.yaml:4: stop: only runs drawn at random"),
+        ((("runs: 60", "runs: 60\nsearch: {metric: fnal}"),), r"toy.yaml:4: search: .*no metric 'fnal'; did you mean"),
+        ((("runs: 60", "runs: 60\nswap: {motor: gone.fmu}"),), r"toy.yaml:4: swap.motor: there is no FMU .*gone.fmu"),
+        ((("runs: 60", "runs: 60\nswap: {engine: gone.fmu}"),), r"toy.yaml:4: swap.engine: there is no block"),
+        (
+            (("{uniform: [1 rad/s, 2 rad/s]}", '{expression: "[1, 2][3]"}'),),
+            r"toy.yaml:6: vary.motor.speed0.expression: .*\[1, 2\] has 2 elements, found \[1, 2\]\[3\]",
+        ),
+        (
+            (("{uniform: [1 rad/s, 2 rad/s]}", f"{{expression: '{'(' * 2000}'}}"),),
+            r"toy.yaml:6: \S+: the expression is too long: expected at most 1000 characters, found 2000; remedy: [^(]+$",
+        ),
+        (
+            (("{uniform: [1 rad/s, 2 rad/s]}", "{grid: {from: 0, to: 1, points: 2000000}}"),),
+            r"toy.yaml:6: vary.motor.speed0.grid: points: input should be less than or equal to 1000000, found 2000000$",
+        ),
+        (
+            (
+                ("signal: motor.speed, statistic: final", "python: 'gone:f', signals: [motor.speed]"),
+                ("signal: motor.speed, settles: {below: 0.5}", "python: 'gone:g', signals: [motor.speed]"),
+            ),
+            r"toy.yaml:8: .*the module 'gone' cannot be loaded: there is no file .*gone.py, and no installed .*remedy: [^\n]*$",
+        ),
         ((("{uniform: [1 rad/s, 2 rad/s]}", "{expression: gone}"),), r"toy.yaml:6: .*no value 'gone'"),
         ((("metric: final, below: 0.2 rad/s", "expectation: stops"),), r"toy.yaml:11: .*no expectation 'stops'"),
     ],
@@ -370,6 +392,13 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
 def test_a_wrong_file_is_told_with_its_line(toy, pairs, message):
     with pytest.raises(InputError, match=message):
         read_campaign(changed(toy, *pairs))
+
+
+def test_where_a_metric_fails_every_run_the_verdicts_name_it(toy):
+    toy.with_name("measure.py").write_text("def f(time, signals):\n    raise ValueError('nothing')\n", "utf-8")
+    changed(toy, ("metrics:", "metrics:\n  - {name: own, python: 'measure:f', signals: [motor.speed]}"))
+    verdict = fly(toy, runs=2).verdicts[0]
+    assert "; every run failed, the first with: own: " in verdict.text
 
 
 def test_a_scenario_may_stand_in_the_file_with_what_it_changes(toy):

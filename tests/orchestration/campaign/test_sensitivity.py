@@ -112,6 +112,6 @@ def test_wrong_sections_are_refused_with_the_remedy():
     assert Sensitivity(points=64).runs(3) == 320
     assert Sensitivity(method="morris", points=10).runs(3) == 40
     assert metric_problem(Search(metric="settle"), ["settled"]) == (
-        "search: metric: the campaign has no metric 'settle'; did you mean 'settled'?"
+        "metric: the campaign has no metric 'settle'; did you mean 'settled'?"
     )
     assert metric_problem(Search(metric="settled"), ["settled"]) is None

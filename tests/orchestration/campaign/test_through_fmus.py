@@ -108,14 +108,17 @@ def test_runs_that_are_added_to_a_judged_campaign_are_a_second_look_and_the_boun
         "\n".join(line for line in FILE.splitlines() if line.split(":")[0] not in ("sensitivity", "search")), "utf-8"
     )
 
+    remarks: list[str] = []
+
     def flown(runs):
-        engine.fly(read_campaign(campaign, {"runs": runs}), Path("out"), workers=0)
+        engine.fly(read_campaign(campaign, {"runs": runs}), Path("out"), workers=0, remark=remarks.append)
         manifest = json.loads(Path("out/campaign.json").read_text("utf-8"))
         return manifest["early"], manifest["verdicts"][0]
 
     for runs, early in ((20, False), (20, False), (30, True), (30, True)):
         looked, verdict = flown(runs)
         assert (looked, verdict["flown"]) == (early, runs)
+        assert any("a second look" in text for text in remarks) == early
         assert verdict["low"] == (sequence if early else fixed)(verdict["met"], runs, 0.95).low
 
 
