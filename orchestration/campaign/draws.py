@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..fmu.model import Model, NameUnknown, Variable
 from ..quantities import BASES, ONE, QuantityError, Unit, parse_unit
 from ..scenario.references import Name
-from ..scenario.source import Key, Source
+from ..scenario.source import Source
 from ..system.starts import taken
 from . import samplers
 from .distributions import Varied
@@ -22,15 +22,6 @@ from .entries import describe, numbers_only
 from .entries import sampler as of
 from .expression import Expression
 from .file import Campaign
-
-
-class NoValue(QuantityError):
-    """An expression has no value at some point; `key` is where it stands in the campaign file."""
-
-    def __init__(self, draw: Draw, text: str) -> None:
-        super().__init__(f"{draw.name}: {text}")
-        self.key: Key = ("draw" if draw.helper else "vary", draw.name, "expression")
-        self.text = text
 
 
 @dataclass(frozen=True)
@@ -105,10 +96,7 @@ class Draws:
         known: dict[str, Any] = {}
         for draw in self.draws:
             if isinstance(draw.sampler, Expression):
-                try:
-                    value = draw.sampler.value(known)
-                except QuantityError as error:
-                    raise NoValue(draw, str(error)) from None
+                value = draw.sampler.of(draw.name, draw.helper, known)
             else:
                 value = draw.sampler.value(point[draw.first : draw.first + draw.count])
             if draw.helper:

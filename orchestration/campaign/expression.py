@@ -53,6 +53,15 @@ _BINARY: dict[type, Callable[[Any, Any], Any]] = {
 }
 
 
+class NoValue(QuantityError):
+    """The expression of an entry has no value at some point; `key` is where it stands in the campaign file."""
+
+    def __init__(self, name: str, helper: bool, text: str) -> None:
+        super().__init__(f"{name}: {text}")
+        self.key = ("draw" if helper else "vary", name, "expression")
+        self.text = text
+
+
 class Expression:
     """An expression whose names are known. `value` computes it."""
 
@@ -112,6 +121,13 @@ class Expression:
         if not np.isfinite(result).all():
             raise QuantityError(f"{self.text!r} is not finite")
         return result.tolist()
+
+    def of(self, name: str, helper: bool, values: Mapping[str, Any]) -> Any:
+        """The value of the entry of this name. Raises NoValue."""
+        try:
+            return self.value(values)
+        except QuantityError as error:
+            raise NoValue(name, helper, str(error)) from None
 
     def _compute(self, node: ast.expr, values: Mapping[str, Any]) -> Any:
         if isinstance(node, ast.Constant):

@@ -27,6 +27,7 @@ from ..system.starts import resolve
 from . import analysis
 from . import draws as drawing
 from .design import design, notes
+from .expression import NoValue
 from .file import Campaign
 from .functions import Code, NotLoaded, find
 from .job import Claimed, Job
@@ -199,7 +200,7 @@ def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: dra
     places = {name: source.where(("vary", name)) for name in campaign.vary}
     try:
         values = draws.given(draws.at([0.5] * draws.dimension))
-    except drawing.NoValue as error:
+    except NoValue as error:
         raise InputError(source.error(error.key, error.text)) from None
     resolve(with_values(scenario, values, places), models)
 

@@ -206,18 +206,19 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
         found=text,
         command=_replay(manifest, "worst") if found["values"] is not None else "",
         failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
-        content=rows([name, _value(value)] for name, value in (found["values"] or {}).items()),
+        content=rows([name, value_text(value)] for name, value in (found["values"] or {}).items()),
         figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")
         if shown
         else "",
     )
 
 
-def _value(value: Any) -> str:
+def value_text(value: Any) -> str:
+    """A start value with its numbers to six figures."""
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_value, value))}]"
+        return f"[{', '.join(map(value_text, value))}]"
     if isinstance(value, dict):
-        return ", ".join(f"{key} {_value(item)}" for key, item in value.items())
+        return ", ".join(f"{key} {value_text(item)}" for key, item in value.items())
     return re.sub(r"-?\d+\.\d{6,}(e[-+]?\d+)?", lambda match: f"{float(match[0]):.6g}", str(value))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from ..campaign.crew import CrewLost
 from ..campaign.load import Case, read_campaign
 from ..campaign.record import MANIFEST
 from ..campaign.replay import Replayed, replay, worst
+from ..campaign.report import value_text
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
@@ -147,19 +149,38 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
 def _print_replay(case: Case, index: str, again: Replayed) -> None:
     notes(again.result.warnings)
     say(f"{'worst case' if index == 'worst' else f'run {index}'} of the campaign {case.campaign.name}", bold=True)
-    for line in table(("varied", "value"), [(name, str(value)) for name, value in again.values.items()]):
+    for line in table(("varied", "value"), _varied(case, again)):
         say(line)
     units = {m.metric.name: "" if str(m.unit) == "1" else str(m.unit) for m in case.job.measures}
-    rows = [(name, "none" if x is None else with_unit(x, units[name])) for name, x in again.metrics.items()]
+    metrics = {name: _measured(x, units[name]) for name, x in again.metrics.items()}
+    rows = list(metrics.items())
     if rows:
         say()
         for line in table(("metric", "value"), rows):
             say(line)
     for claim in case.job.claims:
-        say(f"{claim.name}: {claim.expected}", head=mark("met" if again.met[claim.name] else "failed"))
+        why = ""
+        if not again.met[claim.name]:
+            name = None if claim.metric is None else case.job.measures[claim.metric].metric.name
+            why = ", the run failed" if again.result.failure else f"; {name} is {metrics[name]}" if name else ""
+        text = f"{claim.name}: {claim.expected}{why}"
+        say(text, head=mark("met") if again.met[claim.name] else mark("not met"))
     say()
     if len(again.result.time):
         run_summary(again.result)
+
+
+def _varied(case: Case, again: Replayed) -> list[tuple[str, str]]:
+    """What varies with its values, each with the unit that it is in."""
+    ports = {
+        draw.name: draw.port for draw in case.job.draws.draws if draw.numbers and not draw.unit and not draw.suffix
+    }
+    texts = {name: value_text(value) for name, value in again.values.items()}
+    return [(name, f"{text} {ports.get(name) or ''}".rstrip()) for name, text in texts.items()]
+
+
+def _measured(value: float | None, unit: str) -> str:
+    return "none" if value is None else "never" if value == math.inf else with_unit(value, unit)
 
 
 class _Bar:

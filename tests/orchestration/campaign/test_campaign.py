@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -392,6 +393,19 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
 def test_a_wrong_file_is_told_with_its_line(toy, pairs, message):
     with pytest.raises(InputError, match=message):
         read_campaign(changed(toy, *pairs))
+
+
+def test_a_replayed_run_is_shown_with_units_and_with_why_it_does_not_meet_its_requirement(toy):
+    changed(
+        toy,
+        ("settles: {below: 0.5}", "settles: {below: 0.01}"),
+        ("metric: final, below: 0.2 rad/s", "metric: slow, below: 3 s"),
+    )
+    shown = command(toy, "--workers", 0, "--out", "out", "--replay", 1).stdout
+    assert re.search(r"motor.speed0  1\.\d+ rad/s\n", shown)
+    assert re.search(r"slow +never\n", shown)
+    assert re.search(r"not met +at rest: slow < 3 s; slow is never\n", shown)
+    assert "inf" not in shown
 
 
 def test_where_a_metric_fails_every_run_the_verdicts_name_it(toy):
