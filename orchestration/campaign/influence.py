@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from ..results.html import joined, part, pieces, rows
+from ..results.html import cards, joined, part, pieces
 from .plots import Metric
 from .sensitivity import RANKED, ranks
 
@@ -38,7 +38,7 @@ def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tu
         ]
         if len(lines) > _SHOWN:
             lines = [*lines[:_SHOWN], [f"{len(lines) - _SHOWN} weaker ones", "", "", "", ""]]
-        tables.append(_part("rank_table", rows(lines), metric=metric.name, text=metric.text))
+        tables.append(_part("rank_table", cards(_pieces()["rank_table"], lines), metric=metric.name, text=metric.text))
     return joined(tables), strengths
 
 
@@ -59,7 +59,7 @@ def sensitivity(found: dict[str, Any] | None) -> Markup:
             top = max(ends, default=1.0) or 1.0
             lines = [[entries[i], _effect(indices, i, top), _number(indices["spread"][i])] for i in order]
         table = _pieces()["sobol_table" if sobol else "morris_table"]
-        tables.append(table.format(metric=metric, note=indices["note"], content=rows(lines)))
+        tables.append(table.format(metric=metric, note=indices["note"], content=cards(table, lines)))
     failed = f"{found['failed']:,} of them failed." if found["failed"] else ""
     return _part(
         found["method"], joined(tables), runs=f"{found['runs']:,}", points=f"{found['points']:,}", failed=failed

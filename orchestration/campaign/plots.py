@@ -115,7 +115,7 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
     pale = {"pale": True, "bare": True, "stepped": True}
     shown["curves"] = [
         curve("lower bound", np.array([b.low for b in bounds]), 0, arrays, **pale),
-        curve("upper bound", np.array([b.high for b in bounds]), 0, arrays, **pale),
+        curve("upper bound", np.array([b.high for b in bounds]), 0, arrays, dashed=True, **pale),
         curve("share", hits / n, 0, arrays, stepped=True),
     ]
     shown["marks"] = inside

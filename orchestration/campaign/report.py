@@ -6,6 +6,7 @@ However many the runs, the page keeps some thousand numbers of each plot, so it 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ..results.data import json_text
-from ..results.html import Page, joined, part, pieces, rows
+from ..results.html import Page, cards, joined, part, pieces
 from . import plots
 from .influence import ranked, sensitivity, signed
 from .overview import basis, header, outcome, two, verdicts
@@ -32,6 +33,10 @@ _part = partial(part, _template)
 _pieces = partial(pieces, _template)
 
 
+def _rows(piece: str, cells: Iterable[Iterable[object]]) -> Markup:
+    return cards(_pieces()[piece], cells)
+
+
 def write(folder: Path) -> Path:
     """Writes campaign.html beside campaign.json and returns its path."""
     path = folder / "campaign.html"
@@ -47,19 +52,22 @@ def page(folder: Path) -> str:
     varied = ([v["name"], v["text"], "drawn for expressions only" if v["drawn"] else ""] for v in manifest["varied"])
     parts = [
         header(manifest),
-        _part("verdicts", rows(verdicts(manifest)), basis=basis(manifest)),
-        _part("varied", rows(varied)),
+        _part("verdicts", _rows("verdicts", verdicts(manifest)), basis=basis(manifest)),
+        _part("varied", _rows("varied", varied)),
     ]
     found, design = manifest.get("search"), sensitivity(manifest.get("sensitivity"))
     if len(runs):
         failed = int(runs.failed.sum())
         ranks, scatter, worst = _against(runs, metrics, made)
         parts += [
-            _part("metrics", rows(_metric(m, failed, manifest["early"]) for m in metrics)),
+            _part("metrics", _rows("metrics", (_metric(m, failed, manifest["early"]) for m in metrics))),
             _part("distributions", joined(_distribution(m, made, manifest["early"]) for m in metrics)),
             *(ranks, design, scatter, _search(manifest, found, metrics, made), worst),
-            _part("failures", rows([f"{n:,}", why, ", ".join(map(str, first))] for why, n, first in runs.reasons())),
-            _part("expectations", rows(_expectations(runs))),
+            _part(
+                "failures",
+                _rows("failures", ([f"{n:,}", why, ", ".join(map(str, first))] for why, n, first in runs.reasons())),
+            ),
+            _part("expectations", _rows("expectations", _expectations(runs))),
         ]
     parts.append(_part("manifest", json_text(manifest)))
     return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
@@ -177,7 +185,15 @@ def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dic
             if not runs.failed[row]
         ]
         first = Markup('<th scope="col">{}</th>').format(metric.name)
-        tables.append(_part("worst_table", rows(lines), metric=metric.name, text=metric.text, head=first + head))
+        tables.append(
+            _part(
+                "worst_table",
+                cards(_pieces()["worst_table"], lines, metric.name, *told),
+                metric=metric.name,
+                text=metric.text,
+                head=first + head,
+            )
+        )
     return _part("worst", joined(tables), command=_replay(runs.manifest, "RUN"))
 
 
@@ -206,7 +222,7 @@ def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: lis
         found=text,
         command=_replay(manifest, "worst") if found["values"] is not None else "",
         failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
-        content=rows([name, value_text(value)] for name, value in (found["values"] or {}).items()),
+        content=_rows("search", ([name, value_text(value)] for name, value in (found["values"] or {}).items())),
         figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")
         if shown
         else "",

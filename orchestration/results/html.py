@@ -65,6 +65,11 @@ def rows(cells: Iterable[Iterable[object]], labels: Sequence[str] = ()) -> Marku
     return each(Markup("<tr>{}</tr>\n"), named if labels else (each(Markup("<td>{}</td>"), row) for row in cells))
 
 
+def cards(piece: Markup, cells: Iterable[Iterable[object]], *more: str) -> Markup:
+    """Rows of the table in a piece of a template, each cell with the name of its column there, or of `more` after these."""
+    return rows(cells, [*re.findall(r"<th[^>]*>([^<]*)</th>", piece), *more])
+
+
 def verdict(word: str) -> Markup:
     """A verdict of one word or two, in its colour; a dash where there is none."""
     kinds = {

@@ -63,6 +63,10 @@
   }
   const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3]];
   const onDark = { "#000000": "#f0f0f0", "#0072b2": "#4aa3df", "#999999": "#b5b5b5" };
+  function swatch(curve, colour) { // as the curve is drawn
+    const c = colour(curve.colour) + (curve.pale ? "66" : "");
+    return curve.dashed ? `repeating-linear-gradient(90deg, ${c} 0 38%, transparent 38% 62%)` : c;
+  }
   function colour(i) {
     const own = page.colours[i % page.colours.length];
     return (!printing && dark.matches && onDark[own]) || own;
@@ -119,13 +123,13 @@
         plot.xlabel ? { label: plot.xname || "value", value: place0 } : { label: "time", value: time },
         ...plot.curves.map((curve, i) => ({
           label: curve.name, stroke: colour(curve.colour), width: curve.pale ? 4 : 1.6, alpha: curve.pale ? 0.4 : 1, pxAlign: 0,
-          dash: curve.pale ? [] : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
+          dash: curve.pale ? (curve.dashed ? [7, 5] : []) : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
           value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
           ...(curve.dots ? { paths: () => null, points: { show: true, space: 0, size: 4.5, width: 0.5, fill: colour(curve.colour), stroke: css("--page") } }
             : { points: { show: x.length < 40 && !curve.bare } }), show: before ? before.series[i + 1].show : true,
         })),
       ],
-      legend: { markers: { width: 0, fill: (u, i) => (i ? colour(plot.curves[i - 1].colour) : "") } },
+      legend: { markers: { width: 0, fill: (u, i) => (i ? swatch(plot.curves[i - 1], colour) : "") } },
       cursor: { drag: { x: true, y: false }, points: { size: 7 }, ...(dots ? { dataIdx: (u) => nearest(u, x, ys) } : {}),
         sync: plot.linked && !printing ? { key: "time", setSeries: false, scales: ["x", null] } : undefined },
       hooks: { drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)] },

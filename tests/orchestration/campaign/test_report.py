@@ -147,7 +147,16 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Browser, folder):
         rows.numbers("plant.Q0.q0")[run], rel=1e-3
     )
     assert float(told[1]) == pytest.approx(rows.numbers("settle")[run], rel=1e-3)
+    swatches = "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => getComputedStyle(m).background).slice(1)"
+    assert len(set(chromium.evaluate(swatches))) == 3  # lower bound, upper bound, share
     chromium.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
+    cut = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth > s.clientWidth).length"
+    assert chromium.evaluate(cut) == 0  # each row is a card
+    second = "getComputedStyle(document.querySelector('.named td:nth-child(2)'), '::before').content"
+    assert "half of the runs" in chromium.evaluate(
+        "[...document.querySelectorAll('.named td:nth-child(2)')].map(c => c.dataset.label)"
+    )
+    assert chromium.evaluate(second) != "none"
     chromium.settle()
     assert chromium.evaluate("document.documentElement.scrollWidth") <= 390
     assert chromium.complaints == []
