@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import select
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -87,9 +88,14 @@ def test_on_a_terminal_keys_pause_and_step_and_ctrl_c_keeps_the_results(loop):
     ours, theirs = os.openpty()
     before = termios.tcgetattr(theirs)
     command = [sys.executable, "-m", "orchestration", loop.name, "--realtime", "0.2"]
+
+    def in_front() -> None:
+        fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored where the tests run in the background of a shell
+
     process = subprocess.Popen(
         command, stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
-        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0), env={**os.environ, "TERM": "xterm", "COLUMNS": "120"},
+        preexec_fn=in_front, env={**os.environ, "TERM": "xterm", "COLUMNS": "120"},
     )  # fmt: skip
     shown = b""
 
