@@ -104,11 +104,9 @@ def prepare(folder: Path) -> None:
 
 def prepare_item(folder: Path) -> Path:
     """The same with an enumeration's item that is not the FMU's own; returns the scenario."""
-    text = SCENARIO.read_text("utf-8").replace("extends: ", f"extends: {SCENARIO.parent.as_posix()}/")
-    old = "    fmu: controller\n    start:\n"
-    assert old in text
     scenario = folder / "item.yaml"
-    scenario.write_text(text.replace(old, f"{old}      gain_schedule: constant\n"), "utf-8")
+    item = "blocks: {controller: {start: {gain_schedule: constant}}}"
+    scenario.write_text(f"extends: {SCENARIO.as_posix()}\n{item}\n", "utf-8")
     _orchestrate("export", scenario, "--ssp", folder / "adcs.ssp", "--container", folder / "adcs.fmu")
     return scenario
 
