@@ -26,11 +26,6 @@ class Adapter(NamedValues):
         self.do_step = self.inner.do_step
         return self._given
 
-    set_inputs: Callable[[], None]
-    get_live: Callable[[], None]
-    get_all: Callable[[], None]
-    do_step: Callable[[float, float], None]
-
     def _wire_inputs(self, inputs: Sequence[Element]) -> None:
         """From what is connected to the whole of each port of ours, and from there to theirs."""
         names = dict.fromkeys(e.variable for e in inputs)

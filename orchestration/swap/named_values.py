@@ -9,19 +9,19 @@ import numpy as np
 
 from .. import rotation
 from ..errors import BlockError
-from ..fmu.model import Element, Floats, Model
+from ..fmu.model import Element, Floats
 from ..instances.block import Block
+from ..instances.front import Front
 from .as_ours import model
 from .findings import Fit, Link
 
 
-class NamedValues:
+class NamedValues(Front):
     """The part of an adapter that sets and gets by name, before the first step and in faults."""
 
     def __init__(self, inner: Block, fit: Fit) -> None:
-        self.inner, self.fit = inner, fit
-        self.name = inner.name
-        self.model: Model = model(fit)
+        super().__init__(inner, model(fit))
+        self.fit = fit
         self._links = dict(fit.links)
         for variable in fit.extra:  # under their own names, as they are
             n = variable.size
@@ -33,10 +33,6 @@ class NamedValues:
         self._place: dict[Element, int] = {}
         """Where each input of ours stands once it is wired, in `_ours`."""
         self._ours: Floats = np.zeros(0)
-
-    @property
-    def log(self) -> Sequence[str]:
-        return self.inner.log
 
     def set(self, values: Iterable[tuple[Element, Any]]) -> None:
         touched: dict[str, None] = {}
@@ -110,12 +106,6 @@ class NamedValues:
     def enter(self, stop: float) -> None:
         self.inner.set(self.fit.start.items())
         self.inner.enter(stop)
-
-    def leave(self) -> None:
-        self.inner.leave()
-
-    def close(self) -> None:
-        self.inner.close()
 
 
 def handed_on(fit: Fit, starts: Iterable[tuple[Element, Any]]) -> dict[Element, Any]:
