@@ -7,18 +7,21 @@ from typing import Any
 
 import click
 
+from ..campaign.load import Case, read_campaign
+from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..results import formats
 from ..results.figures import require
 from ..runner.limits import limits
 from ..runner.open import Opened, open_scenario
+from ..runner.read import read
 from ..scenario.faults import sentence
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
 from .help import examples
 from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, SET, STEP, SWAP, pacing
-from .overrides import loaded
+from .overrides import loaded, settings
 from .paths import PATH
 
 
@@ -29,6 +32,7 @@ from .paths import PATH
         "orchestrate validate loop.ssp",
         "orchestrate validate loop.yaml --set plant.inclination='51.6 deg' --duration '2 orbits'",
         "orchestrate validate loop.yaml --swap allocator=vendor.fmu --map mapping.yaml",
+        "orchestrate validate scenarios/campaigns/paper_settling.yaml",
     ),
 )
 @click.argument("scenario", type=PATH)
@@ -42,7 +46,9 @@ from .paths import PATH
 @FORMAT
 @FIGURES
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@click.pass_context
 def command(
+    ctx: click.Context,
     scenario: Path,
     sets: tuple[str, ...],
     swaps: tuple[str, ...],
@@ -55,12 +61,18 @@ def command(
     quiet: bool,
     **pace: Any,
 ) -> None:
-    """Check a scenario without running it, and say what would run.
+    """Check a scenario or campaign and say what would run.
 
-    Takes the options of run. The FMUs are opened and held against the scenario, but none of their code runs: what an FMU
+    Takes the options of run; with a campaign only --set. The FMUs are opened and held against the scenario, but none of their code runs: what an FMU
     refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
     """
     formats.check(format_)
+    if _is_campaign(scenario):
+        case = _campaign(ctx, scenario, sets)
+        if not quiet:
+            notes(case.notes)
+            _print_campaign(case)
+        return
     chosen = loaded(scenario, sets, swaps, maps, pace, step=step, duration=duration, flavour=flavour)
     if figures:
         require(chosen)
@@ -77,13 +89,51 @@ def command(
     _print(opened, scenario)
 
 
+def _is_campaign(path: Path) -> bool:
+    """Whether the file names a scenario that it varies, which a scenario does not."""
+    data = None if path.suffix == ".ssp" else read(path).data
+    return isinstance(data, dict) and "scenario" in data and "blocks" not in data
+
+
+def _campaign(ctx: click.Context, path: Path, sets: tuple[str, ...]) -> Case:
+    for option in ctx.command.params:
+        given = ctx.get_parameter_source(option.name or "") is click.core.ParameterSource.COMMANDLINE
+        if given and option.name not in ("scenario", "sets", "quiet"):
+            raise InputError(
+                f"{option.opts[-1]}: {path.name} is a campaign; remedy: give it in the campaign's scenario"
+            )
+    return read_campaign(path, None, settings(sets))
+
+
+def _print_campaign(case: Case) -> None:
+    campaign, job = case.campaign, case.job
+    _head(campaign.name, "campaign", campaign.description)
+    scenario, clock = job.opened.plan.scenario, job.opened.plan.clock
+    facts = [
+        ("scenario", f"{scenario.name}: {clock.steps} steps of {clock.step:.10g} s"),
+        ("runs", f"{case.runs}, {campaign.sampling}, seed {campaign.seed}"),
+        *(("varied", f"{draw.name}: {draw.text}") for draw in job.draws.draws),
+        *(("metric", measure.metric.name) for measure in job.measures),
+        *(
+            ("requirement", f"{claim.name}: {claim.expected} in {claim.probability:g} of the runs")
+            for claim in job.claims
+        ),
+    ]
+    for line in table(("", ""), facts)[1:]:
+        say(line)
+
+
+def _head(name: str, kind: str, description: str | None) -> None:
+    say(f"{name}: valid {kind}; nothing was run", bold=True)
+    if description:
+        say(folded(" ".join(description.split())))
+    say()
+
+
 def _print(opened: Opened, path: Path) -> None:
     plan = opened.plan
     scenario, clock = plan.scenario, plan.clock
-    say(f"{scenario.name}: valid {'SSP archive' if path.suffix == '.ssp' else 'scenario'}; nothing was run", bold=True)
-    if scenario.description:
-        say(folded(" ".join(scenario.description.split())))
-    say()
+    _head(scenario.name, "SSP archive" if path.suffix == ".ssp" else "scenario", scenario.description)
     rows = []
     for name in plan.order.blocks:
         entry, fmu = scenario.blocks[name], opened.fmus[name]

@@ -64,3 +64,36 @@ def test_what_a_run_refuses_it_refuses(unrun, options, message):
 def test_quiet_says_nothing_of_what_is_valid(unrun):
     told = orchestrate("validate", unrun.name, "-q")
     assert (told.exit_code, told.output) == (0, "")
+
+
+@pytest.fixture
+def campaign(unrun):
+    """A campaign on the loop, as a file."""
+    path = Path("spread.yaml")
+    path.write_text(
+        f"name: spread\nscenario: {unrun.name}\nruns: 7\nseed: 3\n"
+        "vary: {motor.inertia: {uniform: [1, 2]}}\nmetrics: [{name: last, signal: motor.speed, statistic: final}]\n"
+    )
+    return path
+
+
+def test_a_campaign_is_checked_and_not_flown(campaign):
+    told = orchestrate("validate", campaign.name)
+    assert (told.exit_code, told.stderr) == (0, "")
+    lines = [" ".join(line.split()) for line in told.stdout.splitlines()]
+    assert lines[0] == "spread: valid campaign; nothing was run"
+    assert {"runs 7, random, seed 3", "varied motor.inertia: uniform from 1 to 2"} < set(lines)
+    assert not Path("results").exists()
+
+
+def test_what_is_wrong_in_a_campaign_is_located(campaign):
+    campaign.write_text(campaign.read_text().replace("motor.inertia", "motor.inertai"))
+    told = orchestrate("validate", campaign.name)
+    assert told.exit_code == 2
+    assert "spread.yaml:5: vary.motor: motor has no parameter 'inertai'" in told.stderr
+
+
+def test_options_of_a_run_are_refused_with_a_campaign(campaign):
+    told = orchestrate("validate", campaign.name, "--step", "0.1 s")
+    assert told.exit_code == 2
+    assert "--step: spread.yaml is a campaign" in told.stderr
