@@ -11,8 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from orchestration import InputError
 from orchestration.campaign.engine import fly
+from orchestration.campaign.flying.rows import Rows
 from orchestration.campaign.load import Case, read_campaign
-from orchestration.campaign.rows import Rows
 from orchestration.interrupt import Stopped
 from orchestration.scenario.source import Source
 
@@ -52,7 +52,7 @@ class Crew:
 
     def each(self, name: str, function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
         """The results of a function of each item, in their order."""
-        from orchestration.campaign.cluster import each  # Dask, which takes 2 s to import  # noqa: PLC0415
+        from orchestration.campaign.flying.cluster import each  # Dask, which takes 2 s to import  # noqa: PLC0415
 
         given = list(items)
         bar = self._progress.add_task(name, total=len(given))
@@ -67,7 +67,7 @@ class Crew:
 @contextmanager
 def crew(jobs: int) -> Iterator[Crew]:
     """A crew of so many processes; of 0, this process. Shows a progress bar for each campaign."""
-    from orchestration.campaign.cluster import local  # Dask, which takes 2 s to import  # noqa: PLC0415
+    from orchestration.campaign.flying.cluster import local  # Dask, which takes 2 s to import  # noqa: PLC0415
 
     columns = (TextColumn("{task.description:28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with ExitStack() as stack:

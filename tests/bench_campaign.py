@@ -13,9 +13,9 @@ from typing import Any
 
 import orchestration
 from orchestration.campaign import engine
-from orchestration.campaign.crew import TARGET
-from orchestration.campaign.file import Campaign
-from orchestration.campaign.job import Pilot
+from orchestration.campaign.file.campaign import Campaign
+from orchestration.campaign.flying.crew import TARGET
+from orchestration.campaign.flying.job import Pilot
 from orchestration.campaign.load import prepare
 from orchestration.master.compiled import CompiledLoop
 from orchestration.scenario.source import Source

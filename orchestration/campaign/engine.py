@@ -16,15 +16,16 @@ import numpy as np
 from ..errors import InputError, reason
 from ..interrupt import held
 from ..results.place import reserved
-from . import report, statistics
-from .crew import Batches, Crew, crew
+from .flying.crew import Batches, Crew, crew
 from .load import Case
 from .record import MANIFEST, manifest, write
-from .statistics import Claim, Verdict
+from .report import page as report
+from .statistics import verdicts as statistics
+from .statistics.verdicts import Claim, Verdict
 
 try:
-    from .dataset import Dataset
     from .extras import ANALYSES, analyse, keep
+    from .flying.dataset import Dataset
 except ImportError:  # in a place without PyArrow, of which `_need_parquet` tells
     Dataset = None  # type: ignore[assignment, misc]
 

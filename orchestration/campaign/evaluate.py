@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..fmu.model import Floats
-from .crew import Batches, Crew, crew
-from .expression import Expression
-from .job import OK
+from .drawing.expression import Expression
+from .flying.crew import Batches, Crew, crew
+from .flying.job import OK
 from .load import Case
 from .replay import scenario_text
 

@@ -12,11 +12,11 @@ import pyarrow.dataset as ds
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..results.place import put
-from . import search, sensitivity
-from .crew import Crew
 from .evaluate import evaluator
+from .flying.crew import Crew
 from .load import Case
 from .replay import replay
+from .statistics import search, sensitivity
 
 ANALYSES = ("sensitivity", "search")
 

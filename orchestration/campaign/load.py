@@ -24,14 +24,14 @@ from ..scenario.source import Key, Source
 from ..scenario.text import read as read_text
 from ..swap.option import swapped
 from ..system.starts import resolve
-from . import analysis
-from . import draws as drawing
-from .design import design, notes
-from .expression import NoValue
-from .file import Campaign
-from .functions import Code, NotLoaded, find
-from .job import Claimed, Job
-from .statistics import Claim, hints
+from .drawing import draws as drawing
+from .drawing.design import design, notes
+from .drawing.expression import NoValue
+from .file import analysis
+from .file.campaign import Campaign
+from .flying.functions import Code, NotLoaded, find
+from .flying.job import Claimed, Job
+from .statistics.verdicts import Claim, hints
 
 
 @dataclass

@@ -15,10 +15,10 @@ from ..errors import ResultsError, reason
 from ..results.data import json_text
 from ..results.place import put
 from .load import Case
-from .statistics import Verdict
+from .statistics.verdicts import Verdict
 
 if TYPE_CHECKING:
-    from .dataset import Dataset
+    from .flying.dataset import Dataset
 
 MANIFEST = "campaign.json"
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "scipy", "pyarrow", "distributed")

@@ -21,7 +21,7 @@ from ..runner.read import load
 from ..runner.run import execute
 from ..scenario.text import written
 from ..system.starts import resolve
-from .job import Pilot
+from .flying.job import Pilot
 from .load import Case
 from .record import MANIFEST
 

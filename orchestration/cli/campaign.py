@@ -11,11 +11,11 @@ from typing import Any
 import click
 
 from ..campaign import engine
-from ..campaign.crew import CrewLost
+from ..campaign.flying.crew import CrewLost
 from ..campaign.load import Case, read_campaign
 from ..campaign.record import MANIFEST
 from ..campaign.replay import Replayed, replay, worst
-from ..campaign.report import value_text
+from ..campaign.report.page import value_text
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit

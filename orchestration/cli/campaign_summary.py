@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ..campaign.statistics import percent, probability
+from ..campaign.statistics.verdicts import percent, probability
 from ..errors import printable
 from ..quantities import with_unit
 from .console import is_terminal, say

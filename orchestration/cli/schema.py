@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..campaign.file import schema as campaign_text
+from ..campaign.file.campaign import schema as campaign_text
 from ..scenario.schema import text
 from .console import lost, say
 from .help import examples

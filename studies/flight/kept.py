@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from orchestration import InputError
-from orchestration.campaign.rows import Rows
+from orchestration.campaign.flying.rows import Rows
 
 from .. import markdown
 from ..paper import ORBIT, Array

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from orchestration.campaign import search
-from orchestration.campaign.analysis import Search
+from orchestration.campaign.file.analysis import Search
+from orchestration.campaign.statistics import search
 
 from .analytic import Analytic, Floats, ackley, edge, peaks, separate
 

@@ -12,9 +12,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from orchestration.campaign import search, sensitivity
-from orchestration.campaign.analysis import Search, Sensitivity
-from orchestration.campaign.statistics import Claim, verdicts
+from orchestration.campaign.file.analysis import Search, Sensitivity
+from orchestration.campaign.statistics import search, sensitivity
+from orchestration.campaign.statistics.verdicts import Claim, verdicts
 
 from .analytic import Analytic, separate
 
@@ -159,6 +159,6 @@ def _analyses() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    from orchestration.campaign import report
+    from orchestration.campaign.report import page as report
 
     print(report.write(write(Path(sys.argv[1]), int(sys.argv[2]))))

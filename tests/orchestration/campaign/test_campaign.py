@@ -17,9 +17,10 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 
-from orchestration.campaign import crew, engine
+from orchestration.campaign import engine
 from orchestration.campaign.evaluate import evaluator
-from orchestration.campaign.file import schema
+from orchestration.campaign.file.campaign import schema
+from orchestration.campaign.flying import crew
 from orchestration.campaign.load import read_campaign
 from orchestration.campaign.replay import replay
 from orchestration.cli.main import main
@@ -199,7 +200,7 @@ def test_a_stopped_campaign_goes_on_where_it_was(toy):
 def test_a_killed_client_goes_on_where_it_was(toy):
     fly(toy)
     code = (
-        "import os, sys; from pathlib import Path; from orchestration.campaign import dataset, engine; "
+        "import os, sys; from pathlib import Path; from orchestration.campaign import engine; from orchestration.campaign.flying import dataset; "
         "from orchestration.campaign.load import read_campaign; dataset._EVERY = dataset._SHARE = 0.0; "
         "engine.fly(read_campaign('toy.yaml'), Path('two'), workers=0, "
         "tell=lambda at: at.flown >= 25 and os.kill(os.getpid(), 9))"
@@ -234,8 +235,8 @@ def test_a_full_disk_leaves_what_was_written(toy, monkeypatch):
         write(table, path, **more)
 
     with monkeypatch.context() as patch:
-        patch.setattr("orchestration.campaign.dataset._EVERY", 0.0)
-        patch.setattr("orchestration.campaign.dataset._SHARE", 0.0)
+        patch.setattr("orchestration.campaign.flying.dataset._EVERY", 0.0)
+        patch.setattr("orchestration.campaign.flying.dataset._SHARE", 0.0)
         patch.setattr(pq, "write_table", full)
         with pytest.raises(
             ResultsError, match=r"the runs cannot be written: .*part-000002\.parquet: the disk is full; the runs"

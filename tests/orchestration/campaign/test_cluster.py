@@ -16,7 +16,7 @@ from time import monotonic, sleep
 import pytest
 
 from orchestration.campaign import engine
-from orchestration.campaign.cluster import each
+from orchestration.campaign.flying.cluster import each
 from orchestration.campaign.load import read_campaign
 
 from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)

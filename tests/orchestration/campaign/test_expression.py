@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from orchestration.campaign.expression import Expression
+from orchestration.campaign.drawing.expression import Expression
 from orchestration.quantities import QuantityError
 
 KNOWN = {"a": 2.0, "v": [1.0, 2.0, 3.0], "R": [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]}

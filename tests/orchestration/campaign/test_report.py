@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.campaign import report, sensitivity
-from orchestration.campaign.analysis import Sensitivity
+from orchestration.campaign.file.analysis import Sensitivity
+from orchestration.campaign.report import page as report
+from orchestration.campaign.statistics import sensitivity
 from orchestration.cli.campaign_summary import summary
 
 from ..results.browser import Browser, box, pixels, values

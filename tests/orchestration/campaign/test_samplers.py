@@ -10,9 +10,9 @@ from scipy import stats
 from scipy.spatial.transform import Rotation as ScipyRotation
 from scipy.stats import qmc
 
-from orchestration.campaign import samplers
-from orchestration.campaign.distributions import Varied
-from orchestration.campaign.entries import sampler
+from orchestration.campaign.drawing import samplers
+from orchestration.campaign.drawing.entries import sampler
+from orchestration.campaign.file.distributions import Varied
 from orchestration.quantities import QuantityError
 
 U = [1e-9, 0.1, 0.5, 0.734, 1.0 - 1e-9]

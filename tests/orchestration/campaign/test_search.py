@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestration.campaign import search
-from orchestration.campaign.analysis import Search
+from orchestration.campaign.file.analysis import Search
+from orchestration.campaign.statistics import search
 
 from .analytic import Analytic, ackley, edge, peaks, separate
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from orchestration.campaign.analysis import Search, Sensitivity, metric_problem
-from orchestration.campaign.sensitivity import ranks, run
+from orchestration.campaign.file.analysis import Search, Sensitivity, metric_problem
+from orchestration.campaign.statistics.sensitivity import ranks, run
 from orchestration.errors import InputError
 
 from .analytic import ISHIGAMI, Analytic, ishigami, separate

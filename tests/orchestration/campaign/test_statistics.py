@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, quantile_test
 
-from orchestration.campaign.statistics import (
+from orchestration.campaign.statistics.verdicts import (
     Claim,
     evidence,
     fixed,

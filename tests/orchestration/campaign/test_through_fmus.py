@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner
 
 from orchestration.campaign import engine
-from orchestration.campaign.analysis import Search
 from orchestration.campaign.evaluate import evaluator
+from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.load import read_campaign
-from orchestration.campaign.search import run as search
-from orchestration.campaign.statistics import fixed, sequence
+from orchestration.campaign.statistics.search import run as search
+from orchestration.campaign.statistics.verdicts import fixed, sequence
 from orchestration.cli.main import main
 from orchestration.errors import InputError
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
 from orchestration import run
-from orchestration.campaign.job import Pilot
+from orchestration.campaign.flying.job import Pilot
 from studies.__main__ import main
 from studies.crew import crew
 from studies.flight import cases, kept, schemes

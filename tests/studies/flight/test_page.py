@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestration import InputError
-from orchestration.campaign.job import Pilot
+from orchestration.campaign.flying.job import Pilot
 from studies.flight import cases, conditions, kept
 from studies.paper import ORBIT, ROOT
 

@@ -11,15 +11,15 @@ from time import perf_counter
 
 import numpy as np
 
-from ..errors import printable
-from ..expectations.metrics import Measure, Meter, MetricError
-from ..expectations.span import Limits
-from ..fmu.model import Floats
-from ..quantities import QuantityError
-from ..runner.flight import Flight
-from ..runner.open import Opened
-from .design import Design
-from .draws import Draws
+from ...errors import printable
+from ...expectations.metrics import Measure, Meter, MetricError
+from ...expectations.span import Limits
+from ...fmu.model import Floats
+from ...quantities import QuantityError
+from ...runner.flight import Flight
+from ...runner.open import Opened
+from ..drawing.design import Design
+from ..drawing.draws import Draws
 from .functions import Code, functions
 
 OK, FAILED = "ok", "failed"

@@ -17,7 +17,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from ..errors import InputError
+from ...errors import InputError
 from .crew import Batch, Batches, CrewLost, foreign, seconds
 from .job import Job, Rows, lost
 

@@ -9,9 +9,9 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from ..results.html import cards, joined, part, pieces
+from ...results.html import cards, joined, part, pieces
+from ..statistics.sensitivity import RANKED, ranks
 from .plots import Metric
-from .sensitivity import RANKED, ranks
 
 _SHOWN = 8
 """Varied values in a table of rank correlations at most."""

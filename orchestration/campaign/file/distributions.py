@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, WithJsonSchema, model_validator
 
-from ..scenario.types import NUMBER_OR_TEXT, Model, Quantity, Value, quantity
+from ...scenario.types import NUMBER_OR_TEXT, Model, Quantity, Value, quantity
 
 _LISTED = {"anyOf": [*NUMBER_OR_TEXT, {"type": "array", "items": {"anyOf": NUMBER_OR_TEXT}}]}
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import with_unit
-from ..results.arrays import Arrays
-from .statistics import fixed, sequence
+from ...quantities import with_unit
+from ...results.arrays import Arrays
+from ..statistics.verdicts import fixed, sequence
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Protocol
 
 from pydantic import Field, model_validator
 
-from ..errors import hint
-from ..scenario.types import Model
+from ...errors import hint
+from ...scenario.types import Model
 
 Count = Annotated[int, Field(strict=True)]
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import as_written
-from ..fmu.model import Floats
-from ..quantities import QuantityError, Unit, convert, parse, real
+from ...errors import as_written
+from ...fmu.model import Floats
+from ...quantities import QuantityError, Unit, convert, parse, real
+from ..file.distributions import Steps, Varied
 from . import samplers
-from .distributions import Steps, Varied
 
 
 def numbers_only(value: Any) -> bool:

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import rankdata
 
-from ..errors import InputError
-from .analysis import Sensitivity
+from ...errors import InputError
+from ..file.analysis import Sensitivity
 
 Floats = NDArray[np.float64]
 LOST = 0.1

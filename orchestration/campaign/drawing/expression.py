@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import rotation
-from ..errors import hint
-from ..quantities import QuantityError
+from ... import rotation
+from ...errors import hint
+from ...quantities import QuantityError
 
 _LENGTH_MAX, _DEPTH_MAX, _SHOWN = 1000, 50, 60
 

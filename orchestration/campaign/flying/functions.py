@@ -10,8 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ..errors import InputError, hint
-from ..expectations.metrics import Function
+from ...errors import InputError, hint
+from ...expectations.metrics import Function
 
 
 @dataclass(frozen=True)

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from .. import rotation
-from ..errors import InputError
-from ..fmu.model import Model, NameUnknown, Variable
-from ..quantities import BASES, ONE, QuantityError, Unit, parse_unit
-from ..scenario.references import Name
-from ..scenario.source import Source
-from ..system.starts import taken
+from ... import rotation
+from ...errors import InputError
+from ...fmu.model import Model, NameUnknown, Variable
+from ...quantities import BASES, ONE, QuantityError, Unit, parse_unit
+from ...scenario.references import Name
+from ...scenario.source import Source
+from ...system.starts import taken
+from ..file.campaign import Campaign
+from ..file.distributions import Varied
 from . import samplers
-from .distributions import Varied
 from .entries import describe, numbers_only
 from .entries import sampler as of
 from .expression import Expression
-from .file import Campaign
 
 
 @dataclass(frozen=True)

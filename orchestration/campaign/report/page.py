@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from ..results.data import json_text
-from ..results.html import Page, cards, joined, part, pieces
+from ...results.data import json_text
+from ...results.html import Page, cards, joined, part, pieces
+from ..flying.rows import Rows
+from ..statistics.sensitivity import RANKED
+from ..statistics.verdicts import probability, quantile, share
 from . import plots
 from .influence import ranked, sensitivity, signed
 from .overview import basis, header, outcome, two, verdicts
 from .plots import Metric
-from .rows import Rows
-from .sensitivity import RANKED
-from .statistics import probability, quantile, share
 
 _PLOTS = 120
 """Scatter plots on a page at most."""

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
 
-from ..fmu.model import Floats
+from ...fmu.model import Floats
 
 _SMALLEST = 2.0**-54
 """In the place of 0, whose normal quantile is infinite; the generator's next number is four times as large."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from distributed import WorkerPlugin
 
-from ..errors import BlockError, InputError
+from ...errors import BlockError, InputError
 from .crew import Batch
 from .crew import fly as fly_batch
 from .job import Job, Pilot, Rows

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
-from ..scenario.expectations import Bound
-from ..scenario.metrics import Metric
-from ..scenario.references import Name
-from ..scenario.types import NUMBER_OR_TEXT, Counted, Flavour, Model, Quantity, Value
+from ...scenario.expectations import Bound
+from ...scenario.metrics import Metric
+from ...scenario.references import Name
+from ...scenario.types import NUMBER_OR_TEXT, Counted, Flavour, Model, Quantity, Value
 from .analysis import Search, Sensitivity, metric_problem
 from .distributions import Varied
 

@@ -13,8 +13,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ..errors import InputError, ResultsError, reason
-from ..interrupt import held
+from ...errors import InputError, ResultsError, reason
+from ...interrupt import held
 from .job import OK, Job, Rows
 
 _TYPES: dict[str, Any] = {"int64": pa.int64(), "string": pa.string(), "double": pa.float64(), "bool": pa.bool_()}

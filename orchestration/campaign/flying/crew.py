@@ -9,8 +9,8 @@ from typing import Protocol
 
 from numpy.typing import NDArray
 
-from ..fmu.interfaces import is_path
-from ..fmu.model import Floats
+from ...fmu.interfaces import is_path
+from ...fmu.model import Floats
 from .job import Job, Pilot, Rows
 
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..fmu.model import Floats
+from ...errors import InputError
+from ...fmu.model import Floats
 from .draws import Draws
 from .samplers import Pick
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..results.html import joined, pieces, verdict
-from .statistics import ends, percent
+from ...results.html import joined, pieces, verdict
+from ..statistics.verdicts import ends, percent
 
 _BASIS = {
     "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from .analysis import Search
+from ..file.analysis import Search
 from .sensitivity import _EDGE, Evaluator
 
 Floats = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""The values of each run: distributions, their samples, expressions, the design."""

@@ -1,0 +1,1 @@
+"""What the rows say: verdicts, sensitivities, the worst case."""
