@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,8 @@ ATTITUDE_TOLERANCE = 1e-4
 """max |R^T R - I| of the input R_NB: a single-precision plant stays well below it."""
 REFERENCE_TOLERANCE = 1e-3
 """max |R^T R - I| of R_d0, which may be typed from four printed decimals."""
+ABSENT, ABSENT_MIN = 1e9, 0.999e9
+"""The start of an optional input, and from where on it is not connected, since a host may have rounded its start."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +50,15 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Inputs:
+    """Measured motion; and, optional, a given reference, whose matrix of zeros means that there is none now."""
+
     R_NB: Array
     omega_B: Array
     r_N: Array
     v_N: Array
+    R_ref: Array = field(default_factory=lambda: np.full((3, 3), ABSENT))
+    Omega_ref: Array = field(default_factory=lambda: np.full(3, ABSENT))
+    dOmega_ref: Array = field(default_factory=lambda: np.full(3, ABSENT))
 
 
 @dataclass(frozen=True)
@@ -62,9 +69,9 @@ class State:
     rate_error_0: float
     """|omega(0)| of [10], rad/s, latched at the start."""
     latched: bool = True
-    """Whether the two are latched; they wait for the first attitude where the inputs begin without one."""
+    """Whether the two are latched; they wait for the first attitude with a reference, and anew after a time without."""
     flown: bool = False
-    """Whether a step has had an attitude; from then on a matrix of zeros is refused."""
+    """Whether a step has had an attitude; from then on a matrix of zeros is refused where no reference is connected."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +122,7 @@ def _check_positive_definite(name: str, M: Array) -> None:
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0, with |zeta(0)| and |omega(0)| of the inputs as they stand."""
     x = State(t=0.0, attitude_error_0=0.0, rate_error_0=0.0, latched=False)
-    return x if _no_attitude(x, u) else _latched(x, u, p)
+    return x if _damps_only(x, u) else _latched(x, u, p)
 
 
 def _latched(x: State, u: Inputs, p: Parameters) -> State:
@@ -127,15 +134,23 @@ def _latched(x: State, u: Inputs, p: Parameters) -> State:
 
 
 def _no_attitude(x: State, u: Inputs) -> bool:
-    """Whether there is none yet: a matrix of zeros, as simple masters give before the first value. Raises ValueError."""
+    """Whether there is none: a matrix of zeros, as simple masters give before the first value.
+
+    Once flown, only where a reference is connected: who gives it knows of an attitude that is lost.
+    """
+    return not u.R_NB.any() and (not x.flown or _has_reference(u))
+
+
+def _damps_only(x: State, u: Inputs) -> bool:
+    """Whether attitude or reference is missing. Raises ValueError for inputs that do not fit."""
     _check_finite(u)
-    return not x.flown and not u.R_NB.any()
+    return _no_attitude(x, u) or (_has_reference(u) and not u.R_ref.any())
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The law [8] at the time x.t; no torque before the first attitude."""
-    if _no_attitude(x, u):
-        return Outputs(np.zeros(3), math.pi, u.omega_B, 0.0, 0.0, 0.0, True)
+    """The law [8] at the time x.t; damping of the rate alone where there is no attitude or no reference."""
+    if _damps_only(x, u):
+        return _damping(u, p, _no_attitude(x, u))
     x = _latched(x, u, p)
     e = _errors(x.t, u, p)
     k, l = _gains(x, e, p)  # noqa: E741 the paper's letter
@@ -156,11 +171,27 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     )
 
 
+def _damping(u: Inputs, p: Parameters, no_attitude: bool) -> Outputs:
+    """tau = -L Omega with |omega(0)| = |Omega| in [10]; the error of attitude is unknown, and given as the largest."""
+    rate = so3.norm(u.omega_B)
+    scheduled = p.gain_schedule == "error"
+    l = gains.rate_scale(p.lambda0, p.c1, p.c2, rate, rate) if scheduled else p.lambda0  # noqa: E741 the paper's letter
+    return Outputs(
+        tau_cmd_B=-l * (p.L0 @ u.omega_B),
+        attitude_error=math.pi,
+        rate_error_B=u.omega_B,
+        lyapunov=law.lyapunov(p.J_B, 0.0, u.omega_B),
+        gain_k=0.0,
+        gain_l=l,
+        no_attitude=no_attitude,
+    )
+
+
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the inputs at t + h, and so is the torque."""
     x = State(x.t + h, x.attitude_error_0, x.rate_error_0, x.latched, x.flown)
-    if _no_attitude(x, u):
-        x = State(x.t, 0.0, 0.0, latched=False)
+    if _damps_only(x, u):
+        x = State(x.t, 0.0, 0.0, latched=False, flown=not _no_attitude(x, u))
         return x, outputs(x, u, p)
     x = replace(_latched(x, u, p), flown=True)
     return x, outputs(x, u, p)
@@ -173,12 +204,31 @@ def _errors(t: float, u: Inputs, p: Parameters) -> Errors:
 
 
 def _check_finite(u: Inputs) -> None:
-    for name, value in (("omega_B", u.omega_B), ("r_N", u.r_N), ("v_N", u.v_N)):
-        if not math.isfinite(sum(value.tolist())):
+    for name in ("omega_B", "r_N", "v_N", "R_ref", "Omega_ref", "dOmega_ref"):
+        if not math.isfinite(sum((value := getattr(u, name)).ravel().tolist())):
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
+    connected = _connected(u.R_ref), _connected(u.Omega_ref), _connected(u.dOmega_ref)
+    if any(connected) and not all(connected):
+        missing = ("R_ref", "Omega_ref", "dOmega_ref")[connected.index(False)]
+        raise ValueError(
+            f"{missing}: expected to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them, "
+            f"found {ABSENT_MIN:g} or more"
+        )
+
+
+def _connected(value: Array) -> bool:
+    return not (np.abs(value) >= ABSENT_MIN).any()
+
+
+def _has_reference(u: Inputs) -> bool:
+    """Whether the reference is given by the inputs; `_check_finite` sees to it that all three are connected then."""
+    return _connected(u.R_ref)
 
 
 def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
+    if _has_reference(u):
+        so3.require_rotation("R_ref", u.R_ref, ATTITUDE_TOLERANCE)
+        return Reference(u.R_ref, u.Omega_ref, u.dOmega_ref)
     if p.reference == "lvlh":
         return lvlh(u.r_N, u.v_N)
     if p.reference == "inertial":

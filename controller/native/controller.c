@@ -47,14 +47,44 @@ void controller_prepare(const ControllerParameters *p, ControllerLaw *law)
     store_matrix(nearest_rotation(matrix(p->R_d0)), law->R_d0);
 }
 
+/* Whether the inputs have numbers, and all of a reference or nothing of it. */
+static bool inputs_fit(const ControllerInputs *u, Fault *f)
+{
+    static const char *const all = "to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them";
+    const NamedVector given[] = {{"R_ref", vector(u->R_ref[0])},
+                                 {"R_ref", vector(u->R_ref[1])},
+                                 {"R_ref", vector(u->R_ref[2])},
+                                 {"Omega_ref", vector(u->Omega_ref)},
+                                 {"dOmega_ref", vector(u->dOmega_ref)}};
+    const bool attitude = controller_has_R_ref(u), rate = controller_has_Omega_ref(u), change = controller_has_dOmega_ref(u);
+    if (!are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) || !all_finite_vectors(given, COUNT(given), f)) {
+        return false;
+    }
+    if (attitude != rate || rate != change) {
+        const char *missing = !attitude ? "R_ref" : !rate ? "Omega_ref" : "dOmega_ref";
+        return fault(f, missing, CONTROLLER_ABSENT_MIN, all);
+    }
+    return true;
+}
+
+/* The reference of the inputs where it is connected, else what the parameter `reference` says. */
+static bool desired(const ControllerLaw *law, double t, const ControllerInputs *u, Reference *reference, Fault *f)
+{
+    if (!controller_has_R_ref(u)) {
+        return reference_at(law->p.reference, matrix(law->R_d0), vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
+                            reference, f);
+    }
+    *reference = (Reference){matrix(u->R_ref), vector(u->Omega_ref), vector(u->dOmega_ref)};
+    return is_rotation(reference->R_d, REFERENCE_ATTITUDE_TOLERANCE, "R_ref",
+                       "a rotation matrix, max |R_ref^T R_ref - I| at most 0.0001, or zeros", f);
+}
+
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
 static bool tracking_errors(const ControllerLaw *law, double t, const ControllerInputs *u, Errors *e, Fault *f)
 {
     const Matrix R = matrix(u->R_NB);
     Reference reference;
-    if (!are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) || !is_attitude(R, f) ||
-        !reference_at(law->p.reference, matrix(law->R_d0), vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
-                      &reference, f)) {
+    if (!is_attitude(R, f) || !desired(law, t, u, &reference, f)) {
         return false;
     }
     e->Q = multiply(transposed(reference.R_d), R);
@@ -92,10 +122,17 @@ static bool gravity_gradient(const ControllerLaw *law, const ControllerInputs *u
     return true;
 }
 
-/* Whether there is none yet: a matrix of zeros, as simple masters give before the first value. */
+/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
+ * is connected: who gives it knows of an attitude that is lost. */
 static bool no_attitude(const ControllerState *x, const ControllerInputs *u)
 {
-    return !x->flown && is_zero_matrix(matrix(u->R_NB));
+    return is_zero_matrix(matrix(u->R_NB)) && (!x->flown || controller_has_R_ref(u));
+}
+
+/* Whether attitude or reference is missing. */
+static bool damps_only(const ControllerState *x, const ControllerInputs *u)
+{
+    return no_attitude(x, u) || is_zero_matrix(matrix(u->R_ref));
 }
 
 /* |zeta(0)| and |omega(0)| of the inputs at x->t, where none are latched. */
@@ -112,23 +149,38 @@ static bool latch(const ControllerLaw *law, const ControllerInputs *u, Controlle
     return true;
 }
 
+/* tau = -L Omega with |omega(0)| = |Omega| in [10]; the error of attitude is unknown, and given as the largest. */
+static void damp(const ControllerParameters *p, const ControllerInputs *u, ControllerOutputs *y)
+{
+    const Vector Omega = vector(u->omega_B);
+    const double rate = norm(Omega);
+    const bool scheduled = p->gain_schedule == CONTROLLER_GAIN_SCHEDULE_ERROR;
+    y->gain_k = 0.0;
+    y->gain_l = scheduled ? p->lambda0 * (p->c1 + rate) / (p->c2 + rate) : p->lambda0;
+    y->attitude_error = REFERENCE_NO_ATTITUDE;
+    y->lyapunov = 0.5 * dot(Omega, apply(matrix(p->J_B), Omega));
+    store(Omega, y->rate_error_B);
+    store(scale(-y->gain_l, apply(matrix(p->L0), Omega)), y->tau_cmd_B);
+}
+
 bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)
 {
     *x = (ControllerState){0.0, 0.0, 0.0, false, false};
-    return no_attitude(x, u) ? are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) : latch(law, u, x, f);
+    return inputs_fit(u, f) && (damps_only(x, u) || latch(law, u, x, f));
 }
 
-bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
-                        Fault *f)
+/* Of inputs that fit. */
+static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
+                       Fault *f)
 {
     const ControllerParameters *p = &law->p;
     const Matrix J = matrix(p->J_B);
     Errors e;
     Vector M_g = zero;
-    if (no_attitude(x, u)) {
-        *y = (ControllerOutputs){.attitude_error = REFERENCE_NO_ATTITUDE, .no_attitude = true};
-        store(vector(u->omega_B), y->rate_error_B);
-        return are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f);
+    y->no_attitude = no_attitude(x, u);
+    if (damps_only(x, u)) {
+        damp(p, u, y);
+        return true;
     }
     ControllerState now = *x;
     if (!latch(law, u, &now, f) || !tracking_errors(law, x->t, u, &e, f) ||
@@ -158,18 +210,24 @@ bool controller_outputs(const ControllerLaw *law, const ControllerState *x, cons
     y->lyapunov = 0.5 * dot(e.omega, apply(J, e.omega)) + phi.value; /* [11] */
     y->gain_k = k;
     y->gain_l = l;
-    y->no_attitude = false;
     return true;
+}
+
+bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
+                        Fault *f)
+{
+    return inputs_fit(u, f) && outputs_of(law, x, u, y, f);
 }
 
 bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h, ControllerOutputs *y,
                      Fault *f)
 {
     ControllerState next = *x;
+    const bool damping = damps_only(x, u);
     next.t = x->t + h;
-    next.latched = x->latched && !no_attitude(x, u);
+    next.latched = x->latched && !damping;
     next.flown = !no_attitude(x, u);
-    if ((next.flown && !latch(law, u, &next, f)) || !controller_outputs(law, &next, u, y, f)) {
+    if (!inputs_fit(u, f) || (!damping && !latch(law, u, &next, f)) || !outputs_of(law, &next, u, y, f)) {
         return false;
     }
     *x = next;

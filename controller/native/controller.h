@@ -14,8 +14,8 @@ typedef struct {
     double t;                /* s */
     double attitude_error_0; /* |zeta(0)| of [10], rad, latched at the start */
     double rate_error_0;     /* |omega(0)| of [10], rad/s, latched at the start */
-    bool latched;            /* the two are; they wait for the first attitude where the inputs begin without one */
-    bool flown;              /* a step has had an attitude; from then on a matrix of zeros is refused */
+    bool latched;            /* the two are; they wait for an attitude and a reference, anew after a time without */
+    bool flown;              /* a step has had an attitude; zeros are then refused where no reference is connected */
 } ControllerState;
 
 /* Parameters and what follows from them alone. */
@@ -32,7 +32,7 @@ void controller_prepare(const ControllerParameters *p, ControllerLaw *law);
 /* The state at t = 0, with |zeta(0)| and |omega(0)| of the inputs as they stand. */
 bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f);
 
-/* The law [8] at x->t. */
+/* The law [8] at x->t; damping of the rate alone where there is no attitude or no reference. */
 bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
                         Fault *f);
 

@@ -3,6 +3,7 @@
 #ifndef CONTROLLER_PORTS_H
 #define CONTROLLER_PORTS_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -73,6 +74,15 @@ typedef struct {
     double r_N[3];
     /* m/s; frame N; Velocity of the centre of mass */
     double v_N[3];
+    /* frame N from desired body; Desired attitude, orthonormal to 1e-4; with Omega_ref and dOmega_ref it
+     * takes the place of the parameter reference. A matrix of zeros: no reference now, only rates are damped;
+     * optional; 1e9 means not connected */
+    double R_ref[3][3];
+    /* rad/s; frame desired body; Desired body rate [3]; connect R_ref, Omega_ref and dOmega_ref, or none of
+     * them; optional; 1e9 means not connected */
+    double Omega_ref[3];
+    /* rad/s2; frame desired body; Time derivative of Omega_ref [3]; optional; 1e9 means not connected */
+    double dOmega_ref[3];
 } ControllerInputs;
 
 typedef struct {
@@ -88,8 +98,39 @@ typedef struct {
     double gain_k;
     /* l, scale of the rate gain: L = l L0 [9][10] */
     double gain_l;
-    /* R_NB is a matrix of zeros, since there is no attitude yet: no torque, and attitude_error is pi */
+    /* R_NB is a matrix of zeros, since there is no attitude: only rates are damped, and attitude_error is pi
+     * */
     bool no_attitude;
 } ControllerOutputs;
+
+/* An optional input is not connected where an element is this large. */
+#define CONTROLLER_ABSENT_MIN 999000000.0
+
+static inline bool controller_has_R_ref(const ControllerInputs *u)
+{
+    return !(fabs(u->R_ref[0][0]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[0][1]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[0][2]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[1][0]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[1][1]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[1][2]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[2][0]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[2][1]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->R_ref[2][2]) >= CONTROLLER_ABSENT_MIN);
+}
+
+static inline bool controller_has_Omega_ref(const ControllerInputs *u)
+{
+    return !(fabs(u->Omega_ref[0]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->Omega_ref[1]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->Omega_ref[2]) >= CONTROLLER_ABSENT_MIN);
+}
+
+static inline bool controller_has_dOmega_ref(const ControllerInputs *u)
+{
+    return !(fabs(u->dOmega_ref[0]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->dOmega_ref[1]) >= CONTROLLER_ABSENT_MIN ||
+             fabs(u->dOmega_ref[2]) >= CONTROLLER_ABSENT_MIN);
+}
 
 #endif

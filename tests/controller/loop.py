@@ -4,6 +4,8 @@ The body is written with quaternions and inertial vectors, sharing nothing with 
 every term of [8] is of the order of the others: an eccentric orbit of 10 m about a small mass turns LVLH at 1 rad/s.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
@@ -36,15 +38,34 @@ def law(**changes):
         "R_d0": R_D0.as_matrix(),
         "Omega_d0": RATE_D0,
     }
-    p = parameters("controller", **(values | changes))
+    given = changes.get("reference") == "given"
+    p = parameters("controller", **(values | changes | ({"reference": "inertial"} if given else {})))
     controller.check(p)
-    return p
+    return replace(p, reference="given") if given else p  # by the ports, so that the block does not look at it
+
+
+def given(t):
+    """A reference whose rate changes in size and direction: R_d as a SciPy rotation, Omega_d and dOmega_d by differences."""
+
+    def attitude(t):
+        return Rotation.from_rotvec([0.7 * np.sin(1.3 * t), 0.4 * t, -0.9 * np.cos(0.8 * t)]) * R_D0
+
+    def slope(difference, h):
+        return (8 * difference(h) - difference(2 * h)) / (12 * h)  # of fourth order
+
+    def rate(t):
+        return slope(lambda h: (attitude(t - h).inv() * attitude(t + h)).as_rotvec(), 5e-3)
+
+    return attitude(t), rate(t), slope(lambda h: rate(t + h) - rate(t - h), 5e-3)
 
 
 def desired(p, t, r, v):
     """Desired attitude as a SciPy rotation and its rate in inertial axes, from geometry alone."""
     if p.reference == "inertial":
         return R_D0, np.zeros(3)
+    if p.reference == "given":
+        R_d, Omega_d, _ = given(t)
+        return R_d, R_d.apply(Omega_d)
     if p.reference == "rate":
         R_d = R_D0 * Rotation.from_rotvec(t * RATE_D0)
         return R_d, R_d.apply(RATE_D0)
@@ -54,12 +75,16 @@ def desired(p, t, r, v):
     return Rotation.from_matrix(np.column_stack(columns)), w
 
 
-def block_inputs(y):
-    return controller.Inputs(R_NB=Rotation.from_quat(y[:4]).as_matrix(), omega_B=y[4:7], r_N=y[7:10], v_N=y[10:13])
+def block_inputs(y, p, t):
+    u = controller.Inputs(R_NB=Rotation.from_quat(y[:4]).as_matrix(), omega_B=y[4:7], r_N=y[7:10], v_N=y[10:13])
+    if p.reference != "given":
+        return u
+    R_d, Omega_d, dOmega_d = given(t)
+    return replace(u, R_ref=R_d.as_matrix(), Omega_ref=Omega_d, dOmega_ref=dOmega_d)
 
 
 def torque(p, t, y):
-    return controller.outputs(controller.State(t, 0.0, 0.0), block_inputs(y), p).tau_cmd_B
+    return controller.outputs(controller.State(t, 0.0, 0.0), block_inputs(y, p, t), p).tau_cmd_B
 
 
 def state(rotation, Omega):

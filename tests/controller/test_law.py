@@ -61,7 +61,7 @@ def test_phi_rises_from_zero_with_slope_one_and_bends_down(choice):
         assert 0.0 < slope <= 1.0
 
 
-@pytest.mark.parametrize("reference", ["lvlh", "inertial", "rate"])
+@pytest.mark.parametrize("reference", ["lvlh", "inertial", "rate", "given"])
 @pytest.mark.parametrize("phi", morse.PHI)
 @pytest.mark.parametrize("gravity", [True, False])
 def test_lyapunov_function_falls_by_exactly_what_the_damping_takes(reference, phi, gravity):
@@ -76,7 +76,7 @@ def test_lyapunov_function_falls_by_exactly_what_the_damping_takes(reference, ph
         assert slope == pytest.approx(-loop.LAMBDA * omega @ loop.L0 @ omega, abs=2e-7)
 
 
-@pytest.mark.parametrize("reference", ["lvlh", "inertial", "rate"])
+@pytest.mark.parametrize("reference", ["lvlh", "inertial", "rate", "given"])
 def test_closed_loop_obeys_the_error_dynamics(reference):
     """J domega/dt along the body's motion is the right side of [6] once [8] stands in it; all its components."""
     p = loop.law(reference=reference, phi="logarithm")
@@ -109,7 +109,7 @@ def test_a_tumble_settles_and_its_lyapunov_value_never_rises(reference, rotation
     values = []
     for t in times:
         y = solution(t)
-        out = controller.outputs(controller.State(t, 0.0, 0.0), loop.block_inputs(y), p)
+        out = controller.outputs(controller.State(t, 0.0, 0.0), loop.block_inputs(y, p, t), p)
         values.append(out.lyapunov)
         assert out.lyapunov == pytest.approx(loop.energy(p, t, y), abs=1e-12)
         np.testing.assert_allclose(out.rate_error_B, loop.rate_error(p, t, y), rtol=0, atol=1e-12)

@@ -75,21 +75,23 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "wheel_torque_cmd": 3e-3 * rng.normal(),
         "R_d": Rotation.random(random_state=rng).as_matrix(),
         "Omega_d": 1e-2 * rng.normal(size=3),
+        "R_ref": Rotation.random(random_state=rng).as_matrix() * (kind not in (1, 2)),  # without one rates are damped
+        "Omega_ref": 1e-2 * rng.normal(size=3),
+        "dOmega_ref": 1e-4 * rng.normal(size=3),
     }
     given = {v.name: sizes[v.name] for v in interface.of("input")}
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
         if kind >> bit & 1:
             del given[name]
-    return (
-        given
-        if ("R_d" in given) == ("Omega_d" in given)
-        else {k: v for k, v in given.items() if k not in ("R_d", "Omega_d")}
-    )
+    for group in (("R_d", "Omega_d"), ("R_ref", "Omega_ref", "dOmega_ref")):
+        if not all(name in given for name in group):
+            given = {name: value for name, value in given.items() if name not in group}
+    return given
 
 
 def moves(name: str, value: float) -> tuple[float, ...]:
     """What an element of an input is moved to: a little, and, where the block takes it, far."""
-    if name in ("R_NB", "R_d"):
+    if name in ("R_NB", "R_d", "R_ref"):
         return (value + 3e-5, value - 3e-5)
     return (value * 1.01 + 1e-9, -value, 5.0 * value, 50.0 * value)
 

@@ -30,6 +30,13 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
     },
+    "controller, given reference": {
+        **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"R_ref[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0.T)},
+        **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
+        **{f"Omega_ref[{i}]": 0.02 * i for i in (1, 2, 3)},
+        **{f"dOmega_ref[{i}]": 1e-4 * i for i in (1, 2, 3)},
+    },
     "allocator": {
         **{f"tau_cmd_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
@@ -40,6 +47,15 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"omega_B[{i}]": 0.02 * i for i in (1, 2, 3)},
         **{f"b_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
         **{f"u_applied[{i}]": 1e-4 * i for i in (1, 2, 3, 4)},
+        "h_w": 1e-3,
+    },
+    "controller_planned, given reference": {
+        **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"R_ref[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0.T)},
+        **{f"omega_B[{i}]": 0.02 * i for i in (1, 2, 3)},
+        **{f"Omega_ref[{i}]": 0.002 * i for i in (1, 2, 3)},
+        **{f"dOmega_ref[{i}]": 1e-5 * i for i in (1, 2, 3)},
+        **{f"b_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
         "h_w": 1e-3,
     },
     "plant_sensors": {
@@ -175,7 +191,7 @@ POINTS = {"controller_planned": 48, "allocator": 80}
     ("block", "parameters", "at_one_state", "at_many"),
     [
         ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 22, 40),
-        ("controller_planned", next(settings("controller_planned")), 136, 188),
+        ("controller_planned", next(settings("controller_planned")), 157, 242),
     ],
 )
 def test_at_one_state_fewer_pairs_are_seen_than_there_are(block, parameters, at_one_state, at_many):

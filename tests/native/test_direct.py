@@ -130,14 +130,16 @@ def test_without_an_attitude_the_planned_controller_passes_the_wheel_momentum_on
         assert direct.y.h_w_estimate == estimate
 
 
-@pytest.mark.parametrize("block", ["controller_planned", "plant_judge", "allocator_bounded"])
+@pytest.mark.parametrize("block", ["controller", "controller_planned", "plant_judge", "allocator_bounded"])
 def test_an_input_of_which_one_element_is_not_connected_counts_as_not_connected(block: str) -> None:
-    """Of the judge two belong together, so that one alone is refused by the name of the other."""
+    """Those of a reference belong together, so that the others are refused by the name of the one that is missing."""
     direct = Direct(block)
     connected: dict[str, Any] = {
         "h_w": 0.01, "b_B": [2e-5, -1e-5, 3e-5], "u_applied": [1.0, 2.0, -3.0, 1e-4],
         "R_d": Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix(), "Omega_d": [0.01, 0.02, 0.03],
         "dipole_ff": [3.0, -4.0, 5.0], "wheel_torque_ff": 1e-4,
+        "R_ref": Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix(), "Omega_ref": [1e-3, 2e-3, 3e-3],
+        "dOmega_ref": [1e-5, 2e-5, 3e-5],
     }  # fmt: skip
     optional = [v for v in load(block).of("input") if v.optional]
     given = {v.name: connected[v.name] for v in optional}

@@ -21,16 +21,25 @@ from .driver import Instance, Refused
 RELATIVE = 1e-9
 
 
-def controller_case(rng: np.random.Generator) -> tuple[Any, Any]:
+def controller_case(rng: np.random.Generator, connected: bool = False) -> tuple[Any, Any]:
     angle = rng.choice([0.0, 1e-9, rng.uniform(0.0, math.pi), math.pi - 1e-9, math.pi])
     axis = _unit(rng)
     r_N = _unit(rng) * rng.uniform(6.6e6, 4e7)
+    desired = _rotation(rng)
+    given = {
+        "R_ref": desired * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
+        "Omega_ref": rng.normal(scale=0.1, size=3),
+        "dOmega_ref": rng.normal(scale=0.01, size=3),
+    }
     u = inputs(
         "controller",
-        R_NB=_rotation(rng) @ Rotation.from_rotvec(angle * axis).as_matrix(),
+        R_NB=(rng.choice([0.0, 1.0], p=[0.1, 0.9]) if connected else 1.0)
+        * desired
+        @ Rotation.from_rotvec(angle * axis).as_matrix(),
         omega_B=rng.normal(scale=0.1, size=3),
         r_N=r_N,
         v_N=rng.normal(scale=5e3, size=3),
+        **(given if connected else {}),
     )
     p = parameters(
         "controller",
@@ -48,6 +57,11 @@ def controller_case(rng: np.random.Generator) -> tuple[Any, Any]:
         Omega_d0=rng.normal(scale=0.1, size=3),
     )
     return p, u
+
+
+def controller_with_reference_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Also with no attitude, and no reference, now and then."""
+    return controller_case(rng, connected=True)
 
 
 def allocator_case(rng: np.random.Generator) -> tuple[Any, Any]:
@@ -206,6 +220,7 @@ def plant_judge_case(rng: np.random.Generator) -> tuple[Any, Any]:
 
 CASES = {
     "controller": controller_case,
+    "controller, given reference": controller_with_reference_case,
     "allocator": allocator_case,
     "allocator_bounded": allocator_bounded_case,
     "plant": plant_case,
@@ -214,13 +229,14 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("block", CASES)
-def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
+@pytest.mark.parametrize("case", CASES)
+def test_outputs_in_initialization_and_over_steps_agree(case: str) -> None:
     rng = np.random.default_rng(4)
+    block = case.partition(",")[0]
     python = module(block)
     compared = 0
     for _ in range(100):
-        p, u = CASES[block](rng)
+        p, u = CASES[case](rng)
         python.check(p)
         with Instance(block) as native:
             native.set_all(p)
@@ -231,7 +247,7 @@ def test_outputs_in_initialization_and_over_steps_agree(block: str) -> None:
             assert_same(native.outputs(), python.outputs(x, u, p), block)
             native.call("ExitInitializationMode")
             for i in range(5):
-                _, u = CASES[block](rng)
+                _, u = CASES[case](rng)
                 native.set_all(u)
                 assert_same(native.outputs(), python.outputs(x, u, p), block)  # Get after Set, before doStep
                 native.step(0.1 * i, 0.1)
@@ -267,7 +283,7 @@ def test_the_python_block_has_the_interfaces_threshold() -> None:
     assert ABSENT_MIN_IN_PYTHON == ABSENT_MIN
 
 
-@pytest.mark.parametrize("block", list(CASES))
+@pytest.mark.parametrize("block", [case for case in CASES if "," not in case])
 def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
     wrong: dict[str, list[dict[str, Any]]] = {
         "controller": [
@@ -284,6 +300,11 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"R_NB": np.diag([1.0, 1.0, 1.001])},
             {"v_N": [1.0, 0.0, 0.0]},
             {"r_N": [0.0, 0.0, 0.0], "reference": "inertial"},
+            {"R_ref": np.diag([1.0, 1.0, -1.0]), "Omega_ref": [0.0, 0.0, 0.0], "dOmega_ref": [0.0, 0.0, 0.0]},
+            {"Omega_ref": [1e9, 1e9, 1e9], "R_ref": np.eye(3), "dOmega_ref": [0.0, 0.0, 0.0]},
+            {"dOmega_ref": [1e9, 1e9, 1e9], "R_ref": np.eye(3), "Omega_ref": [0.0, 0.0, 0.0]},
+            {"R_ref": np.full((3, 3), 1e9), "Omega_ref": [0.0, 0.0, 0.0], "dOmega_ref": [0.0, 0.0, 0.0]},
+            {"R_ref": np.full((3, 3), 1e-12), "Omega_ref": [0.0, 0.0, 0.0], "dOmega_ref": [0.0, 0.0, 0.0]},
         ],
         "allocator": [
             {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},

@@ -1,19 +1,53 @@
 /* The outputs: the law [8] on the plan, or the steering. */
+#include "reference.h"
 #include "state.h"
 
-static const double WHEEL_REST = 10.0; /* s, over which the wheel is brought to rest while steering */
+static const double WHEEL_REST = 10.0; /* s, over which the wheel is brought to rest while steering or damping */
+static const double TINY = 1e-300;     /* keeps a rod that gives nothing from dividing */
 
-/* What rods and wheel give while the momentum is steered: N m, and their controls. */
-static Vector steering_torque(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model,
-                              const Motion *now, Vector B_B, double controls[CONTROLS])
+/* The feed-forward. */
+static void store_controls(const ControllerPlannedParameters *p, const double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
-    const double torque_max = law->p.wheel_torque_max;
-    controller_planned_steering_rods(&x->steering, now->R, B_B, model->rods, controls);
-    controls[3] = clip(-now->l / (WHEEL_REST * torque_max), -1.0, 1.0);
+    for (int i = 0; i < 3; ++i) {
+        y->dipole_ff[i] = p->dipole_max * controls[i];
+    }
+    y->wheel_torque_ff = p->wheel_torque_max * controls[3];
+}
+
+/* What rods under their controls and the wheel, which comes to rest, give: N m. */
+static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
+{
+    const double torque_max = model->wheel_torque_max;
+    controls[3] = clip(-l / (WHEEL_REST * torque_max), -1.0, 1.0);
     Vector tau = cross(rods_dipole(model, controls), B_B);
-    tau = subtract(tau, cross(now->Omega, (Vector){now->l, 0.0, 0.0}));
+    tau = subtract(tau, cross(Omega, (Vector){l, 0.0, 0.0}));
     tau.x -= torque_max * controls[3];
     return tau;
+}
+
+/* Dipoles Omega x B L/|B|^2, which give -L Omega across the field, by their parts along the rods, each within its limit: no
+ * rod gives energy to the satellite. */
+static void damping_rods(const Model *model, double L, Vector Omega, Vector B_B, double controls[CONTROLS])
+{
+    const double square = dot(B_B, B_B);
+    const Vector m = square > 0.0 ? scale(L / square, cross(Omega, B_B)) : (Vector){0.0, 0.0, 0.0};
+    for (int i = 0; i < 3; ++i) {
+        controls[i] = clip(dot(model->rods[i], m) / larger(dot(model->rods[i], model->rods[i]), TINY), -1.0, 1.0);
+    }
+}
+
+void controller_planned_damp(const ControllerPlannedLaw *law, const Model *model, Vector Omega, double l, Vector B_B,
+                             double controls[CONTROLS], ControllerPlannedOutputs *y)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    damping_rods(model, (p->L0[0][0] + p->L0[1][1] + p->L0[2][2]) / 3.0, Omega, B_B, controls);
+    store(torque_of_rods(model, Omega, l, B_B, controls), y->tau_cmd_B);
+    store((Vector){0.0, 0.0, 0.0}, y->dOmega_d);
+    y->attitude_error = REFERENCE_NO_ATTITUDE;
+    store(Omega, y->rate_error_B);
+    y->lyapunov = 0.5 * dot(Omega, apply(model->J, Omega));
+    y->phase = PHASE_DAMPING;
+    store_controls(p, controls, y);
 }
 
 /* What the law [8] knows of the errors from the reference. */
@@ -60,9 +94,14 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     const Model model = controller_planned_believed(law, x);
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Around around = controller_planned_around_at(&ahead, x->t);
-    const Target target = controller_planned_target_at(&ahead, x->t);
     const Vector B_B = has_field(u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);
+    store_estimates(x, &model, now, y);
+    if (x->phase == PHASE_DAMPING) {
+        controller_planned_damp(law, &model, now->Omega, now->l, B_B, controls, y);
+        return;
+    }
 
+    const Target target = controller_planned_target_at(&ahead, x->t);
     const Matrix Q_target = multiply(transposed(target.R), now->R);
     y->attitude_error = principal_angle(Q_target);
     store(subtract(now->Omega, apply_transposed(Q_target, target.Omega)), y->rate_error_B);
@@ -75,7 +114,8 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
 
     Vector dOmega_d = {0.0, 0.0, 0.0}, tau;
     if (x->phase == PHASE_STEERING) {
-        tau = steering_torque(law, x, &model, now, B_B, controls);
+        controller_planned_steering_rods(&x->steering, now->R, B_B, model.rods, controls);
+        tau = torque_of_rods(&model, now->Omega, now->l, B_B, controls);
     } else {
         controller_planned_plan_at(&x->plan, x->t + 0.5 * p->control_period, controls);
         dOmega_d = controller_planned_acceleration(&model, &around, &x->reference, controls);
@@ -83,9 +123,5 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     }
     store(tau, y->tau_cmd_B);
     store(dOmega_d, y->dOmega_d);
-    for (int i = 0; i < 3; ++i) {
-        y->dipole_ff[i] = p->dipole_max * controls[i];
-    }
-    y->wheel_torque_ff = p->wheel_torque_max * controls[3];
-    store_estimates(x, &model, now, y);
+    store_controls(p, controls, y);
 }

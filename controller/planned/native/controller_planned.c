@@ -9,20 +9,35 @@ static const double CLOSED = 0.999;            /* of the energy that escapes: th
 static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
 static const double EARLY = 1e-6;              /* of the control period: a sample is due that much before its time */
 
-static const double PI = 3.14159265358979323846;
-
-/* Whether there is none yet: a matrix of zeros, as simple masters give before the first value. */
+/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
+ * is connected: who gives it knows of an attitude that is lost. */
 static bool no_attitude(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
 {
-    return !x->flown && is_zero_matrix(matrix(u->R_NB));
+    return is_zero_matrix(matrix(u->R_NB)) && (!x->flown || controller_planned_has_R_ref(u));
 }
 
 static bool inputs_finite(const ControllerPlannedInputs *u, Fault *f)
 {
-    const NamedVector inputs[] = {
-        {"omega_B", vector(u->omega_B)}, {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)}, {"b_B", vector(u->b_B)}};
+    const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)},
+                                  {"r_N", vector(u->r_N)},
+                                  {"v_N", vector(u->v_N)},
+                                  {"b_B", vector(u->b_B)},
+                                  {"R_ref", vector(u->R_ref[0])},
+                                  {"R_ref", vector(u->R_ref[1])},
+                                  {"R_ref", vector(u->R_ref[2])},
+                                  {"Omega_ref", vector(u->Omega_ref)},
+                                  {"dOmega_ref", vector(u->dOmega_ref)}};
     if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
         return false;
+    }
+    const bool attitude = controller_planned_has_R_ref(u), rate = controller_planned_has_Omega_ref(u);
+    if (attitude != rate || rate != controller_planned_has_dOmega_ref(u)) {
+        return fault(f,
+                     !attitude ? "R_ref"
+                     : !rate   ? "Omega_ref"
+                               : "dOmega_ref",
+                     CONTROLLER_PLANNED_ABSENT_MIN,
+                     "to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them");
     }
     if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > FIELD_MAX) {
         return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
@@ -54,8 +69,12 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
     if (!(0.5 * v * v < CLOSED * mu / r)) {
         return fault(f, "v_N", v, "the velocity of a closed orbit, below that of escape");
     }
+    const Matrix R_ref = matrix(u->R_ref);
     return is_rotation(matrix(u->R_NB), ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001",
-                       f);
+                       f) &&
+           (!controller_planned_has_R_ref(u) || is_zero_matrix(R_ref) ||
+            is_rotation(R_ref, ATTITUDE_TOLERANCE, "R_ref",
+                        "a rotation matrix, max |R_ref^T R_ref - I| at most 0.0001, or zeros", f));
 }
 
 /* The control acts: x->t is the time of the inputs. */
@@ -65,7 +84,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     const Around around = controller_planned_take_sample(law, x, u, first);
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Motion now = x->estimate;
-    if (!first && x->phase != PHASE_STEERING) {
+    if (!first && is_planned(x->phase)) {
         const Model model = controller_planned_believed(law, x);
         x->reference = controller_planned_advanced(&model, &around, &x->reference, x->u, dt);
     }
@@ -74,18 +93,19 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
-/* What is put out before the first attitude: no torque, the largest error, what is believed of the satellite. */
+/* What is put out without an attitude: damping in the measured field, the largest error, what is believed of the satellite. */
 static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
 {
     const Matrix I = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     ControllerPlannedOutputs y;
     memset(&y, 0, sizeof y);
     y.no_attitude = true;
-    y.attitude_error = PI;
-    y.phase = PHASE_STEERING;
     y.gain_k = y.gain_l = y.rod_gain_estimate = 1.0;
     y.h_w_estimate = controller_planned_has_h_w(u) ? u->h_w : 0.0;
-    store(vector(u->omega_B), y.rate_error_B);
+    const Model model = controller_planned_nominal(law);
+    const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
+    double controls[CONTROLS];
+    controller_planned_damp(law, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
     store_matrix(I, y.R_d);
     store_matrix(matrix(law->p.J_B), y.J_estimate_B);
     return y;
@@ -99,7 +119,7 @@ static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, d
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     controller_planned_identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
                                             law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
-    x->phase = PHASE_STEERING;
+    x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;
     sample(law, x, u, true);

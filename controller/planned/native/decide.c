@@ -51,6 +51,19 @@ static Standing standing_of(const ControllerPlannedLaw *law, const ControllerPla
     };
 }
 
+/* Where there is no reference: rates are damped, and all that was planned is given up. */
+static void give_up(ControllerPlannedState *x, const Motion *now)
+{
+    x->phase = PHASE_DAMPING;
+    x->settled_since = INFINITY;
+    x->search.active = x->search.ready = false;
+    x->plan.stages = 0;
+    x->plan.cost = 0.0;
+    x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
+    x->steering.time = 0.0;
+    x->reference = *now;
+}
+
 /* The phase from now on; whether a plan or a steering is due. */
 static bool change_phase(ControllerPlannedState *x, const Standing *s, double early)
 {
@@ -104,6 +117,14 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
 {
     const ControllerPlannedParameters *p = &law->p;
     const Model model = controller_planned_believed(law, x);
+    if (ahead->target_kind == ONBOARD_TARGET_NONE) {
+        give_up(x, now);
+        return;
+    }
+    if (x->phase == PHASE_DAMPING) {
+        x->phase = PHASE_STEERING;
+        x->next_plan = x->t;
+    }
     const Standing s = standing_of(law, x, &model, ahead, now);
     const double early = EARLY * p->control_period;
     if (!(s.angle < SETTLED_ANGLE && s.rate < SETTLED_RATE)) {

@@ -20,11 +20,19 @@ static void set_rods(const ControllerPlannedLaw *law, double dipole_max, Model *
     model->rods[2] = scale(dipole_max, law->rod_axes.c);
 }
 
+Model controller_planned_nominal(const ControllerPlannedLaw *law)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    Model model = {.J = matrix(p->J_B), .wheel_torque_max = p->wheel_torque_max, .wheel_momentum_max = p->wheel_momentum_max};
+    model.J_inverse = inverse(model.J);
+    set_rods(law, p->dipole_max, &model);
+    return model;
+}
+
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
 {
     const ControllerPlannedParameters *p = &law->p;
-    Model model;
-    model.J = matrix(p->J_B);
+    Model model = controller_planned_nominal(law);
     model.J.a.x = x->identification.p[0];
     model.J.b.y = x->identification.p[1];
     model.J.c.z = x->identification.p[2];
@@ -34,18 +42,45 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     }
     model.J_inverse = inverse(model.J);
     set_rods(law, p->dipole_max * x->identification.p[GAIN], &model);
-    model.wheel_torque_max = p->wheel_torque_max;
-    model.wheel_momentum_max = p->wheel_momentum_max;
     model.disturbance_B = vector(x->identification.p + TORQUE);
     model.residual_B = vector(x->identification.p + DIPOLE);
     return model;
+}
+
+static const double STILL = 5e-5; /* rad/s relative to LVLH, below which a reference keeps its attitude to it */
+
+/* Of a reference that is given for now only, what comes after: it keeps its attitude to LVLH where it has next to no rate
+ * relative to it, else its body rate. */
+static void extrapolate(const ControllerPlannedInputs *u, Ahead *ahead)
+{
+    const Matrix R = matrix(u->R_ref);
+    const Vector Omega = vector(u->Omega_ref);
+    if (is_zero_matrix(R)) {
+        ahead->target_kind = ONBOARD_TARGET_NONE;
+        return;
+    }
+    const Target lvlh = controller_planned_lvlh(ahead->orbit.r, ahead->orbit.v);
+    const Matrix Q = multiply(transposed(lvlh.R), R);
+    const bool still = norm(subtract(Omega, apply_transposed(Q, lvlh.Omega))) < STILL;
+    ahead->target_kind = still ? ONBOARD_TARGET_WITH_LVLH : ONBOARD_TARGET_TURNING;
+    ahead->R_d0 = still ? Q : R;
+    ahead->Omega_d0 = Omega;
 }
 
 Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                   const ControllerPlannedInputs *u)
 {
     const OnboardOrbit orbit = {x->t, law->p.gravitational_parameter, vector(u->r_N), vector(u->v_N)};
-    return (Ahead){&law->field, orbit, x->field_bias_N, x->t, law->p.reference, law->R_d0};
+    Ahead ahead = {.field = &law->field,
+                   .orbit = orbit,
+                   .bias_N = x->field_bias_N,
+                   .bias_t = x->t,
+                   .target_kind = law->p.reference,
+                   .R_d0 = law->R_d0};
+    if (controller_planned_has_R_ref(u)) {
+        extrapolate(u, &ahead);
+    }
+    return ahead;
 }
 
 /* What rods and wheel gave over the last sample: u_applied, or else what was asked for; the wheel from h_w where connected. */

@@ -16,9 +16,20 @@ Around controller_planned_around_at(const Ahead *ahead, double t)
 
 Target controller_planned_target_at(const Ahead *ahead, double t)
 {
+    if (ahead->target_kind == ONBOARD_TARGET_INERTIAL) {
+        return (Target){ahead->R_d0, {0.0, 0.0, 0.0}};
+    }
+    if (ahead->target_kind == ONBOARD_TARGET_TURNING) {
+        const Matrix turn = rotation_exp(scale(t - ahead->orbit.t, ahead->Omega_d0));
+        return (Target){multiply(ahead->R_d0, turn), ahead->Omega_d0};
+    }
     Vector r_N, v_N;
     controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
-    return controller_planned_target_of(ahead->target_kind, ahead->R_d0, r_N, v_N);
+    const Target lvlh = controller_planned_lvlh(r_N, v_N);
+    if (ahead->target_kind == ONBOARD_TARGET_WITH_LVLH) {
+        return (Target){multiply(lvlh.R, ahead->R_d0), apply_transposed(ahead->R_d0, lvlh.Omega)};
+    }
+    return lvlh;
 }
 
 /* Of the rods and of the satellite itself. */

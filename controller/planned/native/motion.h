@@ -37,7 +37,8 @@ typedef struct {
     Vector bias_N; /* T, added to the field, fading over BIAS_FADES */
     double bias_t; /* when it was measured, s */
     int target_kind;
-    Matrix R_d0;
+    Matrix R_d0;     /* at rest; or relative to LVLH; or at orbit.t, turning with Omega_d0 */
+    Vector Omega_d0; /* rad/s */
 } Ahead;
 
 typedef double Square[ERRORS][ERRORS];

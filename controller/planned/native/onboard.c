@@ -123,11 +123,8 @@ void controller_planned_onboard_orbit_at(const OnboardOrbit *orbit, double t, Ve
     *v_N = add(scale(df, orbit->r), scale(dg, orbit->v));
 }
 
-Target controller_planned_target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N)
+Target controller_planned_lvlh(Vector r_N, Vector v_N)
 {
-    if (kind == ONBOARD_TARGET_INERTIAL) {
-        return (Target){R_d0, {0.0, 0.0, 0.0}};
-    }
     const double r = norm(r_N);
     return (Target){lvlh_axes(r_N, v_N), {0.0, -norm(cross(r_N, v_N)) / (r * r), 0.0}};
 }

@@ -8,7 +8,17 @@
 #include "rotation.h"
 #include "vector.h"
 
-enum { ONBOARD_DEGREE_MAX = 13, ONBOARD_TERMS = 104, ONBOARD_TARGET_LVLH = 1, ONBOARD_TARGET_INERTIAL = 2 };
+enum { ONBOARD_DEGREE_MAX = 13, ONBOARD_TERMS = 104 };
+
+/* The target: none, one that the parameter `reference` names (1 and 2 are its values), or a given one, which keeps its
+ * attitude to LVLH or its body rate. */
+enum {
+    ONBOARD_TARGET_NONE = 0,
+    ONBOARD_TARGET_LVLH = 1,
+    ONBOARD_TARGET_INERTIAL = 2,
+    ONBOARD_TARGET_WITH_LVLH = 3,
+    ONBOARD_TARGET_TURNING = 4
+};
 
 /* Gauss coefficients, nT, Schmidt semi-normalised, n = 1 to 13, m = 0 to n in this order; linear in time between the
  * epochs, with `g_rate`, `h_rate`, nT/year, after the last. The build writes the table. */
@@ -69,7 +79,7 @@ Vector controller_planned_onboard_field_at(const OnboardField *field, double t, 
 /* Position and velocity at t. */
 void controller_planned_onboard_orbit_at(const OnboardOrbit *orbit, double t, Vector *r_N, Vector *v_N);
 
-/* LVLH of a position and a velocity: Z to nadir, Y against the orbit's normal; or R_d0 at rest. */
-Target controller_planned_target_of(int kind, Matrix R_d0, Vector r_N, Vector v_N);
+/* LVLH of a position and a velocity: Z to nadir, Y against the orbit's normal. */
+Target controller_planned_lvlh(Vector r_N, Vector v_N);
 
 #endif

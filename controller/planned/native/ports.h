@@ -98,6 +98,15 @@ typedef struct {
      * control_period; their mean if the allocator is stepped more often. If not connected, the estimates use
      * what the controller asked for; optional; 1e9 means not connected */
     double u_applied[4];
+    /* frame N from desired body; Target attitude, orthonormal to 1e-4; with Omega_ref and dOmega_ref it takes
+     * the place of the parameter reference. A matrix of zeros: no reference now, only rates are damped;
+     * optional; 1e9 means not connected */
+    double R_ref[3][3];
+    /* rad/s; frame desired body; Body rate of the target; connect R_ref, Omega_ref and dOmega_ref, or none of
+     * them; optional; 1e9 means not connected */
+    double Omega_ref[3];
+    /* rad/s2; frame desired body; Time derivative of Omega_ref; optional; 1e9 means not connected */
+    double dOmega_ref[3];
 } ControllerPlannedInputs;
 
 typedef struct {
@@ -127,7 +136,8 @@ typedef struct {
     double h_w_ref;
     /* Cost of the present plan; zero during steering, -1 where the satellite turns too fast for a plan */
     double plan_cost;
-    /* 1: steering of the total momentum; 2: acquisition by plan; 3: hold */
+    /* 1: steering of the total momentum; 2: acquisition by plan; 3: hold; 4: damping of rates alone, without
+     * attitude or reference */
     int32_t phase;
     /* N.m; frame B; Estimated disturbance torque */
     double disturbance_B[3];
@@ -139,7 +149,7 @@ typedef struct {
     double rod_gain_estimate;
     /* N.m.s; Wheel momentum that the controller uses: h_w, or its own estimate where h_w is not connected */
     double h_w_estimate;
-    /* R_NB is a matrix of zeros, since there is no attitude yet: no torque, no plan, and attitude_error is pi
+    /* R_NB is a matrix of zeros, since there is no attitude: only rates are damped, and attitude_error is pi
      * */
     bool no_attitude;
 } ControllerPlannedOutputs;
@@ -165,6 +175,33 @@ static inline bool controller_planned_has_u_applied(const ControllerPlannedInput
              fabs(u->u_applied[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
              fabs(u->u_applied[2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
              fabs(u->u_applied[3]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_R_ref(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->R_ref[0][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[0][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[0][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[1][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[1][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[1][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[2][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[2][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->R_ref[2][2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_Omega_ref(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->Omega_ref[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ref[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ref[2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_dOmega_ref(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->dOmega_ref[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->dOmega_ref[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->dOmega_ref[2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
 }
 
 #endif

@@ -8,7 +8,7 @@
 #include "search.h"
 #include "steering.h"
 
-typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3 } Phase;
+typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
 
 typedef struct {
     double t;              /* s */
@@ -19,7 +19,7 @@ typedef struct {
     int32_t phase;
     bool sampled; /* whether the control has acted at t */
     bool waiting; /* for the first attitude, with which all begins */
-    bool flown;   /* a step has had an attitude; from then on a matrix of zeros is refused */
+    bool flown;   /* a step has had an attitude; zeros are then refused where no reference is connected */
     Steering steering;
     Plan plan;
     Search search;
@@ -55,6 +55,15 @@ static inline bool has_field(const ControllerPlannedInputs *u)
     return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
 }
 
+/* Whether a plan is flown. */
+static inline bool is_planned(int32_t phase)
+{
+    return phase == PHASE_ACQUISITION || phase == PHASE_HOLD;
+}
+
+/* The satellite as its parameters have it. */
+Model controller_planned_nominal(const ControllerPlannedLaw *law);
+
 /* The satellite as it is estimated now. */
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
 
@@ -74,6 +83,10 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
  * go on with: the search is made whole. */
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first);
+
+/* The outputs where rates are damped alone, of the rate Omega, the wheel's momentum l and the field B_B, zero where unknown. */
+void controller_planned_damp(const ControllerPlannedLaw *law, const Model *model, Vector Omega, double l, Vector B_B,
+                             double controls[CONTROLS], ControllerPlannedOutputs *y);
 
 /* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls` are those of
  * the feed-forward. */

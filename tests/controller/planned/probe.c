@@ -111,7 +111,7 @@ static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
     const double none[3] = {0.0, 0.0, 0.0};
     controller_planned_onboard_field(&controller_planned_gauss_models[f->model - 1], f->days, f->degree, none, field);
     const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
-    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0)};
+    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0), {0.0, 0.0, 0.0}};
 }
 
 int probe_days(const char *text, double *days)
@@ -162,7 +162,7 @@ void probe_log(int n, const double *R, double *zeta)
 
 void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
 {
-    const Target target = controller_planned_target_of(ONBOARD_TARGET_LVLH, identity, vector(r), vector(v));
+    const Target target = controller_planned_lvlh(vector(r), vector(v));
     nine_of(target.R, R);
     store(target.Omega, Omega);
 }

@@ -1,0 +1,107 @@
+"""The planned controller with a reference by its ports, without one, and without attitude."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import core
+from .test_block import AS_MEASURED, SEARCHED, J, alike, lvlh, near_target, orbit, run, started, tumbling
+
+ZEROS = np.zeros((3, 3))
+INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
+
+
+def rate_of_orbit(t):
+    r, v = orbit(t)
+    return np.linalg.norm(np.cross(r, v)) / (r @ r)
+
+
+def with_reference(inputs, R_ref, Omega_ref):
+    """The inputs with the reference at t."""
+    return lambda t: {**inputs(t), "R_ref": R_ref(t), "Omega_ref": Omega_ref(t), "dOmega_ref": np.zeros(3)}
+
+
+no_reference = with_reference(tumbling, lambda t: ZEROS, lambda t: np.zeros(3))
+to_lvlh = with_reference(near_target, lvlh, lambda t: [0.0, -rate_of_orbit(t), 0.0])
+held = with_reference(near_target, lambda t: INERTIAL, lambda t: np.zeros(3))
+
+
+def lost(inputs):
+    return lambda t: {**inputs(t), "R_NB": ZEROS}
+
+
+@pytest.mark.parametrize(("by_ports", "parameters"), [(to_lvlh, {}), (held, {"reference": 2, "R_d0": INERTIAL})])
+def test_a_reference_by_the_ports_is_planned_for_as_the_same_one_by_the_parameter(by_ports, parameters):
+    """Of LVLH and of an inertial attitude the ports give the present alone; the horizon has to follow from it."""
+    with started(near_target, **parameters) as by_parameter, started(by_ports) as it:
+        a, b = (run(i, 0.0, SEARCHED + 20.0, inputs=f) for i, f in ((by_parameter, near_target), (it, by_ports)))
+    assert {y["phase"] for y in a} == {2}
+    assert all(alike(x, y, 1e-6) for x, y in zip(a, b, strict=True))
+
+
+@pytest.mark.parametrize("inputs", [no_reference, lost(no_reference), lost(tumbling)])
+def test_without_attitude_or_reference_rods_take_energy_and_the_wheel_comes_to_rest(inputs):
+    with started(inputs, **AS_MEASURED) as it:
+        for y in [it.outputs(), *run(it, 0.0, 3.0, inputs=inputs)]:
+            assert y["phase"] == 4
+            assert y["attitude_error"] == math.pi
+    u = inputs(3.0)
+    Omega, B = np.array(u["omega_B"]), np.array(u["b_B"])
+    assert np.array_equal(y["rate_error_B"], Omega)
+    dipole = np.array(y["dipole_ff"])
+    powers = [Omega @ np.cross(rod * m, B) for rod, m in zip(core.RODS, dipole, strict=True)]
+    assert max(powers) <= 0.0
+    assert sum(powers) < -1e-5
+    assert np.abs(dipole).max() == pytest.approx(25.0)
+    assert y["wheel_torque_ff"] == pytest.approx(-u["h_w"] / 10.0)
+    given = np.cross(dipole @ core.RODS, B) - np.cross(Omega, [u["h_w"], 0.0, 0.0]) - [y["wheel_torque_ff"], 0.0, 0.0]
+    np.testing.assert_allclose(y["tau_cmd_B"], given, rtol=1e-12)
+
+
+@pytest.mark.parametrize("inputs", [no_reference, lost(tumbling)])
+def test_far_from_the_rods_limits_the_rate_across_the_field_is_damped_by_L0(inputs):
+    """Three rods at right angles: m x B = -L (Omega - (Omega.b) b)."""
+
+    def slow(t):
+        return {**inputs(t), "omega_B": 0.01 * np.array(inputs(t)["omega_B"]), "h_w": 0.0}
+
+    with started(slow, rod_axes=np.eye(3), L0=0.02 * np.eye(3)) as it:
+        y = it.outputs()
+    u = slow(0.0)
+    b = np.array(u["b_B"]) / np.linalg.norm(u["b_B"])
+    Omega = np.array(u["omega_B"])
+    np.testing.assert_allclose(y["tau_cmd_B"], -0.02 * (Omega - (Omega @ b) * b), rtol=1e-12)
+
+
+@pytest.mark.parametrize("absent", [1e9, 0.0])
+def test_without_attitude_and_field_nothing_is_done_but_for_the_wheel(absent):
+    def blind(t):
+        return {**lost(tumbling)(t), "b_B": np.full(3, absent)}
+
+    with started(blind) as it:
+        y = it.outputs()
+    assert not np.any(y["dipole_ff"])
+    assert y["wheel_torque_ff"] < 0.0
+
+
+def test_a_reference_that_goes_ends_the_plan_and_one_that_comes_begins_the_search_anew():
+    with started(to_lvlh) as it:
+        assert run(it, 0.0, SEARCHED, inputs=to_lvlh)[-1]["phase"] == 2
+        gone = {"R_ref": ZEROS, "Omega_ref": np.zeros(3), "dOmega_ref": np.zeros(3)}
+        y = run(it, SEARCHED, SEARCHED + 2.0, inputs=lambda t: {**near_target(t), **gone})[-1]
+        assert (y["phase"], y["plan_cost"]) == (4, 0.0)
+        back = run(it, SEARCHED + 2.0, 2 * SEARCHED + 4.0, inputs=to_lvlh)
+        assert back[0]["phase"] == 1
+        assert back[-1]["phase"] == 2
+
+
+def test_an_attitude_that_is_lost_and_found_begins_all_anew():
+    with started(to_lvlh) as it:
+        run(it, 0.0, 10.0, inputs=to_lvlh)
+        assert run(it, 10.0, 12.0, inputs=lost(to_lvlh))[-1]["no_attitude"]
+        y = run(it, 12.0, 13.0, inputs=to_lvlh)[-1]
+        assert not y["no_attitude"]
+        assert y["phase"] in (1, 2)
+        np.testing.assert_allclose(y["J_estimate_B"], J)
