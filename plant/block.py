@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import gravity_gradient, rods
+from . import gravity_gradient, rods, sun
 from .attitude import COMPOSITIONS, Moment, lgvi_step
 from .parameters import Parameters
 from .so3 import Array, to_quaternion
@@ -73,6 +73,8 @@ class Outputs:
     wheel_momentum_saturated: bool
     field_extrapolated: bool
     dipole_mean: Array
+    sun_N: Array
+    sunlight: float
 
 
 def start(p: Parameters, u: Inputs) -> State:
@@ -142,6 +144,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N @ r_N)
     command = u.wheel_torque_cmd
     wheel_torque = net_torque(x.l_w, command, p.wheel)
+    sun_N, sunlight = sun.seen_from(r_N, p.sun.at(x.t))
     return Outputs(
         R_NB=x.R,
         omega_B=Omega,
@@ -164,6 +167,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
         field_extrapolated=p.field_extrapolated,
         dipole_mean=x.dipole_mean,
+        sun_N=sun_N,
+        sunlight=sunlight,
     )
 
 

@@ -16,6 +16,7 @@ from .attitude import COMPOSITIONS, Body
 from .drag import AXES, Drag, octagonal_cylinder
 from .rods import Turns
 from .so3 import Array, from_quaternion, project
+from .sun import Sun
 from .surroundings import Environment
 from .wheel import Wheel
 
@@ -144,6 +145,10 @@ class Parameters:
         day0 = time_scales.day_of_year(time_scales.parse_epoch(self.epoch))
         state = atmosphere.Atmosphere(tables.density_model(), self.f107, self.f107_average, self.ap)
         return atmosphere.AirAlongOrbit(state, self.orbit, self.gmst0, day0)
+
+    @cached_property
+    def sun(self) -> Sun:
+        return Sun(time_scales.days_since_j2000(time_scales.parse_epoch(self.epoch)))
 
     @cached_property
     def surface(self) -> Drag:

@@ -66,6 +66,7 @@ void plant_forget_surroundings(Environment *environment)
     }
     environment->stretch.known = false;
     environment->last.known = false;
+    environment->sun.known = false;
 }
 
 const Surroundings *plant_surroundings_at(Environment *environment, double t)

@@ -11,6 +11,7 @@
 #include "atmosphere.h"
 #include "geomagnetic.h"
 #include "orbit.h"
+#include "sun.h"
 
 enum { NODES = 16 };
 
@@ -56,6 +57,7 @@ typedef struct {
     Node nodes[NODES]; /* that of a number in the place number mod NODES */
     Stretch stretch;   /* the last one asked for */
     Surroundings last; /* a step ends where the next one starts */
+    Sun sun;
 } Environment;
 
 /* Forgets what was kept; to be called when anything above `nodes` has been set. */

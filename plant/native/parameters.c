@@ -196,6 +196,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     environment->mu = p->gravitational_parameter;
     environment->gmst0 = plant_gmst(&date);
     environment->day0 = plant_day_of_year(&date);
+    environment->sun.days = plant_days_since_j2000(&date);
     const FieldModel *model = &plant_field_models[p->field_model - 1];
     environment->field = plant_field_of(model, plant_decimal_year(&date), p->field_degree);
     plant->field_extrapolated = !covers(model, plant_decimal_year(&date));

@@ -190,6 +190,11 @@ typedef struct {
     /* A.m2; frame rods; Mean of the dipole that each rod gave over the last step, the time in which the rods
      * were off included; zero before the first step */
     double dipole_mean[3];
+    /* frame N; Unit vector from the satellite to the Sun: its apparent direction, aberration included */
+    double sun_N[3];
+    /* Part of the Sun's disc that the Earth leaves visible: 1 in full light, 0 in the umbra, between them in
+     * the penumbra */
+    double sunlight;
 } PlantOutputs;
 
 #endif

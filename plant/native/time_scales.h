@@ -15,4 +15,7 @@ double plant_day_of_year(const Epoch *date);
 
 double plant_decimal_year(const Epoch *date);
 
+/* Days of 86400 s from 2000-01-01 12:00. */
+double plant_days_since_j2000(const Epoch *date);
+
 #endif

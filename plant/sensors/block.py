@@ -1,4 +1,4 @@
-"""The sensors as a block: bias, white noise and sampling of what the plant puts out.
+"""The sensors as a block: when each measures, what it remembers, and what it puts out between its measurements.
 
 Departures from the paper, whose law knows the true state: # not in the paper: all of it.
 """
@@ -6,43 +6,35 @@ Departures from the paper, whose law knows the true state: # not in the paper: a
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .noise import Array, normals
+from . import gnss, gyro, magnetometer, noise, star_tracker, sun_sensors, telemetry
+from .noise import Array
+from .parameters import Parameters
+from .signal_loss import lost
 
 SNAP = 1e-6
-"""Of sample_period: a measurement this little ahead is taken, so that rounding delays none."""
+"""Of a period: a measurement this little ahead is taken, so that rounding delays none."""
 PERIODS_MAX = 1e9
 """In one communication step."""
-PERIOD_MIN = 1e-6
-"""s."""
+ABSENT_MIN = 0.999e9
+"""An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
+COUNT_MAX = 2**31 - 1
 
-ATTITUDE, RATE, FIELD, WHEEL, POSITION, VELOCITY = range(6)
-"""Numbers of the sensors, which keep their noise apart."""
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """Units, frames and limits are those of fmus/interfaces/plant_sensors.toml."""
-
-    attitude_noise: float
-    attitude_bias_B: Array
-    rate_noise: float
-    rate_bias_B: Array
-    field_noise: float
-    field_bias_B: Array
-    wheel_momentum_noise: float
-    position_noise: float
-    velocity_noise: float
-    sample_period: float
-    seed: int
+ATTITUDE, RATE, FIELD, ORBIT, SUN, TELEMETRY = CLOCKS = range(6)
+"""The sensors that have a period of their own."""
+COUNTERS = ("attitude_sample", "rate_sample", "field_sample", "orbit_sample", "sun_sample")
+"""Outputs that count their measurements; telemetry has none."""
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The truth."""
+    """The truth; the last three are optional."""
 
     R_NB: Array
     omega_B: Array
@@ -50,11 +42,14 @@ class Inputs:
     v_N: Array
     b_B: Array
     h_w: float
+    sun_N: Array
+    sunlight: float
+    dipole: Array
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """The measurements, in the units and frames of the truth."""
+    """The measurements, in the units and frames of the truth, and how many there were up to now."""
 
     R_NB_measured: Array
     omega_B_measured: Array
@@ -62,92 +57,134 @@ class Outputs:
     v_N_measured: Array
     b_B_measured: Array
     h_w_measured: float
+    sun_sensors: Array
+    sun_B_measured: Array
+    dipole_measured: Array
+    rate_sample: int
+    field_sample: int
+    attitude_sample: int
+    orbit_sample: int
+    sun_sample: int
 
 
 @dataclass(frozen=True)
-class State:
-    """The number of the last measurement, the time since it was due, s, and what it found."""
+class State(Outputs):
+    """The last measurements, and what the sensors remember beside them."""
 
-    sample: int
-    since: float
-    R_NB: Array
-    omega_B: Array
-    r_N: Array
-    v_N: Array
-    b_B: Array
-    h_w: float
-
-
-def check(p: Parameters) -> None:
-    """Raises ValueError with name, value and what is expected."""
-    for name in ("attitude_bias_B", "rate_bias_B", "field_bias_B"):
-        if not np.isfinite(value := getattr(p, name)).all():
-            raise ValueError(f"{name} is {value.tolist()}; expected finite numbers")
-    for name in ("attitude", "rate", "field", "wheel_momentum", "position", "velocity"):
-        if not 0.0 <= (sigma := getattr(p, f"{name}_noise")) < math.inf:
-            raise ValueError(f"{name}_noise is {sigma}; expected a finite number, at least 0")
-    if not (p.sample_period == 0.0 or PERIOD_MIN <= p.sample_period < math.inf):
-        raise ValueError(f"sample_period is {p.sample_period} s; expected 0 (every step) or at least {PERIOD_MIN:g} s")
-    if not 0 <= p.seed < 2**31:
-        raise ValueError(f"seed is {p.seed}; expected 0 to {2**31 - 1}")
+    sample: NDArray[np.int64]
+    """(6,) number of each clock's last measurement, lost ones included"""
+    since: Array
+    """(6,) s since it was due: the time itself would gather rounding with each step"""
+    before: NDArray[np.int64]
+    """(5,) COUNTERS before the last measurement"""
+    rate_span: float
+    """s from the gyro's measurement before to its last; 0 where there is none"""
+    rate_walk: Array
+    rate_markov: Array
+    """(3,) rad/s"""
+    attitude_lost: bool
+    orbit_lost: bool
 
 
 def start(p: Parameters, u: Inputs) -> State:
-    """The state at t = 0: measurement 0 is taken."""
-    return _take(0, 0.0, u, p)
+    """The state at t = 0: measurement 0 of each sensor is taken."""
+    zeros = np.zeros(3)
+    nothing = Outputs(np.zeros((3, 3)), zeros, zeros, zeros, zeros, 0.0, np.zeros(6), zeros, zeros, 0, 0, 0, 0, 0)
+    memory = {
+        **vars(nothing),
+        "sample": np.zeros(6, dtype=np.int64),
+        "since": np.zeros(6),
+        "before": np.zeros(5, dtype=np.int64),
+        "rate_span": p.periods[RATE],
+        "rate_walk": zeros,
+        "rate_markov": gyro.correlated(zeros, p, 0, math.inf),
+        "attitude_lost": False,
+        "orbit_lost": False,
+    }
+    return _measured(memory, u, p, CLOCKS)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The measurements that hold: those of the last sample, or, without a sample_period, of the inputs as they stand."""
-    if p.sample_period == 0.0:
-        x = _take(x.sample, 0.0, u, p)
-    return Outputs(x.R_NB, x.omega_B, x.r_N, x.v_N, x.b_B, x.h_w)
+    """The measurements that hold: those of the last sample or, where there is no period, of the inputs as they stand."""
+    return _measured(vars(x), u, p, [i for i in CLOCKS if p.periods[i] == 0.0])
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u is the truth at t + h."""
-    T = p.sample_period
-    # The time since a sample was due rather than the time itself, whose rounding grows with each step.
-    since = x.since + h
-    if T == 0.0:
-        x = _take(x.sample + 1, 0.0, u, p)
-    elif not since / T <= PERIODS_MAX:
-        raise ValueError(f"sample_period is {T} s; expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s")
-    elif (periods := math.floor(since / T + SNAP)) > 0:
-        x = _take(x.sample + periods, since - periods * T, u, p)
-    else:
-        x = State(x.sample, since, x.R_NB, x.omega_B, x.r_N, x.v_N, x.b_B, x.h_w)
-    return x, outputs(x, u, p)
+    if p.has_rod_coupling and _connected(u.dipole) is None:
+        raise ValueError("dipole is not connected; expected to be, since field_rod_coupling is not zero")
+    if p.attitude_sun_exclusion > 0.0 and _connected(u.sun_N) is None:
+        raise ValueError("sun_N is not connected; expected to be, since attitude_sun_exclusion is not zero")
+    memory = vars(x).copy()
+    sample, since, before, spans = x.sample.tolist(), x.since.tolist(), x.before.tolist(), {}
+    for i, T in enumerate(p.periods):
+        periods, passed = 1, h
+        if T > 0.0:
+            periods, since[i] = _due(since[i] + h, T, h, p.period_names[i])
+            passed = periods * T
+        if periods > 0:
+            sample[i] += periods
+            spans[i] = passed
+            if i < len(COUNTERS):
+                before[i] = memory[COUNTERS[i]]
+    memory["sample"], memory["since"], memory["before"] = np.array(sample), np.array(since), np.array(before)
+    if RATE in spans:
+        memory["rate_span"] = spans[RATE]
+        if p.has_drift:
+            memory["rate_walk"] = gyro.walked(x.rate_walk, p, sample[RATE], spans[RATE])
+            memory["rate_markov"] = gyro.correlated(x.rate_markov, p, sample[RATE], spans[RATE])
+    if ATTITUDE in spans and p.attitude_outage_interval > 0.0:
+        times = p.attitude_outage_interval, p.attitude_outage_duration, spans[ATTITUDE]
+        memory["attitude_lost"] = lost(x.attitude_lost, *times, p.seed, sample[ATTITUDE], noise.ATTITUDE_LOSS)
+    if ORBIT in spans and p.orbit_outage_interval > 0.0:
+        times = p.orbit_outage_interval, p.orbit_outage_duration, spans[ORBIT]
+        memory["orbit_lost"] = lost(x.orbit_lost, *times, p.seed, sample[ORBIT], noise.ORBIT_LOSS)
+    following = _measured(memory, u, p, list(spans))
+    return following, following
 
 
-def _take(sample: int, since: float, u: Inputs, p: Parameters) -> State:
-    """Measurement number `sample` of the truth u."""
-
-    def noise(sensor: int, sigma: float, n: int = 3) -> Array:
-        return sigma * normals(p.seed, sample, sensor, n) if sigma > 0.0 else np.zeros(n)
-
-    turn = p.attitude_bias_B + noise(ATTITUDE, p.attitude_noise)
-    return State(
-        sample=sample,
-        since=since,
-        R_NB=u.R_NB @ rotation(turn),
-        omega_B=u.omega_B + p.rate_bias_B + noise(RATE, p.rate_noise),
-        r_N=u.r_N + noise(POSITION, p.position_noise),
-        v_N=u.v_N + noise(VELOCITY, p.velocity_noise),
-        b_B=u.b_B + p.field_bias_B + noise(FIELD, p.field_noise),
-        h_w=u.h_w + float(noise(WHEEL, p.wheel_momentum_noise, 1)[0]),
-    )
+def _due(since: float, T: float, h: float, name: str) -> tuple[int, float]:
+    """How many measurements of the period T are due `since` s after the last one was, and s since the latest of them was."""
+    if not since / T <= PERIODS_MAX:
+        raise ValueError(f"{name} is {T} s; expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s")
+    periods = math.floor(since / T + SNAP)
+    return periods, since - periods * T
 
 
-def rotation(turn: Array) -> Array:
-    """exp(turn^) (3,3), the rotation about `turn` (3,), rad, by its length: by way of its unit quaternion."""
-    angle = math.sqrt(turn @ turn)
-    w = math.cos(0.5 * angle)
-    x, y, z = ((math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5) * turn).tolist()
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
+def _measured(memory: dict[str, Any], u: Inputs, p: Parameters, due: Sequence[int]) -> State:
+    """The state `memory` with new measurements of the truth u by the sensors that are due, of the numbers in it."""
+    y = memory.copy()
+    sample, before = memory["sample"].tolist(), memory["before"].tolist()
+    sun_N, dipole = _connected(u.sun_N), _connected(u.dipole)
+    sunlight = u.sunlight if abs(u.sunlight) < ABSENT_MIN else 1.0
+    for i in due:
+        k, given = sample[i], True
+        if i == ATTITUDE:
+            given = not memory["attitude_lost"]
+            given = given and star_tracker.sees(u.R_NB, u.omega_B, u.r_N, sun_N, sunlight, p)
+            y["R_NB_measured"] = star_tracker.measured(u.R_NB, p, k) if given else np.zeros((3, 3))
+        elif i == RATE:
+            drift = memory["rate_walk"] + memory["rate_markov"] if p.has_drift else None
+            y["omega_B_measured"] = gyro.measured(u.omega_B, drift, p, k, memory["rate_span"])
+        elif i == FIELD:
+            y["b_B_measured"] = magnetometer.measured(u.b_B, dipole, p, k)
+        elif i == ORBIT:
+            given = not memory["orbit_lost"]
+            if given:
+                y["r_N_measured"], y["v_N_measured"] = gnss.measured(u.r_N, u.v_N, p, k)
+        elif i == SUN:
+            given = sun_N is not None
+            if sun_N is not None:
+                s_B, r_B = u.R_NB.T @ sun_N, u.R_NB.T @ u.r_N
+                y["sun_sensors"], y["sun_B_measured"] = sun_sensors.measured(s_B, sunlight, r_B, p, k)
+                given = bool(y["sun_B_measured"].any())
+        else:
+            y["h_w_measured"], y["dipole_measured"] = telemetry.measured(u.h_w, dipole, p, k)
+        if i < len(COUNTERS):
+            y[COUNTERS[i]] = before[i] % COUNT_MAX + 1 if given else before[i]
+    return State(**y)
+
+
+def _connected(value: Array) -> Array | None:
+    """An optional input, or None where it is not connected."""
+    return value if max(map(abs, value.tolist())) < ABSENT_MIN else None

@@ -14,7 +14,12 @@ Array = NDArray[np.float64]
 Words = tuple[int, int, int, int]
 """Of 32 bits each."""
 
+(ATTITUDE, RATE, FIELD, WHEEL, POSITION, VELOCITY, DIPOLE, SUN_SENSORS, FINE_SUN) = range(9)
+(RATE_WALK, RATE_INSTABILITY, ATTITUDE_LOSS, ORBIT_LOSS) = range(9, 13)
+"""Numbers of what draws noise, which keep it apart."""
+
 ROUNDS = 10
+_ZEROS = np.zeros(6)
 _MASK = 0xFFFFFFFF
 _MULTIPLIERS = (0xD2511F53, 0xCD9E8D57)
 _KEY_STEPS = (0x9E3779B9, 0xBB67AE85)
@@ -40,6 +45,17 @@ def normals(seed: int, sample: int, sensor: int, n: int) -> Array:
         angle = 2.0 * math.pi * _uniform(c, d)
         numbers += radius * math.cos(angle), radius * math.sin(angle)
     return np.array(numbers[:n])
+
+
+def noise(seed: int, sample: int, sensor: int, sigma: float, n: int = 3) -> Array:
+    """(n,) of standard deviation sigma; zeros, without drawing any, where sigma is zero."""
+    return sigma * normals(seed, sample, sensor, n) if sigma > 0.0 else _ZEROS[:n]
+
+
+def uniform(seed: int, sample: int, sensor: int) -> float:
+    """A number of a sensor's sample, evenly distributed in (0, 1)."""
+    a, b, _, _ = philox((sample & _MASK, sample >> 32 & _MASK, sensor, 0), (seed, 0))
+    return _uniform(a, b)
 
 
 def _uniform(high: int, low: int) -> float:

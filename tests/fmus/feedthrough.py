@@ -48,7 +48,21 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "residual_dipole_B": ([0.1, 0.2, 0.3],),
             "wheel_viscous_friction": (1e-6,),
         },
-        "plant_sensors": {"attitude_noise": (0.0, 0.1), "attitude_bias_B": ([0.1, 0.2, 0.3],), "field_noise": (1e-6,)},
+        "plant_sensors": {
+            "attitude_noise": (0.0, 0.1),
+            "sun_sensor": ("coarse", "fine"),
+            "attitude_bias_B": ([0.1, 0.2, 0.3],),
+            "attitude_rate_max": (0.5,),
+            "attitude_sun_exclusion": (1.5,),
+            "attitude_earth_exclusion": (0.2,),
+            "rate_scale": ((0.01 * FULL).tolist(),),
+            "field_noise": (1e-6,),
+            "field_scale": ((0.01 * FULL).tolist(),),
+            "field_rod_coupling": ((1e-7 * FULL).tolist(),),
+            "sun_sensor_axes": (np.vstack((rod_axes, -rod_axes)).tolist(),),
+            "albedo": (0.3,),
+            "fine_sun_half_angle": (2.0,),
+        },
         "allocator": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
         "allocator_bounded": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
     }
@@ -79,6 +93,10 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "Omega_ref": 1e-2 * rng.normal(size=3),
         "dOmega_ref": 1e-4 * rng.normal(size=3),
     }
+    needed: dict[str, Any] = {}
+    if interface.name == "plant_sensors":  # the parameters of `settings` need these inputs
+        needed = {"sun_N": rng.normal(size=3) / 2.0, "dipole": 20.0 * rng.normal(size=3)}
+        sizes |= {**needed, "sunlight": rng.choice([0.3, 0.7, 1.0])}
     given = {v.name: sizes[v.name] for v in interface.of("input")}
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
         if kind >> bit & 1:
@@ -86,7 +104,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
     for group in (("R_d", "Omega_d"), ("R_ref", "Omega_ref", "dOmega_ref")):
         if not all(name in given for name in group):
             given = {name: value for name, value in given.items() if name not in group}
-    return given
+    return given | needed
 
 
 def moves(name: str, value: float) -> tuple[float, ...]:

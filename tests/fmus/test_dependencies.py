@@ -157,6 +157,7 @@ def test_nothing_changes_an_output_initially_but_what_it_declares(case, tmp_path
 
 CAUTION = "the interface also stands in for another team's FMU that declares nothing, and whose law may use it"
 TOGETHER = "it changes where all elements go from zero to a rotation at once"
+BORDER = "it decides at the border of a field of view or of the threshold only whether there is a measurement"
 UNSEEN = {
     **{
         block: {("no_attitude", element_name("R_NB", (i, j))): TOGETHER for i in (1, 2, 3) for j in (1, 2, 3)}
@@ -164,6 +165,15 @@ UNSEEN = {
     },
     "allocator": {("dipole_cmd", "tau_cmd_B[1]"): CAUTION, ("", "omega_B[1]"): CAUTION},
     "allocator_bounded": {("", "omega_B[1]"): CAUTION},
+    "plant_sensors": {
+        **{
+            (output, element_name("R_NB", (i, j))): BORDER
+            for output in ("R_NB_measured", "attitude_sample", "sun_sample")
+            for i in (1, 2, 3)
+            for j in (1, 2, 3)
+        },
+        **{("sun_sample", f"r_N[{i}]"): BORDER for i in (1, 2, 3)},
+    },
 }
 """Declared, and never seen: by output, all of them where it is empty, and element of an input."""
 
@@ -190,7 +200,7 @@ POINTS = {"controller_planned": 48, "allocator": 80}
 @pytest.mark.parametrize(
     ("block", "parameters", "at_one_state", "at_many"),
     [
-        ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 22, 40),
+        ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 68, 387),
         ("controller_planned", next(settings("controller_planned")), 157, 242),
     ],
 )

@@ -169,6 +169,7 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
 
 
 def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Each error of each sensor off or on, in the light, the shadow and between them."""
     u = inputs(
         "plant_sensors",
         R_NB=_rotation(rng),
@@ -177,8 +178,19 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
         v_N=rng.normal(scale=5e3, size=3),
         b_B=rng.normal(scale=3e-5, size=3),
         h_w=rng.normal(scale=0.02),
+        sun_N=_unit(rng),
+        sunlight=rng.choice([0.0, 0.4, 0.7, 1.0, 1e9]),
+        dipole=rng.normal(scale=10.0, size=3),
     )
     scale = rng.choice([0.0, 1.0])
+
+    def some(x: Any, off: Any = 0.0) -> Any:
+        return x if rng.integers(2) else off
+
+    rows = np.array([_unit(rng) if i else some(_unit(rng), np.zeros(3)) for i in range(6)])
+    few = {
+        name: some(rng.choice([0.03, 0.1, 0.25])) for name in ("attitude", "rate", "field", "orbit", "sun", "telemetry")
+    }
     p = parameters(
         "plant_sensors",
         attitude_noise=scale * rng.choice([1e-9, 1e-4, 1.0]),
@@ -192,6 +204,37 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
         velocity_noise=scale * 0.01,
         sample_period=rng.choice([0.0, 0.03, 0.1, 0.2, 0.25]),
         seed=int(rng.integers(2**31)),
+        attitude_noise_about=some(1e-3),
+        attitude_boresight_B=_unit(rng),
+        attitude_rate_max=some(0.15),
+        attitude_sun_exclusion=some(rng.uniform(0.0, 2.0)),
+        attitude_earth_exclusion=some(rng.uniform(0.0, 1.0)),
+        attitude_outage_interval=some(0.3),
+        attitude_outage_duration=rng.choice([0.1, 2.0]),
+        angle_random_walk=some(1e-5),
+        rate_random_walk=some(1e-5),
+        rate_instability=some(1e-5),
+        rate_instability_time=rng.choice([0.3, 100.0]),
+        rate_scale=some(rng.normal(scale=0.01, size=(3, 3)), np.zeros((3, 3))),
+        rate_range=some(0.1),
+        rate_quantum=some(1e-4),
+        field_scale=some(rng.normal(scale=0.01, size=(3, 3)), np.zeros((3, 3))),
+        field_rod_coupling=some(rng.normal(scale=1e-7, size=(3, 3)), np.zeros((3, 3))),
+        field_range=some(2e-5),
+        field_quantum=some(1e-8),
+        sun_sensor=str(rng.choice(["coarse", "fine"])),
+        sun_sensor_axes=some(rows, np.vstack((np.eye(3), -np.eye(3)))),
+        sun_sensor_half_angle=rng.uniform(0.5, 0.5 * math.pi),
+        sun_sensor_noise=some(0.01),
+        albedo=some(0.3),
+        sun_threshold=0.2,
+        fine_sun_axis_B=_unit(rng),
+        fine_sun_half_angle=rng.uniform(0.5, math.pi),
+        fine_sun_noise=some(0.01),
+        orbit_outage_interval=some(0.3),
+        orbit_outage_duration=rng.choice([0.1, 2.0]),
+        dipole_noise=some(0.01),
+        **{f"{name}_period": value for name, value in few.items()},
     )
     return p, u
 

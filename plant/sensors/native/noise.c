@@ -21,13 +21,35 @@ static double uniform(uint32_t high, uint32_t low)
     return ((double)part + 0.5) * 0x1p-52;
 }
 
-void plant_sensors_normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2])
+static Words random_words(Draw draw, uint32_t pair)
 {
-    const uint64_t number = (uint64_t)sample;
-    const Words counter = {{(uint32_t)number, (uint32_t)(number >> 32), sensor, pair}};
-    const Words random = plant_sensors_philox(counter, (uint32_t)seed, 0u);
+    const uint64_t number = (uint64_t)draw.sample;
+    const Words counter = {{(uint32_t)number, (uint32_t)(number >> 32), draw.sensor, pair}};
+    return plant_sensors_philox(counter, (uint32_t)draw.seed, 0u);
+}
+
+void plant_sensors_normal_pair(Draw draw, uint32_t pair, double out[2])
+{
+    const Words random = random_words(draw, pair);
     const double radius = sqrt(-2.0 * log(uniform(random.word[0], random.word[1])));
     const double angle = 6.28318530717958647693 * uniform(random.word[2], random.word[3]);
     out[0] = radius * cos(angle);
     out[1] = radius * sin(angle);
+}
+
+Vector plant_sensors_noise(Draw draw, double sigma)
+{
+    double xy[2], z[2];
+    if (!(sigma > 0.0)) {
+        return (Vector){0.0, 0.0, 0.0};
+    }
+    plant_sensors_normal_pair(draw, 0, xy);
+    plant_sensors_normal_pair(draw, 1, z);
+    return scale(sigma, (Vector){xy[0], xy[1], z[0]});
+}
+
+double plant_sensors_uniform(Draw draw)
+{
+    const Words random = random_words(draw, 0);
+    return uniform(random.word[0], random.word[1]);
 }

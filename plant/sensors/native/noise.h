@@ -4,6 +4,32 @@
 
 #include <stdint.h>
 
+#include "vector.h"
+
+/* What draws noise; it keeps it apart. */
+enum {
+    ATTITUDE_NOISE,
+    RATE_NOISE,
+    FIELD_NOISE,
+    WHEEL_NOISE,
+    POSITION_NOISE,
+    VELOCITY_NOISE,
+    DIPOLE_NOISE,
+    SUN_SENSORS_NOISE,
+    FINE_SUN_NOISE,
+    RATE_WALK_NOISE,
+    RATE_INSTABILITY_NOISE,
+    ATTITUDE_LOSS_NOISE,
+    ORBIT_LOSS_NOISE
+};
+
+/* Where a sensor's measurement draws its noise. */
+typedef struct {
+    int32_t seed;
+    int64_t sample;
+    uint32_t sensor;
+} Draw;
+
 typedef struct {
     uint32_t word[4];
 } Words;
@@ -11,7 +37,13 @@ typedef struct {
 /* Philox 4x32-10 (Salmon, Moraes, Dror and Shaw, SC11, 2011): the random words of a counter under a key. */
 Words plant_sensors_philox(Words counter, uint32_t key_low, uint32_t key_high);
 
-/* Two independent standard normal numbers by Box and Muller (1958), of one pair of axes of a sensor's measurement. */
-void plant_sensors_normal_pair(int32_t seed, int64_t sample, uint32_t sensor, uint32_t pair, double out[2]);
+/* Two independent standard normal numbers by Box and Muller (1958), of one pair of axes. */
+void plant_sensors_normal_pair(Draw draw, uint32_t pair, double out[2]);
+
+/* Independent numbers of standard deviation sigma on three axes; zeros, without drawing any, where sigma is zero. */
+Vector plant_sensors_noise(Draw draw, double sigma);
+
+/* A number evenly distributed in (0, 1). */
+double plant_sensors_uniform(Draw draw);
 
 #endif

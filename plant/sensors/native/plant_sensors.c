@@ -1,103 +1,142 @@
 #include "plant_sensors.h"
 
-#include "noise.h"
-#include "rotation.h"
+#include "models.h"
 
-static const double SNAP = 1e-6;       /* of sample_period: rounding delays no measurement */
+static const double SNAP = 1e-6;       /* of a period: rounding delays no measurement */
 static const double PERIODS_MAX = 1e9; /* in one communication step */
-static const double PERIOD_MIN = 1e-6; /* s */
 
-/* They keep their noise apart. */
-enum { ATTITUDE, RATE, FIELD, WHEEL, POSITION, VELOCITY };
-
-bool plant_sensors_check(const PlantSensorsParameters *p, Fault *f)
+static int32_t following(int32_t count)
 {
-    const Named noises[] = {{"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},
-                            {"field_noise", p->field_noise},       {"wheel_momentum_noise", p->wheel_momentum_noise},
-                            {"position_noise", p->position_noise}, {"velocity_noise", p->velocity_noise}};
-    const NamedVector biases[] = {{"attitude_bias_B", vector(p->attitude_bias_B)},
-                                  {"rate_bias_B", vector(p->rate_bias_B)},
-                                  {"field_bias_B", vector(p->field_bias_B)}};
-    if (!all_finite_vectors(biases, COUNT(biases), f) || !all_not_negative(noises, COUNT(noises), f)) {
-        return false;
-    }
-    if (!(p->sample_period == 0.0 || (p->sample_period >= PERIOD_MIN && isfinite(p->sample_period)))) {
-        return fault(f, "sample_period", p->sample_period, "0 (every step) or at least 1e-06 s");
-    }
-    if (p->seed < 0) {
-        return fault(f, "seed", p->seed, "at least 0");
-    }
-    return true;
+    return count < INT32_MAX ? count + 1 : 1;
 }
 
-void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law)
+/* The measurements by the sensors that are due, of the numbers and with the memory in x. */
+static void measure(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u, const bool due[CLOCKS],
+                    PlantSensorsOutputs *y)
 {
-    law->p = *p;
-}
-
-/* Independent normal numbers on three axes. */
-static Vector noise(const PlantSensorsParameters *p, int64_t sample, uint32_t sensor, double sigma)
-{
-    double xy[2], z[2];
-    if (!(sigma > 0.0)) {
-        return (Vector){0.0, 0.0, 0.0};
+    const PlantSensorsParameters *p = &law->p;
+    if (due[ATTITUDE]) {
+        static const Matrix none = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+        const bool given = !x->attitude_lost && plant_sensors_sees_stars(law, u);
+        store_matrix(given ? plant_sensors_attitude(law, x->sample[ATTITUDE], u) : none, y->R_NB_measured);
+        y->attitude_sample = given ? following(x->before[ATTITUDE]) : x->before[ATTITUDE];
     }
-    plant_sensors_normal_pair(p->seed, sample, sensor, 0, xy);
-    plant_sensors_normal_pair(p->seed, sample, sensor, 1, z);
-    return scale(sigma, (Vector){xy[0], xy[1], z[0]});
-}
-
-static PlantSensorsOutputs measured(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u)
-{
-    PlantSensorsOutputs y;
-    const Vector turn = add(vector(p->attitude_bias_B), noise(p, sample, ATTITUDE, p->attitude_noise));
-    const Vector rate_error = add(vector(p->rate_bias_B), noise(p, sample, RATE, p->rate_noise));
-    const Vector field_error = add(vector(p->field_bias_B), noise(p, sample, FIELD, p->field_noise));
-    store_matrix(multiply(matrix(u->R_NB), rotation_exp(turn)), y.R_NB_measured);
-    store(add(vector(u->omega_B), rate_error), y.omega_B_measured);
-    store(add(vector(u->b_B), field_error), y.b_B_measured);
-    store(add(vector(u->r_N), noise(p, sample, POSITION, p->position_noise)), y.r_N_measured);
-    store(add(vector(u->v_N), noise(p, sample, VELOCITY, p->velocity_noise)), y.v_N_measured);
-    y.h_w_measured = u->h_w + noise(p, sample, WHEEL, p->wheel_momentum_noise).x;
-    return y;
+    if (due[RATE]) {
+        store(plant_sensors_rate(law, x, u), y->omega_B_measured);
+        y->rate_sample = following(x->before[RATE]);
+    }
+    if (due[FIELD]) {
+        store(plant_sensors_field(law, x->sample[FIELD], u), y->b_B_measured);
+        y->field_sample = following(x->before[FIELD]);
+    }
+    if (due[ORBIT]) {
+        if (!x->orbit_lost) {
+            plant_sensors_fix(p, x->sample[ORBIT], u, y);
+        }
+        y->orbit_sample = x->orbit_lost ? x->before[ORBIT] : following(x->before[ORBIT]);
+    }
+    if (due[SUN]) {
+        const bool given = plant_sensors_has_sun_N(u) && plant_sensors_sun(law, x->sample[SUN], u, y);
+        y->sun_sample = given ? following(x->before[SUN]) : x->before[SUN];
+    }
+    if (due[TELEMETRY]) {
+        plant_sensors_telemetry(p, x->sample[TELEMETRY], u, y);
+    }
 }
 
 bool plant_sensors_start(const PlantSensorsLaw *law, const PlantSensorsInputs *u, PlantSensorsState *x, Fault *f)
 {
+    static const bool due[CLOCKS] = {true, true, true, true, true, true};
+    const double forever = 1e3 * law->p.rate_instability_time; /* the noise is stationary from the first number on */
     (void)f;
-    x->sample = 0;
-    x->since = 0.0;
-    x->held = measured(&law->p, 0, u);
+    *x = (PlantSensorsState){.rate_span = law->periods[RATE]};
+    x->rate_markov = plant_sensors_correlated(&law->p, x->rate_markov, 0, forever);
+    measure(law, x, u, due, &x->held);
     return true;
 }
 
 bool plant_sensors_outputs(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u,
                            PlantSensorsOutputs *y, Fault *f)
 {
+    bool due[CLOCKS];
     (void)f;
-    *y = law->p.sample_period == 0.0 ? measured(&law->p, x->sample, u) : x->held;
+    for (int i = 0; i < CLOCKS; ++i) {
+        due[i] = law->periods[i] == 0.0;
+    }
+    *y = x->held;
+    measure(law, x, u, due, y);
     return true;
+}
+
+/* The numbers of the measurements that are due at the end of the step, and the time that each spans. */
+static bool tick(const PlantSensorsLaw *law, PlantSensorsState *x, double h, bool due[CLOCKS], double spans[CLOCKS], Fault *f)
+{
+    static const char *const names[CLOCKS] = {"attitude_period", "rate_period", "field_period",
+                                              "orbit_period",    "sun_period",  "telemetry_period"};
+    const double common = law->p.sample_period;
+    for (int i = 0; i < CLOCKS; ++i) {
+        const double T = law->periods[i];
+        int64_t periods = 1;
+        spans[i] = h;
+        if (T > 0.0) {
+            const double since = x->since[i] + h;
+            if (!(since / T <= PERIODS_MAX)) {
+                return fault(f, T == common ? "sample_period" : names[i], T, "at least 1e-09 of the communication step");
+            }
+            periods = (int64_t)(since / T + SNAP);
+            spans[i] = (double)periods * T;
+            x->since[i] = since - spans[i];
+        }
+        due[i] = periods > 0;
+        x->sample[i] += periods;
+    }
+    return true;
+}
+
+/* Drift and drop-outs over the time since the measurement before. */
+static void remember(const PlantSensorsLaw *law, PlantSensorsState *x, const bool due[CLOCKS], const double spans[CLOCKS])
+{
+    const PlantSensorsParameters *p = &law->p;
+    const int32_t counted[COUNTERS] = {x->held.attitude_sample, x->held.rate_sample, x->held.field_sample, x->held.orbit_sample,
+                                       x->held.sun_sample};
+    for (int i = 0; i < COUNTERS; ++i) {
+        x->before[i] = due[i] ? counted[i] : x->before[i];
+    }
+    if (due[RATE]) {
+        x->rate_span = spans[RATE];
+        if (law->has_drift) {
+            x->rate_walk = plant_sensors_walked(p, x->rate_walk, x->sample[RATE], spans[RATE]);
+            x->rate_markov = plant_sensors_correlated(p, x->rate_markov, x->sample[RATE], spans[RATE]);
+        }
+    }
+    if (due[ATTITUDE]) {
+        const Draw draw = {p->seed, x->sample[ATTITUDE], ATTITUDE_LOSS_NOISE};
+        x->attitude_lost = plant_sensors_lost(x->attitude_lost, p->attitude_outage_interval, p->attitude_outage_duration,
+                                              spans[ATTITUDE], draw);
+    }
+    if (due[ORBIT]) {
+        const Draw draw = {p->seed, x->sample[ORBIT], ORBIT_LOSS_NOISE};
+        x->orbit_lost =
+            plant_sensors_lost(x->orbit_lost, p->orbit_outage_interval, p->orbit_outage_duration, spans[ORBIT], draw);
+    }
 }
 
 bool plant_sensors_step(const PlantSensorsLaw *law, PlantSensorsState *x, const PlantSensorsInputs *u, double h,
                         PlantSensorsOutputs *y, Fault *f)
 {
-    const double T = law->p.sample_period;
-    double since = 0.0;
-    int64_t due = 1;
-    if (T > 0.0) {
-        since = x->since + h;
-        if (!(since / T <= PERIODS_MAX)) {
-            return fault(f, "sample_period", T, "at least 1e-09 of the communication step");
-        }
-        due = (int64_t)(since / T + SNAP);
-        since -= (double)due * T;
+    bool due[CLOCKS];
+    double spans[CLOCKS];
+    if (law->has_rod_coupling && !plant_sensors_has_dipole(u)) {
+        return fault(f, "dipole", u->dipole[0], "to be connected, since field_rod_coupling is not zero");
     }
-    x->since = since;
-    if (due > 0) {
-        x->sample += due;
-        x->held = measured(&law->p, x->sample, u);
+    if (law->p.attitude_sun_exclusion > 0.0 && !plant_sensors_has_sun_N(u)) {
+        return fault(f, "sun_N", u->sun_N[0], "to be connected, since attitude_sun_exclusion is not zero");
     }
+    if (!tick(law, x, h, due, spans, f)) {
+        return false;
+    }
+    remember(law, x, due, spans);
+    measure(law, x, u, due, &x->held);
     *y = x->held;
     return true;
 }

@@ -1,4 +1,4 @@
-/* The sensors between the plant and its flight software: bias, white noise and sampling of what the plant puts out.
+/* The sensors between the plant and its flight software: when each measures, what it remembers, and what it puts out.
  *
  * Noise is a function of seed, number of the measurement, sensor and axis, so there is no generator's state and a
  * repeated step repeats it. SI units; frames as in ports.h. A function that returns false has noted a fault. */
@@ -7,25 +7,40 @@
 
 #include "fault.h"
 #include "ports.h"
+#include "vector.h"
+
+/* The sensors that have a period of their own; the first five count their measurements. */
+enum { ATTITUDE, RATE, FIELD, ORBIT, SUN, TELEMETRY, CLOCKS, COUNTERS = TELEMETRY };
+
+enum { SUN_SENSORS = 6 };
 
 typedef struct {
-    int64_t sample;           /* number of the last measurement */
-    double since;             /* s since it was due: the time itself would gather rounding with each step */
-    PlantSensorsOutputs held; /* what it found */
+    int64_t sample[CLOCKS];        /* number of the last measurement, lost ones included */
+    double since[CLOCKS];          /* s since it was due: the time itself would gather rounding with each step */
+    int32_t before[COUNTERS];      /* measurements counted before the last one */
+    double rate_span;              /* s from the gyro's measurement before to its last; 0 where there is none */
+    Vector rate_walk, rate_markov; /* rad/s */
+    bool attitude_lost, orbit_lost;
+    PlantSensorsOutputs held; /* the last measurements */
 } PlantSensorsState;
 
+/* Parameters and what follows from them alone. */
 typedef struct {
     PlantSensorsParameters p;
+    double periods[CLOCKS]; /* s; 0: a measurement at every step */
+    bool turns_attitude, has_drift, has_rate_scale, has_field_scale, has_rod_coupling;
+    Vector boresight, fine_sun_axis, sun_axes[SUN_SENSORS]; /* unit, or zeros */
+    double cos_sun_exclusion, cos_sun_sensor, cos_fine_sun;
 } PlantSensorsLaw;
 
 bool plant_sensors_check(const PlantSensorsParameters *p, Fault *f);
 
 void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law);
 
-/* Measurement 0 is taken. */
+/* Measurement 0 of each sensor is taken. */
 bool plant_sensors_start(const PlantSensorsLaw *law, const PlantSensorsInputs *u, PlantSensorsState *x, Fault *f);
 
-/* What holds: the last measurement or, without a sample_period, one of the inputs as they stand. */
+/* What holds: the last measurements or, where there is no period, those of the inputs as they stand. */
 bool plant_sensors_outputs(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u,
                            PlantSensorsOutputs *y, Fault *f);
 

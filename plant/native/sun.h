@@ -1,0 +1,25 @@
+/* The Sun: its apparent position, and how much of it the Earth leaves visible. */
+#ifndef PLANT_SUN_H
+#define PLANT_SUN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vector.h"
+
+/* Straight lines between positions 600 s apart, on which the direction errs by less than 2e-9 rad; the last one is kept.
+ * It follows from the epoch alone, so keeping it is no memory of the block. */
+typedef struct {
+    double days; /* after J2000, UTC, at t = 0 */
+    bool known;
+    int64_t number;
+    Vector start, change;
+} Sun;
+
+/* From the Earth's centre in N, m, at t s. Apparent, with aberration; N has the true pole of date and the mean equinox. */
+Vector plant_sun_at(Sun *sun, double t);
+
+/* The unit vector from a satellite at r to the Sun, and the part of its disc that the ellipsoid of WGS 84 leaves visible. */
+void plant_seen_sun(Vector r, Vector sun, double sun_N[3], double *sunlight);
+
+#endif

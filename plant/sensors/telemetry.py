@@ -1,0 +1,19 @@
+"""Telemetry of the wheel and the rods."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import noise
+from .noise import Array
+from .parameters import Parameters
+
+NO_DIPOLE = np.zeros(3)
+
+
+def measured(h_w: float, dipole: Array | None, p: Parameters, sample: int) -> tuple[float, Array]:
+    """Wheel momentum, N m s, and the dipole of each rod (3,), A m2; zeros where the rods' is not connected."""
+    wheel = h_w + float(noise.noise(p.seed, sample, noise.WHEEL, p.wheel_momentum_noise, 1)[0])
+    if dipole is None:
+        return wheel, NO_DIPOLE
+    return wheel, dipole + noise.noise(p.seed, sample, noise.DIPOLE, p.dipole_noise)
