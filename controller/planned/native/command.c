@@ -2,8 +2,8 @@
 #include "reference.h"
 #include "state.h"
 
-static const double WHEEL_REST = 10.0; /* s, over which the wheel is brought to rest while steering or damping */
-static const double TINY = 1e-300;     /* keeps a rod that gives nothing from dividing */
+static const double WHEEL_REST = 0.2; /* T, over which the wheel is brought to rest while steering or damping */
+static const double TINY = 1e-300;    /* keeps a rod that gives nothing from dividing */
 
 /* The feed-forward. */
 static void store_controls(const ControllerPlannedParameters *p, const double controls[CONTROLS], ControllerPlannedOutputs *y)
@@ -18,11 +18,10 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
 static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
 {
     const double torque_max = model->wheel_torque_max;
-    controls[3] = clip(-l / (WHEEL_REST * torque_max), -1.0, 1.0);
+    controls[3] = clip(-l / (WHEEL_REST * model->scales.time * torque_max), -1.0, 1.0);
     Vector tau = cross(rods_dipole(model, controls), B_B);
-    tau = subtract(tau, cross(Omega, (Vector){l, 0.0, 0.0}));
-    tau.x -= torque_max * controls[3];
-    return tau;
+    tau = subtract(tau, cross(Omega, scale(l, model->wheel_axis)));
+    return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));
 }
 
 /* Dipoles Omega x B L/|B|^2, which give -L Omega across the field, by their parts along the rods, each within its limit: no
@@ -40,7 +39,8 @@ void controller_planned_damp(const ControllerPlannedLaw *law, const Model *model
                              double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
-    damping_rods(model, (p->L0[0][0] + p->L0[1][1] + p->L0[2][2]) / 3.0, Omega, B_B, controls);
+    const Matrix L = model->scales.L;
+    damping_rods(model, (L.a.x + L.b.y + L.c.z) / 3.0, Omega, B_B, controls);
     store(torque_of_rods(model, Omega, l, B_B, controls), y->tau_cmd_B);
     store((Vector){0.0, 0.0, 0.0}, y->dOmega_d);
     y->attitude_error = REFERENCE_NO_ATTITUDE;
@@ -57,13 +57,12 @@ typedef struct {
 } Errors;
 
 /* The law [8] on the reference, less the torques that are known. Q^T e_i is row i of Q. */
-static Vector tracking_torque(const ControllerPlannedParameters *p, const Model *model, const Errors *e, Vector dOmega_d,
-                              Vector B_B, Vector M_g)
+static Vector tracking_torque(const Model *model, const Errors *e, Vector dOmega_d, Vector B_B, Vector M_g)
 {
     const Matrix Q = e->Q, J = model->J;
-    const Vector K = vector(p->K0), w = e->Omega_d_B;
+    const Vector K = model->scales.K, w = e->Omega_d_B;
     const Vector gradient = {K.y * Q.b.z - K.z * Q.c.y, K.z * Q.c.x - K.x * Q.a.z, K.x * Q.a.y - K.y * Q.b.x};
-    Vector tau = add(scale(-1.0, apply(matrix(p->L0), e->omega)), gradient);
+    Vector tau = add(scale(-1.0, apply(model->scales.L, e->omega)), gradient);
     tau = add(tau, add(apply(J, apply_transposed(Q, dOmega_d)), cross(w, apply(J, w))));
     const Vector unwanted = add(model->disturbance_B, cross(model->residual_B, B_B));
     return subtract(tau, add(M_g, unwanted));
@@ -110,16 +109,16 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     const Vector w = apply_transposed(Q, x->reference.Omega);
     const Errors e = {Q, subtract(now->Omega, w), w};
     const Vector slack = {1.0 - Q.a.x, 1.0 - Q.b.y, 1.0 - Q.c.z};
-    y->lyapunov = 0.5 * dot(e.omega, apply(model.J, e.omega)) + dot(vector(p->K0), slack);
+    y->lyapunov = 0.5 * dot(e.omega, apply(model.J, e.omega)) + dot(model.scales.K, slack);
 
     Vector dOmega_d = {0.0, 0.0, 0.0}, tau;
     if (x->phase == PHASE_STEERING) {
-        controller_planned_steering_rods(&x->steering, now->R, B_B, model.rods, controls);
+        controller_planned_steering_rods(&x->steering, now->R, B_B, model.rods, model.scales.time, controls);
         tau = torque_of_rods(&model, now->Omega, now->l, B_B, controls);
     } else {
         controller_planned_plan_at(&x->plan, x->t + 0.5 * p->control_period, controls);
         dOmega_d = controller_planned_acceleration(&model, &around, &x->reference, controls);
-        tau = tracking_torque(p, &model, &e, dOmega_d, B_B, gravity_gradient(model.J, &around, now->R));
+        tau = tracking_torque(&model, &e, dOmega_d, B_B, gravity_gradient(model.J, &around, now->R));
     }
     store(tau, y->tau_cmd_B);
     store(dOmega_d, y->dOmega_d);

@@ -4,6 +4,7 @@
 
 static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB: a single-precision plant stays well below it */
 static const double R_MIN = 1e6;               /* m */
+static const double LOW_ORBIT = 7e6;           /* m, semi-major axis */
 static const double COLLINEAR = 1e-6;          /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double CLOSED = 0.999;            /* of the energy that escapes: the orbit's largest */
 static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
@@ -93,6 +94,14 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
+/* Of the orbit through position and velocity, or of a low one where they give none. */
+static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
+{
+    const Vector r_N = vector(u->r_N), v_N = vector(u->v_N);
+    const double a = 1.0 / (2.0 / norm(r_N) - dot(v_N, v_N) / law->p.gravitational_parameter);
+    return controller_planned_scales(&law->p, a >= R_MIN ? a : LOW_ORBIT);
+}
+
 /* What is put out without an attitude: damping in the measured field, the largest error, what is believed of the satellite. */
 static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
 {
@@ -102,7 +111,8 @@ static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law
     y.no_attitude = true;
     y.gain_k = y.gain_l = y.rod_gain_estimate = 1.0;
     y.h_w_estimate = controller_planned_has_h_w(u) ? u->h_w : 0.0;
-    const Model model = controller_planned_nominal(law);
+    const Scales scales = scales_of(law, u);
+    const Model model = controller_planned_nominal(law, &scales);
     const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
     double controls[CONTROLS];
     controller_planned_damp(law, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
@@ -117,8 +127,9 @@ static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, d
     memset(x, 0, sizeof *x);
     x->t = t;
     const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
-    controller_planned_identification_start(inertia, law->p.identify_spread, law->p.disturbance_max, law->p.disturbance_time,
-                                            law->p.residual_dipole_max, law->p.rate_noise, &x->identification);
+    x->scales = scales_of(law, u);
+    controller_planned_identification_start(&x->scales, inertia, law->p.identify_spread, law->p.disturbance_time,
+                                            law->p.rate_noise, &x->identification);
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

@@ -1,14 +1,13 @@
 #include "cost.h"
 
 static const double WEIGHT_ANGLE = 10.0, BEND = 0.1; /* of the pseudo-Huber cost of the angle; rad */
-static const double WEIGHT_RATE = 2000.0;            /* s^2 */
-static const double WEIGHT_WHEEL = 20.0;             /* 1/(N m s)^2 */
-static const double WEIGHT_WHEEL_NEAR_LIMIT = 3e5;   /* 1/(N m s)^2, beyond WHEEL_NEAR_LIMIT of its limit */
 static const double WHEEL_NEAR_LIMIT = 0.8667;       /* of wheel_momentum_max */
 
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
                                   double scale_wheel, double gradient[ERRORS], double hessian[ERRORS])
 {
+    const double weight_rate = model->scales.weight_rate, weight_wheel = model->scales.weight_wheel,
+                 weight_near_limit = model->scales.weight_near_limit;
     const Matrix Q = multiply(transposed(target->R), x->R);
     const Vector zeta = rotation_log(Q), w = apply_transposed(Q, target->Omega);
     const Vector omega = subtract(x->Omega, w);
@@ -16,18 +15,18 @@ double controller_planned_cost_of(const Model *model, const Target *target, cons
     const double near = WHEEL_NEAR_LIMIT * model->wheel_momentum_max;
     const double over = x->l > near ? x->l - near : x->l < -near ? x->l + near : 0.0;
     if (gradient != NULL) {
-        const double a = scale_errors * WEIGHT_ANGLE * BEND / root, b = scale_errors * WEIGHT_RATE;
+        const double a = scale_errors * WEIGHT_ANGLE * BEND / root, b = scale_errors * weight_rate;
         /* d omega = d Omega - w x d theta */
         const Vector by_angle = add(scale(a, zeta), scale(b, cross(w, omega)));
         store(by_angle, gradient);
         store(scale(b, omega), gradient + 3);
-        gradient[6] = scale_wheel * (WEIGHT_WHEEL * x->l + WEIGHT_WHEEL_NEAR_LIMIT * over);
+        gradient[6] = scale_wheel * (weight_wheel * x->l + weight_near_limit * over);
         for (int i = 0; i < 3; ++i) {
             hessian[i] = a;
             hessian[3 + i] = b;
         }
-        hessian[6] = scale_wheel * (WEIGHT_WHEEL + (over != 0.0 ? WEIGHT_WHEEL_NEAR_LIMIT : 0.0));
+        hessian[6] = scale_wheel * (weight_wheel + (over != 0.0 ? weight_near_limit : 0.0));
     }
-    return scale_errors * (WEIGHT_ANGLE * BEND * (root - BEND) + 0.5 * WEIGHT_RATE * dot(omega, omega)) +
-           scale_wheel * 0.5 * (WEIGHT_WHEEL * x->l * x->l + WEIGHT_WHEEL_NEAR_LIMIT * over * over);
+    return scale_errors * (WEIGHT_ANGLE * BEND * (root - BEND) + 0.5 * weight_rate * dot(omega, omega)) +
+           scale_wheel * 0.5 * (weight_wheel * x->l * x->l + weight_near_limit * over * over);
 }

@@ -3,18 +3,19 @@
 
 #include <string.h>
 
-enum { ITERATIONS = 5 };                     /* of a plan at every renewal */
-static const double RATE_MAX = 0.06;         /* rad/s, from which a plan of all its stages still succeeds */
-static const double EARLY = 1e-6;            /* of the control period: a plan is due that much before its time */
-static const double CHALLENGE_PERIOD = 30.0; /* s */
-static const double HOLD_COST = 10.0;        /* of a plan that is challenged in the hold too: it has a turn in it */
-static const double CHALLENGE_GAIN = 0.97;   /* a challenger is adopted below this share of the plan's cost */
-static const double STEERING_DIPOLE = 1.12;  /* of dipole_max: what three rods give across the field */
-static const double STEERING_AGAIN = 2.0;    /* of steering_limit: back to steering beyond it */
-static const double STEERING_LEFT = 150.0;   /* s of steering, beyond which it goes on down to the next share */
-static const double STEERING_DONE = 0.4;     /* of steering_limit */
-static const double SETTLED_ANGLE = 0.0174532925, SETTLED_RATE = 1e-3, SETTLED_TIME = 60.0; /* rad (1 deg), rad/s, s */
-static const double LOST_ANGLE = 0.0872664626;                                              /* rad (5 deg) */
+enum { ITERATIONS = 5 };                    /* of a plan at every renewal */
+static const double RATE_MAX = 3.0;         /* 1/T, from which a plan of all its stages still succeeds */
+static const double EARLY = 1e-6;           /* of the control period: a plan is due that much before its time */
+static const double CHALLENGE_PERIOD = 0.6; /* T */
+static const double HOLD_COST = 0.2;        /* T, of a plan that is challenged in the hold too: it has a turn in it */
+static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below this share of the plan's cost */
+static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
+static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
+static const double STEERING_LEFT = 3.0;    /* T of steering, beyond which it goes on down to the next share */
+static const double STEERING_DONE = 0.4;    /* of steering_limit */
+static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
+static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
+static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
 
 /* Where the satellite stands against its target. */
 typedef struct {
@@ -27,9 +28,7 @@ typedef struct {
 /* N m s, N: what the total momentum lacks to the target's. */
 static Vector momentum_to_give(const Model *model, const Motion *now, const Target *target)
 {
-    Vector Pi = apply(model->J, now->Omega);
-    Pi.x += now->l;
-    return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, Pi));
+    return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, momentum_of(model, now)));
 }
 
 static Standing standing_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model,
@@ -40,8 +39,8 @@ static Standing standing_of(const ControllerPlannedLaw *law, const ControllerPla
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
     const double least = smaller(p->J_B[0][0], smaller(p->J_B[1][1], p->J_B[2][2]));
-    const double left = norm(D_N) / smaller(p->steering_limit, RATE_MAX * least);
-    const bool far = x->steering.time > STEERING_LEFT && left > STEERING_DONE;
+    const double left = norm(D_N) / smaller(x->scales.steering_limit, RATE_MAX * least / x->scales.time);
+    const bool far = x->steering.time > STEERING_LEFT * x->scales.time && left > STEERING_DONE;
     return (Standing){
         .target = target,
         .angle = principal_angle(Q),
@@ -77,7 +76,7 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
         x->phase = PHASE_ACQUISITION;
     } else if (x->phase == PHASE_HOLD && s->angle > LOST_ANGLE) {
         x->phase = PHASE_ACQUISITION;
-    } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME - early) {
+    } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME * x->scales.time - early) {
         x->phase = PHASE_HOLD;
     }
     return due;
@@ -106,7 +105,7 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
             memcpy(&x->plan, &law->trial, sizeof x->plan);
         }
         x->search.ready = false;
-        x->next_challenge = x->t + CHALLENGE_PERIOD;
+        x->next_challenge = x->t + CHALLENGE_PERIOD * x->scales.time;
     }
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
     x->reference = *now;
@@ -127,7 +126,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     }
     const Standing s = standing_of(law, x, &model, ahead, now);
     const double early = EARLY * p->control_period;
-    if (!(s.angle < SETTLED_ANGLE && s.rate < SETTLED_RATE)) {
+    if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
         x->settled_since = INFINITY;
     } else if (x->settled_since > x->t) {
         x->settled_since = x->t;
@@ -135,7 +134,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
 
     /* A search for a plan from nothing ends after some samples; until then all goes on as it was. */
     Search *search = &x->search;
-    const bool challenge = x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST;
+    const bool challenge = x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * x->scales.time;
     if (s.lost) {
         search->active = search->ready = false;
     } else if (!search->active && !search->ready &&
@@ -146,7 +145,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
 
     const bool due = change_phase(x, &s, early);
     if (due) {
-        x->next_plan = x->t + p->plan_period;
+        x->next_plan = x->t + x->scales.plan_period;
     }
     if (x->phase != PHASE_STEERING) {
         if (due) {
@@ -156,7 +155,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     }
     if (due) {
         const double dipole = STEERING_DIPOLE * p->dipole_max * x->identification.p[GAIN];
-        controller_planned_steer(ahead, x->t, s.D_N, dipole, law->steering_field, &x->steering);
+        controller_planned_steer(ahead, x->t, s.D_N, dipole, x->scales.time, law->steering_field, &x->steering);
     } else {
         x->steering.time = larger(x->steering.time - dt, 0.0);
     }

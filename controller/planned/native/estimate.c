@@ -4,8 +4,8 @@
 #include <string.h>
 
 static const double MODEL_SHARE = 0.1;                 /* of a change of rate by the model that may be wrong */
-static const double MODEL_REST = 1e-6;                 /* rad/s^2 that it may be wrong at rest */
-static const double CHANGE_MAX = 0.1;                  /* rad/s^2 that rods and wheel may give to a light satellite */
+static const double MODEL_REST_TIMES = 400.0;          /* 1/(T^2 rad/s^2) by which it may be wrong at rest */
+static const double CHANGE_MAX = 250.0;                /* 1/T^2 that rods and wheel may give to a light satellite */
 static const double GYROSCOPIC = 2.0;                  /* rad/s^2 per rad^2/s^2 that a body may give to itself */
 static const double CHANGE_NOISE = 20.0;               /* standard deviations of the rate by which a difference may be wrong */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
@@ -20,19 +20,29 @@ static void set_rods(const ControllerPlannedLaw *law, double dipole_max, Model *
     model->rods[2] = scale(dipole_max, law->rod_axes.c);
 }
 
-Model controller_planned_nominal(const ControllerPlannedLaw *law)
+Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *scales)
 {
     const ControllerPlannedParameters *p = &law->p;
-    Model model = {.J = matrix(p->J_B), .wheel_torque_max = p->wheel_torque_max, .wheel_momentum_max = p->wheel_momentum_max};
+    Model model = {.J = matrix(p->J_B),
+                   .wheel_axis = law->wheel_axis,
+                   .wheel_torque_max = p->wheel_torque_max,
+                   .wheel_momentum_max = p->wheel_momentum_max,
+                   .scales = *scales};
     model.J_inverse = inverse(model.J);
     set_rods(law, p->dipole_max, &model);
+    if (controller_planned_has_K0(p)) {
+        model.scales.K = vector(p->K0);
+    }
+    if (controller_planned_has_L0(p)) {
+        model.scales.L = matrix(p->L0);
+    }
     return model;
 }
 
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
 {
     const ControllerPlannedParameters *p = &law->p;
-    Model model = controller_planned_nominal(law);
+    Model model = controller_planned_nominal(law, &x->scales);
     model.J.a.x = x->identification.p[0];
     model.J.b.y = x->identification.p[1];
     model.J.c.z = x->identification.p[2];
@@ -112,6 +122,7 @@ static void predict(const ControllerPlannedLaw *law, ControllerPlannedState *x, 
                     const Around *around, double dt)
 {
     const ControllerPlannedParameters *p = &law->p;
+    const double T = x->scales.time;
     Model model = controller_planned_believed(law, x);
     model.wheel_momentum_max = INFINITY;
     Around then = *around;
@@ -120,7 +131,7 @@ static void predict(const ControllerPlannedLaw *law, ControllerPlannedState *x, 
 
     const Vector Omega = x->predicted.Omega;
     const double change = norm(subtract(Omega, x->estimate.Omega)) + dt * dot(Omega, Omega);
-    const double step = MODEL_SHARE * change + MODEL_REST * dt;
+    const double step = MODEL_SHARE * change + dt / (MODEL_REST_TIMES * T * T);
     x->rate_gain = filter_gain(step, p->rate_noise);
     x->attitude_gain = filter_gain((sqrt(x->rate_gain) * p->rate_noise + step) * dt, p->attitude_noise);
 }
@@ -137,9 +148,10 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
                   const double given[CONTROLS], const Around *around, double dt)
 {
     const ControllerPlannedParameters *p = &law->p;
+    const double T = x->scales.time;
     const Vector change = scale(1.0 / dt, subtract(now->Omega, x->measured.Omega));
     const double slower = smaller(norm(now->Omega), norm(x->measured.Omega));
-    if (!(norm(change) < GYROSCOPIC * slower * slower + CHANGE_MAX + CHANGE_NOISE * p->rate_noise / dt)) {
+    if (!(norm(change) < GYROSCOPIC * slower * slower + CHANGE_MAX / (T * T) + CHANGE_NOISE * p->rate_noise / dt)) {
         x->identification.elapsed = 0.0; /* no body changes its rate like that: the window begins anew */
         return;
     }
@@ -152,7 +164,7 @@ static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, co
     const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
     const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
                                   add(cross(middle, apply(products, middle)), apply(products, change)));
-    controller_planned_identify(dt, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known,
+    controller_planned_identify(dt, law->wheel_axis, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known,
                                 scale(0.5, add(x->B_B, B_B)), p->identify, &x->identification);
 }
 

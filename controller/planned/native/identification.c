@@ -2,29 +2,32 @@
 
 #include <string.h>
 
-static const double WINDOW = 5.0;      /* s */
-static const double NOISE = 1e-4;      /* N m s, of a window's balance of momentum, at least */
-static const double NOISE_RATES = 2.8; /* standard deviations of a rate, times the inertia: two ends, and some more */
-static const double NOISE_RODS = 0.01; /* of the rods' impulse */
-static const double GATE = 5.0;        /* standard deviations */
-static const double CHANGE_MIN = 1e-3; /* rad/s, of the rate in a window that tells something */
-static const double KNOWN_MIN = 1e-3;  /* N m s, of a known impulse, below which the scale of p cannot be observed */
-static const double EXPECTED = 0.25;   /* of the largest disturbance: its standard deviation before the flight */
-static const double TRUST = 0.4;       /* largest change of what is identified, relative */
+static const double WINDOW = 0.1;       /* T */
+static const double NOISE_RATES = 2.8;  /* standard deviations of a rate, times the inertia: two ends, and some more */
+static const double NOISE_RODS = 0.01;  /* of the rods' impulse */
+static const double GATE = 5.0;         /* standard deviations */
+static const double CHANGE_TIME = 20.0; /* T, in which the least change of rate that tells something turns by a radian */
+static const double EXPECTED = 0.25;    /* of the largest disturbance: its standard deviation before the flight */
+static const double TRUST = 0.4;        /* largest change of what is identified, relative */
 
-void controller_planned_identification_start(const double inertia[3], double spread, double disturbance_max,
-                                             double disturbance_time, double dipole_max, double rate_noise, Identification *id)
+void controller_planned_identification_start(const Scales *scales, const double inertia[3], double spread,
+                                             double disturbance_time, double rate_noise, Identification *id)
 {
     memset(id, 0, sizeof *id);
-    id->disturbance_max = disturbance_max;
-    id->dipole_max = dipole_max;
+    id->disturbance_max = scales->disturbance_max;
+    id->dipole_max = scales->residual_dipole_max;
+    id->window = WINDOW * scales->time;
+    id->noise = scales->balance_noise;
+    id->change_min = 1.0 / (CHANGE_TIME * scales->time);
+    id->known_min = scales->known_min;
     /* The walk for which the filter at rest forgets over disturbance_time. */
-    const double noise = larger(NOISE, NOISE_RATES * rate_noise * largest(vector(inertia)));
+    const double noise = larger(id->noise, NOISE_RATES * rate_noise * largest(vector(inertia)));
     id->rate_noise = rate_noise;
-    id->walk = noise / WINDOW * (WINDOW / disturbance_time);
+    id->walk = noise / id->window * (id->window / disturbance_time);
     for (int i = 0; i < UNKNOWNS; ++i) {
         id->p[i] = i < 3 ? inertia[i] : i == GAIN ? 1.0 : 0.0;
-        const double deviation = i < TORQUE ? spread * id->p[i] : EXPECTED * (i < DIPOLE ? disturbance_max : dipole_max);
+        const double deviation =
+            i < TORQUE ? spread * id->p[i] : EXPECTED * (i < DIPOLE ? id->disturbance_max : id->dipole_max);
         id->P[i][i] = deviation * deviation;
         if (i < TORQUE) {
             id->start[i] = id->p[i];
@@ -51,14 +54,14 @@ static void update(Identification *id, const double row[UNKNOWNS], double value,
     }
     /* Without a known impulse the row tells of ratios only: its noise alone would draw all of p towards zero. Rods that are
      * at rest have no part in the ratios. */
-    const int ratios = fabs(row[GAIN]) >= KNOWN_MIN ? TORQUE : GAIN;
+    const int ratios = fabs(row[GAIN]) >= id->known_min ? TORQUE : GAIN;
     double scale_before = 0.0, scale_after = 0.0;
     for (int i = 0; i < UNKNOWNS; ++i) {
         scale_before += i < ratios ? id->p[i] / id->start[i] : 0.0;
         id->p[i] += Pr[i] * error / spread;
         scale_after += i < ratios ? id->p[i] / id->start[i] : 0.0;
     }
-    for (int i = 0; i < ratios && !quiet && fabs(value) < KNOWN_MIN; ++i) {
+    for (int i = 0; i < ratios && !quiet && fabs(value) < id->known_min; ++i) {
         id->p[i] *= scale_before / scale_after;
     }
     for (int i = 0; i < UNKNOWNS; ++i) {
@@ -76,22 +79,22 @@ static void keep_within(double v[3], double limit)
     }
 }
 
-static void use_window(Identification *id, Vector Omega, double l, bool inertia)
+static void use_window(Identification *id, Vector wheel_axis, Vector Omega, double l, bool inertia)
 {
-    double dOmega[3], products[3], rods[3], others[3], wheel[3], field[3];
+    double dOmega[3], products[3], rods[3], others[3], wheel[3], field[3], dl[3];
     store(subtract(Omega, id->Omega_0), dOmega);
     store(id->products, products);
     store(id->rods, rods);
     store(id->others, others);
     store(id->wheel, wheel);
     store(id->field, field);
-    const double dl[3] = {l - id->l_0, 0.0, 0.0};
-    const bool quiet = !inertia || norm(vector(dOmega)) < CHANGE_MIN;
+    store(scale(l - id->l_0, wheel_axis), dl);
+    const bool quiet = !inertia || norm(vector(dOmega)) < id->change_min;
     for (int i = 0; i < 3; ++i) {
         id->P[TORQUE + i][TORQUE + i] += id->walk * id->walk;
     }
     for (int i = 0; i < 3; ++i) {
-        /* J_i dOmega_i + (J_k - J_j) int Omega_j Omega_k - gain int tau_i - d_i T = int known - dl - int (Omega x l e1)_i */
+        /* J_i dOmega_i + (J_k - J_j) int Omega_j Omega_k - gain int tau_i - d_i T = int known - dl a_i - int (Omega x l a)_i */
         double row[UNKNOWNS] = {0.0};
         row[i] = dOmega[i];
         row[(i + 1) % 3] = -products[i];
@@ -106,7 +109,7 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
         /* -int (m x B)_i */
         row[DIPOLE + (i + 1) % 3] = -field[(i + 2) % 3];
         row[DIPOLE + (i + 2) % 3] = field[(i + 1) % 3];
-        const double noise = larger(NOISE, NOISE_RATES * id->rate_noise * id->start[i]);
+        const double noise = larger(id->noise, NOISE_RATES * id->rate_noise * id->start[i]);
         const double variance = noise * noise + NOISE_RODS * NOISE_RODS * rods[i] * rods[i];
         update(id, row, value, variance, quiet);
     }
@@ -117,8 +120,8 @@ static void use_window(Identification *id, Vector Omega, double l, bool inertia)
     keep_within(id->p + DIPOLE, id->dipole_max);
 }
 
-void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, double l, double l_next, Vector tau_rods,
-                                 Vector tau_known, Vector B_B, bool inertia, Identification *id)
+void controller_planned_identify(double dt, Vector wheel_axis, Vector Omega, Vector Omega_next, double l, double l_next,
+                                 Vector tau_rods, Vector tau_known, Vector B_B, bool inertia, Identification *id)
 {
     if (id->elapsed == 0.0) {
         id->Omega_0 = Omega;
@@ -131,12 +134,11 @@ void controller_planned_identify(double dt, Vector Omega, Vector Omega_next, dou
     id->rods = add(id->rods, scale(dt, tau_rods));
     id->others = add(id->others, scale(dt, tau_known));
     id->field = add(id->field, scale(dt, B_B));
-    const double m = 0.5 * dt;
-    id->wheel =
-        add(id->wheel, (Vector){0.0, m * (Omega.z * l + Omega_next.z * l_next), -m * (Omega.y * l + Omega_next.y * l_next)});
+    const Vector spin = scale(0.5 * dt, add(scale(l, Omega), scale(l_next, Omega_next)));
+    id->wheel = add(id->wheel, cross(spin, wheel_axis));
     id->elapsed += dt;
-    if (id->elapsed >= WINDOW - 1e-9) {
-        use_window(id, Omega_next, l_next, inertia);
+    if (id->elapsed >= id->window * (1.0 - 1e-9)) {
+        use_window(id, wheel_axis, Omega_next, l_next, inertia);
         id->elapsed = 0.0;
     }
 }

@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-static const double FINAL = 300.0, FINAL_WHEEL = 30.0; /* s, by which the last stage counts */
-static const double TURN_MAX = 1.5;                    /* rad in a stage; a motion beyond is no plan */
-static const double GAIN_MIN = 1e-6;                   /* of the cost: an iteration that gains less is the last */
+static const double FINAL = 6.0, FINAL_WHEEL = 0.6; /* T, by which the last stage counts */
+static const double TURN_MAX = 1.5;                 /* rad in a stage; a motion beyond is no plan */
+static const double GAIN_MIN = 1e-6;                /* of the cost: an iteration that gains less is the last */
 enum { QP_PASSES = 6 };
 
 /* u + share k + K errors, within the limits, where errors are those of x from x0. */
@@ -45,8 +45,9 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(u));
         w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
     }
-    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages], FINAL, FINAL_WHEEL, NULL,
-                                       NULL);
+    const double T = model->scales.time;
+    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages], FINAL * T,
+                                       FINAL_WHEEL * T, NULL, NULL);
     return cost == cost ? cost : NEVER;
 }
 
@@ -164,8 +165,9 @@ static void backward_pass(const Model *model, const Plan *plan, Workspace *w, in
     BackwardPass *s = &w->pass;
     double hessian[ERRORS];
     const int n = plan->stages;
+    const double T = model->scales.time;
     memset(s->V, 0, sizeof s->V);
-    controller_planned_cost_of(model, &w->stage[n].target, &w->x[at][n], FINAL, FINAL_WHEEL, s->v, hessian);
+    controller_planned_cost_of(model, &w->stage[n].target, &w->x[at][n], FINAL * T, FINAL_WHEEL * T, s->v, hessian);
     for (int i = 0; i < ERRORS; ++i) {
         s->V[i][i] = hessian[i];
     }

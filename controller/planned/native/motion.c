@@ -41,12 +41,10 @@ static Vector dipole(const Model *model, const double u[CONTROLS])
 Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
 {
     const Vector B = apply_transposed(x->R, around->B_N);
-    Vector Pi = apply(model->J, x->Omega);
-    Pi.x += x->l;
-    Vector tau = add(cross(Pi, x->Omega), cross(dipole(model, u), B));
+    Vector tau = add(cross(momentum_of(model, x), x->Omega), cross(dipole(model, u), B));
     tau = add(tau, gravity_gradient(model->J, around, x->R));
     tau = add(tau, model->disturbance_B);
-    tau.x -= model->wheel_torque_max * u[3];
+    tau = subtract(tau, scale(model->wheel_torque_max * u[3], model->wheel_axis));
     return apply(model->J_inverse, tau);
 }
 
@@ -100,7 +98,7 @@ static Matrix times(double s, Matrix m)
     return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
 }
 
-/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x e1 dl + m x (B x dtheta) + dM_g. */
+/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta) + dM_g. */
 typedef struct {
     Matrix turn, angle, rate;
     Vector wheel;
@@ -110,8 +108,7 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
-    Vector Pi = apply(J, Omega);
-    Pi.x += l;
+    const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
     const Matrix magnetic = multiply(hat(m), hat(B));
     const Matrix gravity = times(3.0 * around->rate_squared, sum(multiply(hat(rho), multiply(J, hat(rho))),
                                                                  times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
@@ -119,7 +116,7 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
         .turn = times(-1.0, hat(Omega)),
         .angle = multiply(model->J_inverse, sum(magnetic, gravity)),
         .rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, multiply(hat(Omega), J)))),
-        .wheel = apply(model->J_inverse, (Vector){0.0, -Omega.z, Omega.y}),
+        .wheel = apply(model->J_inverse, cross(model->wheel_axis, Omega)),
     };
 }
 
@@ -158,7 +155,7 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     const double s = 0.5 * h * h;
     state_transition(&F, h, A);
     for (int j = 0; j < CONTROLS; ++j) {
-        const Vector tau = j < 3 ? cross(model->rods[j], B) : (Vector){-model->wheel_torque_max, 0.0, 0.0};
+        const Vector tau = j < 3 ? cross(model->rods[j], B) : scale(-model->wheel_torque_max, model->wheel_axis);
         const Vector g = apply(model->J_inverse, tau);
         const double l = j < 3 ? 0.0 : model->wheel_torque_max;
         double top[3], middle[3];

@@ -4,6 +4,7 @@
 
 #include "box_qp.h"
 #include "onboard.h"
+#include "scales.h"
 
 enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
 
@@ -11,10 +12,12 @@ enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + 
 typedef struct {
     Matrix J, J_inverse;
     Vector rods[3];          /* dipole of each rod at its limit, body axes, A m2, with the estimated gain */
+    Vector wheel_axis;       /* unit, body axes */
     double wheel_torque_max; /* N m */
     double wheel_momentum_max;
     Vector disturbance_B; /* N m */
     Vector residual_B;    /* dipole of the satellite itself, A m2 */
+    Scales scales;
 } Model;
 
 typedef struct {
@@ -42,6 +45,12 @@ typedef struct {
 } Ahead;
 
 typedef double Square[ERRORS][ERRORS];
+
+/* J Omega + l a, N m s, body axes. */
+static inline Vector momentum_of(const Model *model, const Motion *x)
+{
+    return add(apply(model->J, x->Omega), scale(x->l, model->wheel_axis));
+}
 
 /* Dipole of the rods under the controls, A m2, body axes. */
 static inline Vector rods_dipole(const Model *model, const double u[CONTROLS])

@@ -2,7 +2,7 @@
 #include "controller_planned.h"
 
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
-enum { SEARCH_ITERATIONS_MAX = 1000 };
+enum { SEARCH_ITERATIONS_MAX = 1000, POWERS = 200 };
 
 static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
 {
@@ -42,24 +42,67 @@ static bool check_epoch(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
+/* The largest eigenvalue of J^-1 S, S symmetric, by the power method: what is reported, so that a few digits do. */
+static double largest_of(Matrix J, Matrix S)
+{
+    const Matrix M = multiply(inverse(J), S);
+    Vector v = {1.0, 0.9, 1.1};
+    for (int i = 0; i < POWERS; ++i) {
+        const Vector w = apply(M, v);
+        v = scale(1.0 / larger(norm(w), 1e-300), w);
+    }
+    return dot(v, apply(M, v));
+}
+
+/* The law [8] on its sampled errors is stable below both bounds: of z^2 + (d + s/2 - 2) z + 1 - d + s/2, d = L T/J and
+ * s = K T^2/J, both roots lie within the unit circle where d < 2 and s < 2 d, so that s < 4. */
+static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
+{
+    const double T = p->control_period;
+    const Matrix J = matrix(p->J_B), L = matrix(p->L0);
+    const Vector K = vector(p->K0);
+    const Matrix stiffness = {{K.y + K.z, 0.0, 0.0}, {0.0, K.z + K.x, 0.0}, {0.0, 0.0, K.x + K.y}};
+    if (controller_planned_has_L0(p)) {
+        if (!is_positive_definite(L, "L0", f)) {
+            return false;
+        }
+        const double damping = T * largest_of(J, L);
+        if (!(damping < 2.0)) {
+            return fault(f, "L0", damping,
+                         "L0 control_period/J_B below 2 about each axis (this is the largest), or 0: computed");
+        }
+    }
+    if (controller_planned_has_K0(p)) {
+        if (!is_ascending(p->K0, f)) {
+            return false;
+        }
+        const double stiff = T * T * largest_of(J, stiffness);
+        if (!(stiff < 4.0)) {
+            return fault(f, "K0", stiff,
+                         "(K0[i] + K0[j]) control_period^2/J_B below 4 about each axis (this is the largest), or 0: computed");
+        }
+    }
+    return true;
+}
+
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
     const Named positive[] = {
         {"control_period", p->control_period},     {"dipole_max", p->dipole_max},
         {"wheel_torque_max", p->wheel_torque_max}, {"wheel_momentum_max", p->wheel_momentum_max},
-        {"plan_period", p->plan_period},           {"steering_limit", p->steering_limit},
         {"disturbance_time", p->disturbance_time}, {"gravitational_parameter", p->gravitational_parameter},
     };
     const Named not_negative[] = {
-        {"attitude_noise", p->attitude_noise},   {"rate_noise", p->rate_noise},
-        {"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max},
-        {"identify_spread", p->identify_spread},
+        {"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},           {"plan_period", p->plan_period},
+        {"steering_limit", p->steering_limit}, {"identify_spread", p->identify_spread},
     };
+    const Named bounds[] = {{"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max}};
     const NamedVector field_error = {"field_error", vector(p->field_error)};
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
-           all_finite_vectors(&field_error, 1, f) && check_choices(p, f) && is_inertia(matrix(p->J_B), "J_B", f) &&
-           is_positive_definite(matrix(p->L0), "L0", f) && is_ascending(p->K0, f) &&
+           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(&field_error, 1, f) && check_choices(p, f) &&
+           is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) &&
+           is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) && check_epoch(p, f) &&
            is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", rotation, f);
 }
@@ -70,6 +113,7 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->p = *p;
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
+    law->wheel_axis = unit_vector(vector(p->wheel_axis));
     (void)epoch_read(p->epoch, &epoch);
     controller_planned_onboard_field(&controller_planned_gauss_models[p->field_model - 1], days_of_epoch(&epoch),
                                      p->field_degree, p->field_error, &law->field);

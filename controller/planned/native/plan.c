@@ -2,10 +2,11 @@
 
 #include <string.h>
 
-static const double HORIZON = 1500.0, FINE_UNTIL = 500.0;   /* s */
-static const double STAGE_FINE = 10.0, STAGE_COARSE = 25.0; /* s, before and after FINE_UNTIL */
-static const double FAST = 0.04, FASTER = 0.08;             /* rad/s; stages are halved and quartered */
-static const double EARLY = 1e-6;                           /* s: an end is reached that much before its time */
+/* In the satellite's time T. */
+static const double HORIZON = 30.0, FINE_UNTIL = 10.0;
+static const double STAGE_FINE = 0.2, STAGE_COARSE = 0.5; /* before and after FINE_UNTIL */
+static const double FAST = 0.4, FASTER = 0.8;             /* rad in STAGE_FINE; stages are halved and quartered */
+static const double EARLY = 1e-7;                         /* of the horizon: an end is reached that much before its time */
 
 void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS])
 {
@@ -39,17 +40,19 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
                                    Plan *plan, Stage stage[STAGES + 1])
 {
+    const double T = model->scales.time, fine = STAGE_FINE * T, coarse = STAGE_COARSE * T;
+    const double fine_until = FINE_UNTIL * T, horizon = HORIZON * T, early = EARLY * fine_until;
     Motion now = *x;
     double s = 0.0;
     memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
-    while (s < HORIZON - EARLY) {
-        const double whole = s < FINE_UNTIL - EARLY ? STAGE_FINE : STAGE_COARSE;
+    while (s < horizon - early) {
+        const double whole = s < fine_until - early ? fine : coarse;
         /* A stage is divided while enough stages are left for the rest of the horizon. */
-        const int left = STAGES - plan->stages - (int)((FINE_UNTIL - smaller(s, FINE_UNTIL)) / STAGE_FINE) -
-                         (int)((HORIZON - larger(s, FINE_UNTIL)) / STAGE_COARSE) - 1;
-        const double speed = norm(now.Omega) * whole / STAGE_FINE;
-        const int wanted = speed > FASTER ? 4 : speed > FAST ? 2 : 1;
+        const int left = STAGES - plan->stages - (int)((fine_until - smaller(s, fine_until)) / fine) -
+                         (int)((horizon - larger(s, fine_until)) / coarse) - 1;
+        const double turn = norm(now.Omega) * whole;
+        const int wanted = turn > FASTER ? 4 : turn > FAST ? 2 : 1;
         const int parts = left >= 4 ? wanted : 1;
         for (int i = 0; i < parts; ++i) {
             const double h = whole / parts;

@@ -25,9 +25,10 @@ typedef struct {
     /* kg.m2; frame B; Initial estimate of the inertia; symmetric, positive definite, with each principal
      * moment at most the sum of the others */
     double J_B[3][3];
-    /* N.m; Diagonal of K, 0 < K0[1] < K0[2] < K0[3] [9] */
+    /* N.m; Diagonal of K, 0 < K0[1] < K0[2] < K0[3] [9]; all zero: computed from the satellite's data */
     double K0[3];
-    /* N.m.s; frame B; L, symmetric and positive definite [9] */
+    /* N.m.s; frame B; L, symmetric and positive definite [9], below 2 J_B/control_period about each axis; all
+     * zero: computed from the satellite's data */
     double L0[3][3];
     /* s; Time between two samples of the control; between them all outputs are held */
     double control_period;
@@ -36,16 +37,19 @@ typedef struct {
     double rod_axes[3][3];
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
+    /* frame B; Unit axis of the wheel; of unit length to 1e-6 (normalised on use) */
+    double wheel_axis[3];
     /* N.m; Largest torque of the wheel's motor */
     double wheel_torque_max;
     /* N.m.s; Largest |h_w| of the wheel */
     double wheel_momentum_max;
-    /* s; Time between two plans */
+    /* s; Time between two plans; zero: computed from the satellite's data */
     double plan_period;
     /* Iterations in one sample of the search for a first plan (180 in all). A smaller value makes each call
      * shorter, and the search takes more samples */
     int32_t search_iterations;
-    /* N.m.s; Steering ends, and the plan begins, below this distance from the target's momentum */
+    /* N.m.s; Steering ends, and the plan begins, below this distance from the target's momentum; zero:
+     * computed from the satellite's data */
     double steering_limit;
     /* rad; Standard deviation of the measured attitude about each axis, as the estimator assumes it */
     double attitude_noise;
@@ -53,9 +57,10 @@ typedef struct {
     double rate_noise;
     /* s; Time over which old data lose their weight in the estimate of the disturbance */
     double disturbance_time;
-    /* N.m; Upper bound of the estimated disturbance torque */
+    /* N.m; Upper bound of the estimated disturbance torque; negative: computed from the satellite's data */
     double disturbance_max;
-    /* A.m2; Upper bound of the estimated dipole of the satellite itself */
+    /* A.m2; Upper bound of the estimated dipole of the satellite itself; negative: computed from dipole_max
+     * */
     double residual_dipole_max;
     /* Whether inertia and rod gain are identified in flight */
     bool identify;

@@ -2,13 +2,12 @@
 
 #include <string.h>
 
-static const int ITERATIONS_COLD = 60;                         /* of a start of a search */
-static const double CASCADE_RATES[STARTS - 1] = {0.008, 0.02}; /* rad/s; the first start has no controls */
-static const double STIFFNESS = 0.02, STIFFNESS_STEP = 0.2;    /* of the cascade: 1/s, and at most this over a stage */
-static const double DAMPING = 0.05, DAMPING_STEP = 0.5;        /* the same of the rate */
-static const double ANGLE_MIN = 1e-9;                          /* rad, below which an error has no direction */
-static const double WHEEL_REST = 60.0;                         /* s, over which the wheel would come to rest */
-static const double ROD_WEIGHT = 1e-10, WHEEL_WEIGHT = 5e-9;   /* (N m)^2 that a whole control costs */
+static const int ITERATIONS_COLD = 60;                      /* of a start of a search */
+static const double CASCADE_TIMES[STARTS - 1] = {2.5, 1.0}; /* T, to turn by a radian; the first start has no controls */
+static const double STIFFNESS = 1.0, STIFFNESS_STEP = 0.2;  /* of the cascade: 1/T, and at most this over a stage */
+static const double DAMPING = 2.5, DAMPING_STEP = 0.5;      /* the same of the rate */
+static const double ANGLE_MIN = 1e-9;                       /* rad, below which an error has no direction */
+static const double WHEEL_REST = 1.2;                       /* T, over which the wheel would come to rest */
 enum { QP_PASSES = 12 };
 
 void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
@@ -18,13 +17,13 @@ void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B,
     for (int j = 0; j < 3; ++j) {
         A[j] = cross(model->rods[j], B_B);
     }
-    A[3] = (Vector){-model->wheel_torque_max, 0.0, 0.0};
+    A[3] = scale(-model->wheel_torque_max, model->wheel_axis);
     double H[CONTROLS][CONTROLS], g[CONTROLS];
     const double low[CONTROLS] = {-1.0, -1.0, -1.0, -1.0}, high[CONTROLS] = {1.0, 1.0, 1.0, 1.0};
     bool free[CONTROLS];
-    const double rest = clip(-l / (WHEEL_REST * model->wheel_torque_max), -1.0, 1.0);
+    const double rest = clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
     for (int i = 0; i < CONTROLS; ++i) {
-        const double weight = i < 3 ? ROD_WEIGHT : WHEEL_WEIGHT;
+        const double weight = i < 3 ? model->scales.weight_rods : model->scales.weight_motor;
         for (int j = 0; j < CONTROLS; ++j) {
             H[i][j] = dot(A[i], A[j]) + (i == j ? weight : 0.0);
         }
@@ -36,10 +35,11 @@ void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B,
 
 void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stages[STAGES + 1])
 {
+    const double T = model->scales.time;
     Motion now = *x;
     for (int i = 0; i < plan->stages; ++i) {
-        const double stiffness = smaller(STIFFNESS, STIFFNESS_STEP / plan->h[i]),
-                     damping = smaller(DAMPING, DAMPING_STEP / plan->h[i]);
+        const double stiffness = smaller(STIFFNESS / T, STIFFNESS_STEP / plan->h[i]),
+                     damping = smaller(DAMPING / T, DAMPING_STEP / plan->h[i]);
         const Stage *stage = &stages[i];
         const Matrix Q = multiply(transposed(stage->target.R), now.R);
         const Vector zeta = rotation_log(Q);
@@ -48,9 +48,7 @@ void controller_planned_cascade(const Model *model, const Motion *x, double rate
         const Vector wanted =
             subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
-        Vector Pi = apply(model->J, now.Omega);
-        Pi.x += now.l;
-        tau = subtract(tau, cross(Pi, now.Omega));
+        tau = subtract(tau, cross(momentum_of(model, &now), now.Omega));
         controller_planned_controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = controller_planned_advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
     }
@@ -72,7 +70,8 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (search->left == ITERATIONS_COLD) {
             controller_planned_lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w->stage);
             if (search->start > 0) {
-                controller_planned_cascade(model, &search->x, CASCADE_RATES[search->start - 1], &search->trial, w->stage);
+                controller_planned_cascade(model, &search->x, 1.0 / (CASCADE_TIMES[search->start - 1] * model->scales.time),
+                                           &search->trial, w->stage);
             }
         } else {
             controller_planned_survey(ahead, &search->trial, w->stage);

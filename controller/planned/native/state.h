@@ -17,9 +17,10 @@ typedef struct {
     double next_challenge; /* s */
     double settled_since;  /* s; beyond t while not settled */
     int32_t phase;
-    bool sampled; /* whether the control has acted at t */
-    bool waiting; /* for the first attitude, with which all begins */
-    bool flown;   /* a step has had an attitude; zeros are then refused where no reference is connected */
+    bool sampled;  /* whether the control has acted at t */
+    bool waiting;  /* for the first attitude, with which all begins */
+    Scales scales; /* of the orbit on which it began */
+    bool flown;    /* a step has had an attitude; zeros are then refused where no reference is connected */
     Steering steering;
     Plan plan;
     Search search;
@@ -43,6 +44,7 @@ typedef struct {
     ControllerPlannedParameters p;
     Matrix R_d0;     /* projected onto SO(3) */
     Matrix rod_axes; /* rows, unit */
+    Vector wheel_axis;
     OnboardField field;
     Workspace workspace;
     Plan trial;
@@ -62,7 +64,7 @@ static inline bool is_planned(int32_t phase)
 }
 
 /* The satellite as its parameters have it. */
-Model controller_planned_nominal(const ControllerPlannedLaw *law);
+Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *scales);
 
 /* The satellite as it is estimated now. */
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);

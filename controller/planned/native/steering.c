@@ -2,11 +2,11 @@
  * m = rho unit(B x lambda) with constant lambda, so D = rho int (|B|^2 I - B B^T)/|B x lambda| ds lambda. */
 #include "steering.h"
 
-static const double SPACING = 20.0;     /* s between nodes of the field ahead */
+static const double SPACING = 0.4;      /* T between nodes of the field ahead */
 static const double ALIGNED_MIN = 0.03; /* |B x lambda| counts at least as this share of |B| */
-static const double EXACT = 60.0;       /* s before the end from which the direction is kept exactly */
+static const double EXACT = 1.2;        /* T before the end from which the direction is kept exactly */
 static const double ALIGNED_FULL = 0.2; /* cosine of a rod to the wanted dipole from which it is at its limit */
-static const double TAPER = 20.0;       /* s before the end from which the dipole is lessened */
+static const double TAPER = 0.4;        /* T before the end from which the dipole is lessened */
 static const double TINY = 1e-300;      /* keeps a length of zero from dividing */
 enum { ITERATIONS = 5, HALVINGS = 12 };
 
@@ -25,14 +25,15 @@ static Matrix mixed(Matrix m, double s, Matrix n)
 }
 
 /* The least time in which dipoles across lambda give D_N, s, and ell = M^-1 D_N at its end, of the length of the dipole. */
-static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vector D_N, double dipole, Vector *ell)
+static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vector D_N, double dipole, double spacing,
+                         Vector *ell)
 {
     Matrix M = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, before = M, last = across(field[0], lambda);
     int i = 1;
     for (*ell = D_N; i < STEERING_NODES; ++i) {
         const Matrix here = across(field[i], lambda);
         before = M;
-        M = mixed(mixed(M, 0.5 * SPACING, last), 0.5 * SPACING, here);
+        M = mixed(mixed(M, 0.5 * spacing, last), 0.5 * spacing, here);
         last = here;
         *ell = solve(M, D_N);
         if (norm(*ell) <= dipole) {
@@ -40,7 +41,7 @@ static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vect
         }
     }
     if (i == STEERING_NODES) {
-        return SPACING * (STEERING_NODES - 1);
+        return spacing * (STEERING_NODES - 1);
     }
     /* The instant within the last interval, by halving; before the first node all is proportional. */
     double low = 0.0, high = 1.0;
@@ -54,23 +55,23 @@ static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vect
             low = share;
         }
     }
-    return SPACING * (i - 1 + high);
+    return spacing * (i - 1 + high);
 }
 
-void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, Vector field[STEERING_NODES],
-                              Steering *steering)
+void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double dipole, double unit,
+                              Vector field[STEERING_NODES], Steering *steering)
 {
     const double needed = norm(D_N);
     if (!(needed > 0.0)) {
         return;
     }
     for (int i = 0; i < STEERING_NODES; ++i) {
-        field[i] = controller_planned_around_at(ahead, t + SPACING * i).B_N;
+        field[i] = controller_planned_around_at(ahead, t + SPACING * unit * i).B_N;
     }
     Vector lambda = norm(steering->lambda_N) > 0.0 ? steering->lambda_N : scale(1.0 / needed, D_N), ell;
     double time = 0.0;
     for (int iteration = 0; iteration < ITERATIONS; ++iteration) {
-        time = least_time(field, lambda, D_N, dipole, &ell);
+        time = least_time(field, lambda, D_N, dipole, SPACING * unit, &ell);
         if (!(norm(ell) > 0.0 && is_finite(ell))) {
             return; /* a field whose direction does not change gives nothing along it */
         }
@@ -80,10 +81,11 @@ void controller_planned_steer(const Ahead *ahead, double t, Vector D_N, double d
     steering->time = time;
 }
 
-void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double u[3])
+void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector B_B, const Vector rods[3], double unit,
+                                      double u[3])
 {
     const Vector w = cross(B_B, apply_transposed(R, steering->lambda_N));
-    if (steering->time > EXACT) {
+    if (steering->time > EXACT * unit) {
         /* What gives most along lambda: each rod at its limit, smoothly where it changes sign. What it gives besides
          * averages out as the satellite turns. */
         for (int i = 0; i < 3; ++i) {
@@ -118,7 +120,7 @@ void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector
             }
         }
     }
-    const double factor = best > 0.0 ? smaller(1.0, steering->time / TAPER) / best : 0.0;
+    const double factor = best > 0.0 ? smaller(1.0, steering->time / (TAPER * unit)) / best : 0.0;
     for (int i = 0; i < 3; ++i) {
         u[i] = factor * (p[i] + beta * q[i]);
     }

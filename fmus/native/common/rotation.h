@@ -157,6 +157,12 @@ static inline Matrix with_unit_rows(Matrix U)
     return (Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)};
 }
 
+/* v of unit length. */
+static inline Vector unit_vector(Vector v)
+{
+    return scale(1.0 / norm(v), v);
+}
+
 /* LVLH of a position and a velocity in N, as columns: Z to nadir, Y = -orbit normal, X = Y x Z. */
 static inline Matrix lvlh_axes(Vector r_N, Vector v_N)
 {
@@ -175,6 +181,13 @@ static inline bool has_unit_rows(Matrix U, const char *name, Fault *f)
         }
     }
     return true;
+}
+
+/* Whether v is of unit length, to 1e-6. */
+static inline bool is_unit_vector(Vector v, const char *name, Fault *f)
+{
+    const double length = norm(v);
+    return fabs(length - 1.0) <= 1e-6 || fault(f, name, length, "a vector of unit length, to 1e-06");
 }
 
 /* Whether the rows are unit vectors that do not lie in one plane. */

@@ -68,10 +68,13 @@ class _Model(ctypes.Structure):
     _fields_ = (
         ("J", c_double * 9),
         ("rods", c_double * 9),
+        ("wheel_axis", c_double * 3),
         ("wheel_torque_max", c_double),
         ("wheel_momentum_max", c_double),
         ("disturbance_B", c_double * 3),
         ("residual_B", c_double * 3),
+        ("dipole_max", c_double),
+        ("semi_major_axis", c_double),
     )
 
 
@@ -105,20 +108,27 @@ class Satellite:
 
     J: Array = field(default_factory=lambda: np.diag([2.13, 3.04, 3.09]))
     rods: Array = field(default_factory=lambda: 25.0 * RODS)
+    wheel_axis: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
     wheel_torque_max: float = 3e-3
     wheel_momentum_max: float = 0.03
     disturbance_B: Array = field(default_factory=lambda: np.zeros(3))
     residual_B: Array = field(default_factory=lambda: np.zeros(3))
+    dipole_max: float = 25.0
+    """From which, with J and the orbit, the units of the plan follow."""
+    semi_major_axis: float = 6971e3
 
     def c(self) -> Any:
         return byref(
             _Model(
                 _doubles(self.J),
                 _doubles(self.rods),
+                _doubles(self.wheel_axis),
                 self.wheel_torque_max,
                 self.wheel_momentum_max,
                 _doubles(self.disturbance_B),
                 _doubles(self.residual_B),
+                self.dipole_max,
+                self.semi_major_axis,
             )
         )
 

@@ -10,7 +10,8 @@
 #endif
 
 typedef struct {
-    double J[3][3], rods[3][3], wheel_torque_max, wheel_momentum_max, disturbance_B[3], residual_B[3];
+    double J[3][3], rods[3][3], wheel_axis[3], wheel_torque_max, wheel_momentum_max, disturbance_B[3], residual_B[3];
+    double dipole_max, semi_major_axis;
 } FlatModel;
 
 typedef struct {
@@ -58,6 +59,7 @@ PROBE void probe_sizes(size_t sizes[2]);
 PROBE int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
                        ControllerPlannedOutputs *y);
 
+static const double UNIT = 50.0; /* s, the paper's satellite's T */
 static Workspace workspace;
 static Plan plans[2];
 
@@ -86,6 +88,14 @@ static Model model_of(const FlatModel *f)
     m.wheel_momentum_max = f->wheel_momentum_max;
     m.disturbance_B = vector(f->disturbance_B);
     m.residual_B = vector(f->residual_B);
+    m.wheel_axis = vector(f->wheel_axis);
+    ControllerPlannedParameters p;
+    memset(&p, 0, sizeof p);
+    store_matrix(m.J, p.J_B);
+    p.control_period = 0.5;
+    p.dipole_max = f->dipole_max;
+    p.wheel_momentum_max = f->wheel_momentum_max;
+    m.scales = controller_planned_scales(&p, f->semi_major_axis);
     return m;
 }
 
@@ -315,7 +325,7 @@ double probe_steer(const FlatAhead *a, double t, const double D[3], double dipol
     OnboardField field;
     const Ahead ahead = ahead_of_flat(a, &field);
     Steering steering = {vector(lambda), 0.0};
-    controller_planned_steer(&ahead, t, vector(D), dipole, nodes, &steering);
+    controller_planned_steer(&ahead, t, vector(D), dipole, UNIT, nodes, &steering);
     store(steering.lambda_N, lambda);
     return steering.time;
 }
@@ -325,7 +335,7 @@ void probe_steering_rods(const double lambda[3], double time, const double R[9],
 {
     const Steering steering = {vector(lambda), time};
     const Vector axes[3] = {vector(rods), vector(rods + 3), vector(rods + 6)};
-    controller_planned_steering_rods(&steering, nine(R), vector(B), axes, u);
+    controller_planned_steering_rods(&steering, nine(R), vector(B), axes, UNIT, u);
 }
 
 void probe_sizes(size_t sizes[2])

@@ -35,7 +35,7 @@ def hessian(satellite, R_d, x):
 @pytest.fixture(scope="module")
 def hold():
     """A round body at rest at its target: no torque acts, so the motion without controls stays there."""
-    satellite = core.Satellite(J=2.5 * np.eye(3))
+    satellite = core.Satellite(J=2.5 * np.eye(3), dipole_max=25.0 * 2.5 / 2.7533)  # T = 50 s
     R_d = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
     r, v = orbit(0.0)
     ahead = core.Ahead(r, v, target=2, R_d0=R_d)

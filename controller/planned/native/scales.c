@@ -1,0 +1,84 @@
+#include "scales.h"
+
+#include "rotation.h"
+
+/* B at the Earth's surface, T: that of the Earth's dipole near the poles, where it is 2.0 times the 3.0e-5 of the equator. */
+static const double SURFACE_FIELD = 5.77e-5;
+static const double EARTH_RADIUS = 6371200.0; /* m, of the field models */
+
+/* Times in T, rates in 1/T, momenta in J/T, torques in J/T^2. */
+static const double PLAN_PERIOD = 0.2;
+static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped by half, in T/0.67 */
+static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
+static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
+static const double STEERING_LIMIT = 1.45;
+static const double DISTURBANCE_MAX = 0.036;     /* of the rods' torque: more could not be opposed by rods in the hold */
+static const double RESIDUAL_DIPOLE_MAX = 0.008; /* of dipole_max */
+static const double BALANCE_NOISE = 0.00182, KNOWN_MIN = 0.0182;
+static const double WEIGHT_RATE = 0.8;                             /* T^2 */
+static const double WEIGHT_WHEEL = 0.018;                          /* over wheel_momentum_max^2 */
+static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* the same */
+static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
+
+/* To two digits: that is what these multiples are known to, and rounding elsewhere then changes none of them. */
+static double two_digits(double x)
+{
+    double shift = 1.0;
+    if (!(x > 1e-18 && x < 1e18)) {
+        return x;
+    }
+    while (x * shift < 10.0) {
+        shift *= 10.0;
+    }
+    if (shift > 1.0) {
+        return (int)(x * shift + 0.5) / shift;
+    }
+    while (x / shift >= 100.0) {
+        shift *= 10.0;
+    }
+    return (int)(x / shift + 0.5) * shift;
+}
+
+bool controller_planned_has_L0(const ControllerPlannedParameters *p)
+{
+    return !is_zero_matrix(matrix(p->L0));
+}
+
+bool controller_planned_has_K0(const ControllerPlannedParameters *p)
+{
+    return p->K0[0] != 0.0 || p->K0[1] != 0.0 || p->K0[2] != 0.0;
+}
+
+static double given_or(double given, double computed)
+{
+    return given > 0.0 ? given : computed;
+}
+
+Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
+{
+    const Matrix J = matrix(p->J_B);
+    const double inertia = (J.a.x + J.b.y + J.c.z) / 3.0, ratio = EARTH_RADIUS / a;
+    const double T = two_digits(sqrt(inertia / (p->dipole_max * SURFACE_FIELD * ratio * ratio * ratio)));
+    const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
+    const double k = two_digits(STIFFNESS * torque);
+    const double least = smaller(J.a.x, smaller(J.b.y, J.c.z));
+    const double l = two_digits(smaller(DAMPING * momentum, DAMPING_SAMPLED * least / p->control_period));
+    return (Scales){
+        .time = T,
+        .momentum = momentum,
+        .torque = torque,
+        .weight_rate = WEIGHT_RATE * T * T,
+        .weight_wheel = two_digits(WEIGHT_WHEEL / (h * h)),
+        .weight_near_limit = two_digits(WEIGHT_WHEEL_NEAR_LIMIT / (h * h)),
+        .weight_rods = two_digits(WEIGHT_RODS * torque * torque),
+        .weight_motor = two_digits(WEIGHT_MOTOR * torque * torque),
+        .balance_noise = two_digits(BALANCE_NOISE * momentum),
+        .known_min = two_digits(KNOWN_MIN * momentum),
+        .K = {k - k / UNEVEN, k, k + k / UNEVEN},
+        .L = {{l, 0.0, 0.0}, {0.0, l, 0.0}, {0.0, 0.0, l}},
+        .plan_period = given_or(p->plan_period, PLAN_PERIOD * T),
+        .steering_limit = given_or(p->steering_limit, two_digits(STEERING_LIMIT * momentum)),
+        .disturbance_max = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque),
+        .residual_dipole_max = p->residual_dipole_max >= 0.0 ? p->residual_dipole_max : RESIDUAL_DIPOLE_MAX * p->dipole_max,
+    };
+}

@@ -1,0 +1,35 @@
+/* The satellite's own units, and what follows from its data where a parameter leaves it open.
+ *
+ * The rods turn the satellite by about a radian in T = sqrt(J/(dipole_max B)), J the mean principal moment and B a field of
+ * the orbit. Whatever depends on the satellite's size is a multiple of T, of the momentum J/T or of the torque J/T^2. */
+#ifndef CONTROLLER_PLANNED_SCALES_H
+#define CONTROLLER_PLANNED_SCALES_H
+
+#include "ports.h"
+#include "vector.h"
+
+typedef struct {
+    double time;                      /* T, s, to two digits */
+    double momentum, torque;          /* J/T, N m s; J/T^2, N m */
+    double weight_rate;               /* of a plan's cost, s^2 */
+    double weight_wheel;              /* 1/(N m s)^2 */
+    double weight_near_limit;         /* the same beyond the wheel's near limit */
+    double weight_rods, weight_motor; /* (N m)^2 that a whole control costs where a torque is given to rods and motor */
+    Vector K;                         /* of the law [8], N m */
+    Matrix L;                         /* N m s */
+    double plan_period;               /* s */
+    double steering_limit;            /* N m s */
+    double disturbance_max;           /* N m */
+    double residual_dipole_max;       /* A m2 */
+    double balance_noise;             /* N m s, of the balance of momentum that identifies, at least */
+    double known_min;                 /* N m s, of a known impulse, below which inertia and gain show their ratios alone */
+} Scales;
+
+/* `a`: the orbit's semi-major axis, m. Parameters that are given win, but for the tunable gains. */
+Scales controller_planned_scales(const ControllerPlannedParameters *p, double a);
+
+/* Whether the gain is given. */
+bool controller_planned_has_L0(const ControllerPlannedParameters *p);
+bool controller_planned_has_K0(const ControllerPlannedParameters *p);
+
+#endif

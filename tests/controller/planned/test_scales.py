@@ -1,0 +1,144 @@
+"""The plan's units: another satellite is flown as the same one in other units, and its axes may have other names."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.native.driver import Instance, Refused
+
+from . import core
+from .test_block import BLOCK, feed, near_target, same, started, tumbling
+from .test_plan import FULL_J, R0, V0
+
+AHEAD = core.Ahead(R0, V0)
+GIVEN = {
+    "K0": [4.5e-4, 5.0e-4, 5.5e-4],
+    "L0": 0.05 * np.eye(3),
+    "plan_period": 10.0,
+    "steering_limit": 0.08,
+    "disturbance_max": 4e-5,
+    "residual_dipole_max": 0.2,
+}
+"""What was tuned for the paper's satellite."""
+
+
+def outputs_after(seconds, inputs, **changes):
+    with started(inputs, **changes) as it:
+        for i in range(round(seconds / 0.5)):
+            feed(it, inputs(0.5 * (i + 1)))
+            it.step(0.5 * i, 0.5)
+        return it.outputs()
+
+
+@pytest.mark.parametrize("inputs", [near_target, tumbling])
+def test_for_the_papers_satellite_what_is_computed_is_what_was_tuned(inputs):
+    assert same(outputs_after(15.0, inputs), outputs_after(15.0, inputs, **GIVEN))
+
+
+@pytest.mark.parametrize(("name", "value"), [("L0", 0.1 * np.eye(3)), ("K0", [1e-3, 2e-3, 3e-3])])
+def test_a_gain_that_is_given_wins(name, value):
+    def torque(**changes):
+        return outputs_after(1.0, near_target, **changes)["tau_cmd_B"]
+
+    assert not np.allclose(torque(**{name: value}), torque(), rtol=1e-6)
+
+
+# ------------------------------------------------------------------------------------------- gains that cannot be stable
+
+
+def spectral_radius(moment, stiffness, damping, period):
+    """Of the errors from one sample to the next, the torque held between: double integrator, exactly discretised."""
+    A = np.array([[1.0, period], [0.0, 1.0]])
+    G = np.array([0.5 * period**2, period]) / moment
+    return np.abs(np.linalg.eigvals(A - np.outer(G, [stiffness, damping]))).max()
+
+
+def starts(**changes):
+    with Instance(BLOCK) as it:
+        feed(it, {**changes, **near_target(0.0)})
+        it.initialize()
+
+
+@pytest.mark.parametrize("period", [0.1, 0.5])
+@pytest.mark.parametrize("J", [FULL_J, np.diag([0.005, 0.03, 0.03])])
+def test_a_damping_that_cannot_be_stable_at_this_period_is_refused_with_the_bound(period, J):
+    least = np.linalg.eigvalsh(J)[0]
+    stable, unstable = (share * 2.0 * least / period for share in (0.99, 1.01))
+    assert spectral_radius(least, 1e-9 * least, stable, period) < 1.0 < spectral_radius(least, 0.0, unstable, period)
+    given = {"J_B": J, "control_period": period}
+    starts(**given, L0=stable * np.eye(3))
+    with pytest.raises(Refused, match=r"L0: expected L0 control_period/J_B below 2 about each axis.*found 2\.02"):
+        starts(**given, L0=unstable * np.eye(3))
+
+
+def test_a_stiffness_that_no_damping_makes_stable_is_refused_with_the_bound():
+    J, period = np.diag([0.005, 0.03, 0.03]), 0.5
+    k = 4.0 * 0.005 / period**2
+    dampings = np.linspace(0.0, 2.0 * 0.005 / period, 200)
+    assert min(spectral_radius(0.005, 0.99 * k, d, period) for d in dampings) < 1.0
+    assert min(spectral_radius(0.005, 1.01 * k, d, period) for d in dampings) > 1.0
+    K = np.array([0.3, 0.48, 0.52]) * k  # about the first axis the second and the third act
+    starts(J_B=J, K0=0.99 * K)
+    with pytest.raises(Refused, match=r"K0: expected .*control_period\^2/J_B below 4 about each axis.*found 4\.04"):
+        starts(J_B=J, K0=1.01 * K)
+
+
+@pytest.mark.parametrize("J", [1e-4, 1e-2, 1.0, 1e2, 1e4])
+@pytest.mark.parametrize("dipole_max", [1e-2, 1.0, 1e3])
+def test_what_is_computed_is_stable_whatever_the_satellite(J, dipole_max):
+    """As the block says itself, where the computed gains are given to it: read off the torque of a pure rate error."""
+    body = {"J_B": J * np.diag([0.2, 0.9, 1.0]), "dipole_max": dipole_max, "wheel_momentum_max": J, "wheel_torque_max": J}
+    y = outputs_after(1.0, near_target, **body)
+    assert np.isfinite(y["tau_cmd_B"]).all()
+    T = math.sqrt(0.7 * J / (dipole_max * 4.4e-5))
+    starts(**body, L0=min(0.9 * 0.7 * J / T, J * 0.2) * np.eye(3))
+
+
+# ------------------------------------------------------------------------------------------- other units, other axes
+
+U = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
+
+
+def alike(a, b):
+    assert b.h == pytest.approx(a.h, rel=1e-12)
+    assert np.abs(b.u - a.u).max() < 1e-6
+    assert b.cost == pytest.approx(a.cost, rel=1e-8)
+
+
+def test_a_satellite_a_hundred_times_as_large_in_all_gets_the_same_plan():
+    small = core.Satellite(J=FULL_J)
+    large = core.Satellite(
+        J=100.0 * FULL_J,
+        rods=100.0 * small.rods,
+        wheel_torque_max=0.3,
+        wheel_momentum_max=3.0,
+        dipole_max=100.0 * small.dipole_max,
+    )
+    x = core.Motion(U, np.array([0.01, -0.02, 0.015]), 0.01)
+    alike(core.plan(small, AHEAD, x, 5), core.plan(large, AHEAD, core.Motion(x.R, x.Omega, 1.0), 5))
+
+
+def test_four_times_the_inertia_doubles_the_time_of_the_plan():
+    x = core.Motion(U, np.zeros(3), 0.0)
+    once, four = (core.plan(core.Satellite(J=f * FULL_J), AHEAD, x, 0) for f in (1.0, 4.0))
+    assert four.h == pytest.approx(2.0 * once.h)
+
+
+@pytest.mark.parametrize("turn", [np.eye(3)[[1, 2, 0]], np.eye(3)[[2, 0, 1]], np.diag([-1.0, -1.0, 1.0]), U])
+def test_the_plan_does_not_depend_on_the_names_of_the_bodys_axes(turn):
+    """Body vectors in new axes are `turn` times those in the old ones; the wheel's axis is one of them."""
+    old = core.Satellite(J=FULL_J, disturbance_B=np.array([1e-5, -2e-5, 3e-5]), residual_B=np.array([0.1, 0.2, -0.3]))
+    new = core.Satellite(
+        J=turn @ old.J @ turn.T,
+        rods=old.rods @ turn.T,
+        wheel_axis=turn @ old.wheel_axis,
+        disturbance_B=turn @ old.disturbance_B,
+        residual_B=turn @ old.residual_B,
+    )
+    x = core.Motion(U, np.array([0.01, -0.02, 0.015]), 0.01)
+    # The target in new axes is LVLH of the new names: an inertial target stands for it, whose axes can be renamed.
+    ahead = [core.Ahead(R0, V0, target=2, R_d0=R) for R in (np.eye(3), turn.T)]
+    y = core.Motion(x.R @ turn.T, turn @ x.Omega, x.h_w)
+    alike(core.plan(old, ahead[0], x, 5), core.plan(new, ahead[1], y, 5))
