@@ -89,7 +89,12 @@ def test_a_stiffness_that_no_damping_makes_stable_is_refused_with_the_bound():
 @pytest.mark.parametrize("dipole_max", [1e-2, 1.0, 1e3])
 def test_what_is_computed_is_stable_whatever_the_satellite(J, dipole_max):
     """As the block says itself, where the computed gains are given to it: read off the torque of a pure rate error."""
-    body = {"J_B": J * np.diag([0.2, 0.9, 1.0]), "dipole_max": dipole_max, "wheel_momentum_max": J, "wheel_torque_max": J}
+    body = {
+        "J_B": J * np.diag([0.2, 0.9, 1.0]),
+        "dipole_max": dipole_max,
+        "wheel_momentum_max": J,
+        "wheel_torque_max": J,
+    }
     y = outputs_after(1.0, near_target, **body)
     assert np.isfinite(y["tau_cmd_B"]).all()
     T = math.sqrt(0.7 * J / (dipole_max * 4.4e-5))
