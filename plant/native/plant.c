@@ -197,7 +197,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
     y->wheel_speed = x->l_w / p->wheel_inertia;
     y->field_extrapolated = plant->field_extrapolated;
-    plant_seen_sun(motion.r, plant_sun_at(&plant->environment.sun, x->t), y->sun_N, &y->sunlight);
+    plant_see_sun(&plant->environment.sun, x->t, &motion.r, y->sun_N, &y->sunlight);
     y->dipole_saturated = largest(vector(u->dipole_cmd)) > p->dipole_max;
     return true;
 }

@@ -54,7 +54,8 @@ static Vector node_at(const Sun *sun, int64_t number)
     return position((sun->days + ((double)number * NODE_INTERVAL + TT_UTC) / 86400.0) / 36525.0);
 }
 
-Vector plant_sun_at(Sun *sun, double t)
+/* From the Earth's centre. */
+static inline Vector sun_at(Sun *sun, double t)
 {
     const double s = t / NODE_INTERVAL;
     int64_t k = (int64_t)s;
@@ -107,9 +108,9 @@ static double visible(Vector r, Vector d)
     return disc_left(a, b, atan2(sqrt(larger(across2, 0.0)), -along / sqrt(d2)));
 }
 
-void plant_seen_sun(Vector r, Vector sun, double sun_N[3], double *sunlight)
+void plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight)
 {
-    const Vector d = subtract(sun, r);
+    const Vector d = subtract(sun_at(sun, t), *r);
     store(scale(1.0 / norm(d), d), sun_N);
-    *sunlight = visible(r, d);
+    *sunlight = visible(*r, d);
 }

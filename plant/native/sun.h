@@ -16,10 +16,8 @@ typedef struct {
     Vector start, change;
 } Sun;
 
-/* From the Earth's centre in N, m, at t s. Apparent, with aberration; N has the true pole of date and the mean equinox. */
-Vector plant_sun_at(Sun *sun, double t);
-
-/* The unit vector from a satellite at r to the Sun, and the part of its disc that the ellipsoid of WGS 84 leaves visible. */
-void plant_seen_sun(Vector r, Vector sun, double sun_N[3], double *sunlight);
+/* At t s, from a satellite at r, m: the unit vector to the Sun in N and the part of its disc that the ellipsoid of WGS 84
+ * leaves visible. Apparent, with aberration; N has the true pole of date and the mean equinox. */
+void plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight);
 
 #endif

@@ -12,8 +12,6 @@ def lost(was: bool, interval: float, duration: float, span: float, seed: int, sa
 
     The exact probability for any span: P = q + (was - q) exp(-span (1/interval + 1/duration)), q = duration/(interval + duration).
     """
-    if interval == 0.0:
-        return False
     q = duration / (interval + duration)
     probability = q + (was - q) * math.exp(-span * (1.0 / interval + 1.0 / duration))
     return uniform(seed, sample, sensor) < probability

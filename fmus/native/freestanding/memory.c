@@ -9,6 +9,14 @@ void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
 {
     unsigned char *t = to;
     const unsigned char *f = from;
+    for (; n >= 4 * sizeof(Words); n -= 4 * sizeof(Words), t += 4 * sizeof(Words), f += 4 * sizeof(Words)) {
+        const Words a = *(const Words *)f, b = *(const Words *)(f + sizeof(Words));
+        const Words c = *(const Words *)(f + 2 * sizeof(Words)), d = *(const Words *)(f + 3 * sizeof(Words));
+        *(Words *)t = a;
+        *(Words *)(t + sizeof(Words)) = b;
+        *(Words *)(t + 2 * sizeof(Words)) = c;
+        *(Words *)(t + 3 * sizeof(Words)) = d;
+    }
     for (; n >= sizeof(Words); n -= sizeof(Words), t += sizeof(Words), f += sizeof(Words)) {
         *(Words *)t = *(const Words *)f;
     }

@@ -6,8 +6,8 @@
 static const double BEYOND_STOP = 0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
 static const double ROUNDING = 1e-12;   /* of a time */
 
-/* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it, and its
- * outputs are put back. */
+/* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it, and the
+ * outputs are evaluated anew where they are read. */
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before)
 {
     fmi2Status status;
@@ -40,10 +40,9 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     Fault f = {"inputs", "", NULL, 0.0};
     State *x = other_state(c);
     memcpy(x, state_of(c), sizeof *x);
-    const Outputs before = memory->ports.y;
     const bool stepped = block_step(&c->law, x, &memory->ports.u, h, &memory->ports.y, &f);
     if (!stepped || !outputs_finite(c, "fmi2DoStep", &memory->ports.y)) {
-        memory->ports.y = before;
+        memory->fresh = false;
         return stepped ? fmi2Error : refuse_fault(c, "fmi2DoStep", &f);
     }
     commit_state(c);

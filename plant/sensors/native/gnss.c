@@ -3,7 +3,13 @@
 
 void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u, PlantSensorsOutputs *y)
 {
-    const Draw position = {p->seed, sample, POSITION_NOISE}, velocity = {p->seed, sample, VELOCITY_NOISE};
-    store(add(vector(u->r_N), plant_sensors_noise(position, p->position_noise)), y->r_N_measured);
-    store(add(vector(u->v_N), plant_sensors_noise(velocity, p->velocity_noise)), y->v_N_measured);
+    Vector r = vector(u->r_N), v = vector(u->v_N);
+    if (p->position_noise > 0.0) {
+        r = add(r, sensor_noise((Draw){p->seed, sample, POSITION_NOISE}, p->position_noise));
+    }
+    if (p->velocity_noise > 0.0) {
+        v = add(v, sensor_noise((Draw){p->seed, sample, VELOCITY_NOISE}, p->velocity_noise));
+    }
+    store(r, y->r_N_measured);
+    store(v, y->v_N_measured);
 }

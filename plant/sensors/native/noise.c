@@ -37,15 +37,12 @@ void plant_sensors_normal_pair(Draw draw, uint32_t pair, double out[2])
     out[1] = radius * sin(angle);
 }
 
-Vector plant_sensors_noise(Draw draw, double sigma)
+Vector plant_sensors_normals(Draw draw)
 {
     double xy[2], z[2];
-    if (!(sigma > 0.0)) {
-        return (Vector){0.0, 0.0, 0.0};
-    }
     plant_sensors_normal_pair(draw, 0, xy);
     plant_sensors_normal_pair(draw, 1, z);
-    return scale(sigma, (Vector){xy[0], xy[1], z[0]});
+    return (Vector){xy[0], xy[1], z[0]};
 }
 
 double plant_sensors_uniform(Draw draw)

@@ -40,8 +40,14 @@ Words plant_sensors_philox(Words counter, uint32_t key_low, uint32_t key_high);
 /* Two independent standard normal numbers by Box and Muller (1958), of one pair of axes. */
 void plant_sensors_normal_pair(Draw draw, uint32_t pair, double out[2]);
 
-/* Independent numbers of standard deviation sigma on three axes; zeros, without drawing any, where sigma is zero. */
-Vector plant_sensors_noise(Draw draw, double sigma);
+/* Independent standard normal numbers on three axes. */
+Vector plant_sensors_normals(Draw draw);
+
+/* Of standard deviation sigma; zeros, without drawing any, where sigma is zero. */
+static inline Vector sensor_noise(Draw draw, double sigma)
+{
+    return sigma > 0.0 ? scale(sigma, plant_sensors_normals(draw)) : (Vector){0.0, 0.0, 0.0};
+}
 
 /* A number evenly distributed in (0, 1). */
 double plant_sensors_uniform(Draw draw);

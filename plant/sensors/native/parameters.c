@@ -127,8 +127,10 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
     const double periods[CLOCKS] = {p->attitude_period, p->rate_period, p->field_period,
                                     p->orbit_period,    p->sun_period,  p->telemetry_period};
     law->p = *p;
+    law->has_period = false;
     for (int i = 0; i < CLOCKS; ++i) {
         law->periods[i] = periods[i] > 0.0 ? periods[i] : p->sample_period;
+        law->has_period = law->has_period || law->periods[i] > 0.0;
     }
     for (int i = 0; i < SUN_SENSORS; ++i) {
         law->sun_axes[i] = unit(vector(p->sun_sensor_axes[i]));
@@ -137,6 +139,12 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
     law->fine_sun_axis = unit(vector(p->fine_sun_axis_B));
     law->turns_attitude = p->attitude_noise > 0.0 || p->attitude_noise_about > 0.0 || largest(vector(p->attitude_bias_B)) > 0.0;
     law->has_drift = p->rate_random_walk > 0.0 || p->rate_instability > 0.0;
+    law->has_rate_error = law->has_drift || p->rate_noise > 0.0 || p->angle_random_walk > 0.0 || p->rate_range > 0.0 ||
+                          p->rate_quantum > 0.0 || largest(vector(p->rate_bias_B)) > 0.0 ||
+                          largest_element(matrix(p->rate_scale)) > 0.0;
+    law->has_field_error = p->field_noise > 0.0 || p->field_range > 0.0 || p->field_quantum > 0.0 ||
+                           largest(vector(p->field_bias_B)) > 0.0 || largest_element(matrix(p->field_scale)) > 0.0 ||
+                           largest_element(matrix(p->field_rod_coupling)) > 0.0;
     law->has_rate_scale = largest_element(matrix(p->rate_scale)) > 0.0;
     law->has_field_scale = largest_element(matrix(p->field_scale)) > 0.0;
     law->has_rod_coupling = largest_element(matrix(p->field_rod_coupling)) > 0.0;

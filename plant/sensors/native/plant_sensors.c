@@ -68,28 +68,19 @@ bool plant_sensors_outputs(const PlantSensorsLaw *law, const PlantSensorsState *
     return true;
 }
 
-/* The numbers of the measurements that are due at the end of the step, and the time that each spans. */
-static bool tick(const PlantSensorsLaw *law, PlantSensorsState *x, double h, bool due[CLOCKS], double spans[CLOCKS], Fault *f)
+/* How many measurements of the period T are due at the end of the step, and the time that they span. */
+static bool tick(const PlantSensorsLaw *law, int i, double h, double *since, int64_t *periods, double *span, Fault *f)
 {
     static const char *const names[CLOCKS] = {"attitude_period", "rate_period", "field_period",
                                               "orbit_period",    "sun_period",  "telemetry_period"};
-    const double common = law->p.sample_period;
-    for (int i = 0; i < CLOCKS; ++i) {
-        const double T = law->periods[i];
-        int64_t periods = 1;
-        spans[i] = h;
-        if (T > 0.0) {
-            const double since = x->since[i] + h;
-            if (!(since / T <= PERIODS_MAX)) {
-                return fault(f, T == common ? "sample_period" : names[i], T, "at least 1e-09 of the communication step");
-            }
-            periods = (int64_t)(since / T + SNAP);
-            spans[i] = (double)periods * T;
-            x->since[i] = since - spans[i];
-        }
-        due[i] = periods > 0;
-        x->sample[i] += periods;
+    const double T = law->periods[i], passed = *since + h;
+    if (!(passed / T <= PERIODS_MAX)) {
+        const char *name = T == law->p.sample_period ? "sample_period" : names[i];
+        return fault(f, name, T, "at least 1e-09 of the communication step");
     }
+    *periods = (int64_t)(passed / T + SNAP);
+    *span = (double)*periods * T;
+    *since = passed - *span;
     return true;
 }
 
@@ -109,12 +100,12 @@ static void remember(const PlantSensorsLaw *law, PlantSensorsState *x, const boo
             x->rate_markov = plant_sensors_correlated(p, x->rate_markov, x->sample[RATE], spans[RATE]);
         }
     }
-    if (due[ATTITUDE]) {
+    if (due[ATTITUDE] && p->attitude_outage_interval > 0.0) {
         const Draw draw = {p->seed, x->sample[ATTITUDE], ATTITUDE_LOSS_NOISE};
         x->attitude_lost = plant_sensors_lost(x->attitude_lost, p->attitude_outage_interval, p->attitude_outage_duration,
                                               spans[ATTITUDE], draw);
     }
-    if (due[ORBIT]) {
+    if (due[ORBIT] && p->orbit_outage_interval > 0.0) {
         const Draw draw = {p->seed, x->sample[ORBIT], ORBIT_LOSS_NOISE};
         x->orbit_lost =
             plant_sensors_lost(x->orbit_lost, p->orbit_outage_interval, p->orbit_outage_duration, spans[ORBIT], draw);
@@ -132,8 +123,14 @@ bool plant_sensors_step(const PlantSensorsLaw *law, PlantSensorsState *x, const 
     if (law->p.attitude_sun_exclusion > 0.0 && !plant_sensors_has_sun_N(u)) {
         return fault(f, "sun_N", u->sun_N[0], "to be connected, since attitude_sun_exclusion is not zero");
     }
-    if (!tick(law, x, h, due, spans, f)) {
-        return false;
+    for (int i = 0; i < CLOCKS; ++i) {
+        int64_t periods = 1;
+        spans[i] = h;
+        if (law->has_period && law->periods[i] > 0.0 && !tick(law, i, h, &x->since[i], &periods, &spans[i], f)) {
+            return false;
+        }
+        x->sample[i] += periods;
+        due[i] = periods > 0;
     }
     remember(law, x, due, spans);
     measure(law, x, u, due, &x->held);

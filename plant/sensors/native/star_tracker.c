@@ -38,10 +38,10 @@ Matrix plant_sensors_attitude(const PlantSensorsLaw *law, int64_t sample, const 
     const double across = p->attitude_noise, about = p->attitude_noise_about;
     Vector turn = vector(p->attitude_bias_B);
     if (about > 0.0) {
-        const Vector xi = plant_sensors_noise(draw, 1.0);
+        const Vector xi = plant_sensors_normals(draw);
         turn = add(turn, add(scale(across, xi), scale((about - across) * dot(law->boresight, xi), law->boresight)));
     } else {
-        turn = add(turn, plant_sensors_noise(draw, across));
+        turn = add(turn, sensor_noise(draw, across));
     }
     return multiply(matrix(u->R_NB), rotation_exp(turn));
 }

@@ -87,7 +87,7 @@ static Vector fine(const PlantSensorsLaw *law, int64_t sample, Vector s_B, doubl
         return (Vector){0.0, 0.0, 0.0};
     }
     const Draw draw = {law->p.seed, sample, FINE_SUN_NOISE};
-    return apply(rotation_exp(plant_sensors_noise(draw, law->p.fine_sun_noise)), s_B);
+    return apply(rotation_exp(sensor_noise(draw, law->p.fine_sun_noise)), s_B);
 }
 
 bool plant_sensors_sun(const PlantSensorsLaw *law, int64_t sample, const PlantSensorsInputs *u, PlantSensorsOutputs *y)
