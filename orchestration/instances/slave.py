@@ -9,6 +9,7 @@ import ctypes as c
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -152,28 +153,41 @@ class Slave:
         model, arrays, function = self.model, self._arrays, self._function
         self.setters = exchanges("Set", model, inputs, [0] * len(TYPES), values, function, arrays)
         self.getters = exchanges("Get", model, outputs, live, into, function)
-        argument, failed = self._argument, self.failed
-        self.set_inputs = calls.sequence([e.call(argument, e.all, failed) for e in self.setters])
-        self.get_all = calls.sequence([e.call(argument, e.all, failed) for e in self.getters])
-        self.get_live = calls.sequence([e.call(argument, e.live, failed) for e in self.getters if e.live.references])
-        name = f"{self.model.prefix}DoStep"
-        self.step_function = self._function(name)
-        stepper = Stepper(name, self.step_function, argument, self.version.three)
-        self.do_step = stepper.call(failed)
-        one = calls.strider(self.setters, self.getters, stepper, argument, failed)
-        self.stride = one or calls.stride(self.set_inputs, self.do_step, self.get_live)
+        self.step_function = function(f"{self.model.prefix}DoStep")
         return values
 
     setters: list[Exchange]
     getters: list[Exchange]
     step_function: Any
 
-    set_inputs: Call
-    get_all: Call
-    get_live: Call
-    do_step: Stride
-    stride: Stride
-    """`set_inputs`, `do_step` and `get_live` in one."""
+    # The calls of the loop in Python, made where they are asked for: the loop in C needs none of them.
+
+    @cached_property
+    def _stepper(self) -> Stepper:
+        return Stepper(f"{self.model.prefix}DoStep", self.step_function, self._argument, self.version.three)
+
+    @cached_property
+    def set_inputs(self) -> Call:
+        return calls.sequence([e.call(self._argument, e.all, self.failed) for e in self.setters])
+
+    @cached_property
+    def get_all(self) -> Call:
+        return calls.sequence([e.call(self._argument, e.all, self.failed) for e in self.getters])
+
+    @cached_property
+    def get_live(self) -> Call:
+        live = [e for e in self.getters if e.live.references]
+        return calls.sequence([e.call(self._argument, e.live, self.failed) for e in live])
+
+    @cached_property
+    def do_step(self) -> Stride:
+        return self._stepper.call(self.failed)
+
+    @cached_property
+    def stride(self) -> Stride:
+        """`set_inputs`, `do_step` and `get_live` in one."""
+        one = calls.strider(self.setters, self.getters, self._stepper, self._argument, self.failed)
+        return one or calls.stride(self.set_inputs, self.do_step, self.get_live)
 
     # ------------------------------------------------------------ end
 

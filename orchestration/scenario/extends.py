@@ -29,7 +29,9 @@ def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
     for number, name in enumerate(names):
         key = ("extends", number) if given is names else ("extends",)
         _lay(merged, _part(source, key, name, within))
-    _lay(merged, source.without([("extends",)]))
+    _lay(merged, source)
+    del merged.data["extends"]
+    _forget(merged, ("extends",))
     merged.options = dict(source.options)
     return merged
 
