@@ -36,7 +36,7 @@ def refuse_other(interface: Interface, folder: Path, *more: str) -> None:
     """Raises InUse where `write`, or what writes `more` beside it, would overwrite what is not of a kit of this interface."""
     there, remedy = folder / "interface.toml", "remedy: another folder"
     if there.exists():
-        if there.read_bytes().replace(b"\r\n", b"\n") != _for_teams(interface).source.encode():
+        if there.read_bytes().replace(b"\r\n", b"\n") != for_teams(interface).source.encode():
             found = (
                 f"found a different or edited one; {remedy}, or python -m fmus.kit {folder} to generate from that one"
             )
@@ -47,7 +47,7 @@ def refuse_other(interface: Interface, folder: Path, *more: str) -> None:
             raise InUse(f"{folder / name} is there already, and no interface.toml says that it is of a kit; {remedy}")
 
 
-def _for_teams(interface: Interface) -> Interface:
+def for_teams(interface: Interface) -> Interface:
     """The interface without `flavours`: a team may build in Python what we have in C only."""
     return parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
 
@@ -55,7 +55,7 @@ def _for_teams(interface: Interface) -> Interface:
 def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     """Writes the project and returns its files; those of the team that are there already are kept. Raises InUse."""
     refuse_other(interface, folder)
-    interface = _for_teams(interface)
+    interface = for_teams(interface)
     files: dict[str, bytes | str] = {"interface.toml": interface.source}
     kept = {"README.md": filled(f"README.{language}.md", interface)}
     if language == "c":
@@ -72,7 +72,7 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     for name, data in kept.items():
         if not (folder / name).exists():
             files[name] = data
-    return [_put(folder / name, data) for name, data in files.items()]
+    return [put(folder / name, data) for name, data in files.items()]
 
 
 def generated(interface: Interface) -> dict[str, str]:
@@ -106,7 +106,8 @@ def makefile(interface: Interface, shell_folder: str, common: str, tools: str, v
     return "\n\n".join("\n".join(line for line in part.split("\n") if "vector" not in line) for part in parts)
 
 
-def _put(path: Path, data: bytes | str) -> Path:
+def put(path: Path, data: bytes | str) -> Path:
+    """Writes a file of a kit, with the folders above it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(data.encode() if isinstance(data, str) else data)
     return path
@@ -115,4 +116,4 @@ def _put(path: Path, data: bytes | str) -> Path:
 def regenerate(folder: Path) -> list[Path]:
     """Writes `generated/` anew from the folder's interface.toml."""
     interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
-    return [_put(folder / "generated" / name, text) for name, text in generated(interface).items()]
+    return [put(folder / "generated" / name, text) for name, text in generated(interface).items()]

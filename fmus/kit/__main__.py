@@ -1,12 +1,12 @@
-"""python -m fmus.kit FOLDER: writes FOLDER/generated/ anew from FOLDER/interface.toml."""
+"""python -m fmus.kit FOLDER: writes what is generated in FOLDER anew from FOLDER/interface.toml."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-from . import regenerate
+from . import linked, regenerate
 
-for folder in sys.argv[1:]:
-    for path in regenerate(Path(folder)):
+for folder in map(Path, sys.argv[1:]):
+    for path in (linked.regenerate if linked.is_of_device(folder) else regenerate)(folder):
         print(path)

@@ -27,6 +27,7 @@ def filled(template: str, interface: Interface, **more: str) -> str:
         "inputs": _fields(interface.of("input")),
         "outputs": _fields(interface.of("output")),
         "zeros": _zeros(interface.of("output")),
+        "python_zeros": "\n".join(f"        {v.name!r}: {_nested_zero(v, 0)},{_comment(v)}" for v in interface.of("output")),
         **more,
     }
     for key, value in values.items():
@@ -77,3 +78,11 @@ def _zero(variable: Variable) -> str:
     return {"real": "0.0", "integer": "0", "boolean": "False"}.get(
         variable.type, repr(variable.items[0] if variable.items else "")
     )
+
+
+def _nested_zero(variable: Variable, axis: int) -> str:
+    """Zero as lists, without NumPy; an enumeration's is the number of its first item."""
+    if axis < len(variable.shape):
+        inner = _nested_zero(variable, axis + 1)
+        return f"[{', '.join([inner] * variable.shape[axis])}]"
+    return {"real": "0.0", "boolean": "False", "enumeration": "1"}.get(variable.type, "0")

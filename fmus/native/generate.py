@@ -14,7 +14,7 @@ from pathlib import Path
 from ..interface import ABSENT_MIN, OPTIONAL, Element, Interface, InterfaceError, Variable, package_of
 
 ROOT = Path(__file__).parents[2]
-TEXT_SIZE = 64
+TEXT_SIZE = 128
 """Bytes of a string's buffer, its ending zero included."""
 
 _RECORDS = {"parameter": ("Parameters", "p"), "input": ("Inputs", "u"), "output": ("Outputs", "y")}
@@ -85,8 +85,13 @@ def block_header(interface: Interface, guid: str) -> str:
     name, title = interface.name, camel_case(interface.name)
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
-    counts = f"#define BLOCK_VARIABLES {len(interface.elements)}u\n#define BLOCK_REAL_OUTPUTS {len(_real_outputs(interface))}u"
-    return f'#include "{name}.h"\n\n#define BLOCK_GUID "{guid}"\n{counts}\n\n{types}\n\n{calls}\n'
+    return f'#include "{name}.h"\n\n{identity(interface, guid)}\n\n{types}\n\n{calls}\n'
+
+
+def identity(interface: Interface, guid: str) -> str:
+    """The part of block.h that says which FMU it is and how long its tables are."""
+    sizes = {"VARIABLES": len(interface.elements), "REAL_OUTPUTS": len(_real_outputs(interface))}
+    return f'#define BLOCK_GUID "{guid}"\n' + "\n".join(f"#define BLOCK_{key} {n}u" for key, n in sizes.items())
 
 
 def table(interface: Interface) -> str:

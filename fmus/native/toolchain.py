@@ -53,11 +53,13 @@ class Platform:
     suffix: str
     targets: tuple[str, ...]
     link: tuple[str, ...] = ()
+    system: tuple[str, ...] = ()
+    """Options for what is linked with the operating system's own libraries."""
 
 
 PLATFORMS: Mapping[str, Platform] = {
     "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), ("-Wl,--build-id=none", "-Wl,-z,noexecstack")),
-    "win64": Platform(".dll", ("x86_64-windows-gnu",)),
+    "win64": Platform(".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32")),
     "darwin64": Platform(
         ".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)
     ),
@@ -78,17 +80,21 @@ def compiler() -> str:
 
 
 def compile_library(
-    name: str, sources: Sequence[Path], includes: Sequence[Path], platforms: Iterable[str]
+    name: str, sources: Sequence[Path], includes: Sequence[Path], platforms: Iterable[str], hosted: bool = False
 ) -> dict[str, bytes]:
-    """The shared library of these C sources for each of the platforms. Raises CompilerError."""
+    """The shared library of these C sources for each of the platforms. Raises CompilerError.
+
+    `hosted`: it uses the operating system, and the C library where that is a part of it.
+    """
     wanted = list(platforms)
     if unknown := [p for p in wanted if p not in PLATFORMS]:
         raise CompilerError(f"platform {unknown[0]!r}: expected {', '.join(PLATFORMS)}")
     if _zig() is None:
         return {host_platform(): _with_system_compiler(name, sources, includes, wanted)}
     jobs = [(p, target) for p in wanted for target in PLATFORMS[p].targets]
+    one = _hosted if hosted else _freestanding
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 2) as pool:
-        slices = dict(zip(jobs, pool.map(lambda job: _freestanding(name, sources, includes, *job), jobs), strict=True))
+        slices = dict(zip(jobs, pool.map(lambda job: one(name, sources, includes, *job), jobs), strict=True))
     return {p: universal([slices[p, target] for target in PLATFORMS[p].targets]) for p in wanted}
 
 
@@ -123,6 +129,16 @@ def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], 
         *(f"-I{path}" for path in (FREESTANDING, *includes)),
         *files,
     ]
+    return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
+
+
+def _hosted(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:
+    files, folders, more = list(sources), list(includes), list(PLATFORMS[platform].system)
+    if zig := _zig() if "-nostdlib" in more else None:  # Windows: its headers, but no C library, which is not a part of it
+        files += sorted(FREESTANDING.glob("*.c"))
+        folders.append(FREESTANDING)
+        more += ["-isystem", str(zig.parent / "lib" / "libc" / "include" / "any-windows-any")]
+    arguments = [*(f"-I{path}" for path in folders), *files, *more]
     return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
 
 

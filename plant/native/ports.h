@@ -82,7 +82,7 @@ typedef struct {
     /* Whether the orbit's plane drifts with J2's secular node rate */
     bool j2_node_drift;
     /* UTC at t = 0, ISO 8601, with the time of day; with Z, +00:00, -00:00 or no zone at its end */
-    char epoch[64];
+    char epoch[128];
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
     /* Whether the gravity-gradient moment acts */

@@ -69,7 +69,7 @@ typedef struct {
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
     /* UTC at t = 0, ISO 8601, with the time of day; with Z, +00:00, -00:00 or no zone at its end */
-    char epoch[64];
+    char epoch[128];
     /* Onboard model of the geomagnetic field, at the year of epoch */
     int32_t field_model;
     /* Degree to which the onboard field is evaluated; 1 is a tilted dipole */

@@ -9,7 +9,7 @@
 #include "block.h"
 #include "fmi2.h"
 
-enum { NAME_SIZE = 256, MESSAGE_SIZE = 512, TEXT_SIZE = 64 };
+enum { NAME_SIZE = 256, MESSAGE_SIZE = 512, TEXT_SIZE = 128 };
 
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING } Kind;
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT } Causality;

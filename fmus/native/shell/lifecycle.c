@@ -67,6 +67,16 @@ void restore_starts(Instance *c)
     c->law_current = false;
 }
 
+/* What a block holds outside its state goes back, where it holds something. */
+static void give_back(Instance *c)
+{
+#ifdef block_release
+    block_release(&c->law);
+#else
+    (void)c;
+#endif
+}
+
 /* Notes the name; tells what is wrong where something is. */
 static bool may_instantiate(Instance *c, fmi2String name, fmi2Type type, fmi2String guid)
 {
@@ -120,6 +130,7 @@ void fmi2FreeInstance(fmi2Component component)
 {
     Instance *c = component;
     if (c != NULL) {
+        give_back(c);
         c->callbacks.freeMemory(c);
     }
 }
@@ -210,6 +221,7 @@ fmi2Status fmi2Terminate(fmi2Component component)
     fmi2Status status;
     Instance *c = enter(component, "fmi2Terminate", IN_STEP, &status);
     if (c != NULL) {
+        give_back(c);
         c->memory.mode = MODE_TERMINATED;
         log_event(c, "terminated");
     }
@@ -221,6 +233,7 @@ fmi2Status fmi2Reset(fmi2Component component)
     fmi2Status status;
     Instance *c = enter(component, "fmi2Reset", IN_ANY, &status);
     if (c != NULL) {
+        give_back(c);
         restore_starts(c);
         log_event(c, "reset");
     }

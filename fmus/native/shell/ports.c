@@ -230,7 +230,7 @@ fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference refer
             return refuse_variable(c, "fmi2SetString", v, "cannot be NULL");
         }
         if (strlen(values[i]) >= TEXT_SIZE) {
-            return refuse_variable(c, "fmi2SetString", v, "has at most 63 bytes");
+            return refuse_variable(c, "fmi2SetString", v, "has at most 127 bytes");
         }
     }
     for (size_t i = 0; c != NULL && i < n; ++i) {

@@ -1,0 +1,33 @@
+/* The device's end of the link: bytes in, bytes out. No heap, no operating system; all memory is in Device.
+ * Not to be changed; the block itself is in block_sample, which block.h names. */
+#ifndef DEVICE_H
+#define DEVICE_H
+
+#include "block.h"
+#include "wire.h"
+
+/* Sends bytes to the line. */
+typedef void (*DeviceSend)(void *line, const uint8_t *bytes, size_t n);
+
+typedef struct {
+    DeviceSend send;
+    void *line;
+    LinkReader reader;
+    uint8_t received[LINK_FRAME_MAX], answer[LINK_FRAME_MAX];
+    size_t answer_size;          /* of the last answer, which is sent again when its request comes again */
+    uint32_t session, sequence;  /* of the last request that was met */
+    uint8_t format;
+    bool greeted, fits, told, started;
+    Parameters p;
+    Inputs u;
+    Outputs y;
+    Memory memory;
+} Device;
+
+/* After power-up. */
+void device_begin(Device *device, DeviceSend send, void *line);
+
+/* A byte from the line. Answers a request when its last byte is in. */
+void device_receive(Device *device, uint8_t byte);
+
+#endif

@@ -1,0 +1,257 @@
+/* What the FMI shell calls: each step asks the device, in lock-step or for its latest sample. */
+#include "instance.h"
+
+#include <string.h>
+
+enum { LOCK_STEP = 1, FREE_RUNNING };   /* the items of link_mode */
+enum { SILENT_STOP = 1, SILENT_HOLD };  /* the items of link_when_silent; the third is zero */
+static const double LOOK_EVERY = 1.0;   /* s of wall time between two looks for a silent device */
+static const double LOOK_FOR = 0.01;    /* s that such a look takes at most */
+
+static LinkSettings settings(const Parameters *p)
+{
+    const bool big = p->link_byte_order == 2, single = p->link_precision == 2;
+    return (LinkSettings){.address = p->link_address,
+                          .time_out = p->link_time_out,
+                          .transport = p->link_transport,
+                          .baud = p->link_baud,
+                          .tries = p->link_tries,
+                          .format = (uint8_t)((big ? LINK_BIG_ENDIAN : 0) | (single ? LINK_SINGLE : 0))};
+}
+
+bool link_check(const Parameters *p, Fault *f)
+{
+    if (p->link_address[0] == '\0') {
+        *f = (Fault){"link_address", "HOST:PORT, a serial device or a pipe", "", 0.0};
+        return false;
+    }
+    return true;
+}
+
+void link_prepare(const Parameters *p, Law *law)
+{
+    const Parameters *was = &law->p;
+    if (strcmp(p->link_address, was->link_address) != 0 || p->link_transport != was->link_transport ||
+        p->link_baud != was->link_baud || p->link_byte_order != was->link_byte_order ||
+        p->link_precision != was->link_precision) {
+        link_release(law);
+    }
+    law->p = *p;
+}
+
+void link_release(Law *law)
+{
+    link_hang_up(&law->link);
+    law->is_told = law->silent = false;
+    law->link.reader.damaged = 0;
+    law->silent_steps = law->restarts = 0;
+}
+
+static void note_sample(Law *law, State *x, double time, const uint8_t *payload, uint8_t format)
+{
+    link_take(&link_output_fields, payload, format, &x->y);
+    x->sample_time = time;
+    law->heard = line_now();
+}
+
+/* Parameters, where the device does not have them as they are. */
+static LinkEnd tell_parameters(Law *law, const LinkSettings *s, Fault *f)
+{
+    LinkFrame answer;
+    if (law->is_told && memcmp(&law->told, &law->p, sizeof law->p) == 0) {
+        return LINK_ANSWERED;
+    }
+    const size_t n = link_put(&link_parameter_fields, &law->p, s->format, law->link.sent + LINK_HEADER);
+    const LinkEnd end = link_request(&law->link, s, LINK_PARAMETERS, n, s->time_out, &answer, f);
+    if (end == LINK_ANSWERED) {
+        memcpy(&law->told, &law->p, sizeof law->p);
+        law->is_told = true;
+    }
+    return end;
+}
+
+/* Sends t, and h where there is one, and the inputs; the size of the payload. */
+static size_t put_inputs(Law *law, const LinkSettings *s, double t, double h, const Inputs *u)
+{
+    uint8_t *payload = law->link.sent + LINK_HEADER;
+    link_put_time(t, s->format, payload);
+    link_put_time(h, s->format, payload + 8);
+    return 16 + link_put(&link_input_fields, u, s->format, payload + 16);
+}
+
+/* The samples of an answer of the right size. */
+static bool is_sample(const LinkFrame *answer, uint8_t format)
+{
+    return answer->size == 8 + link_size(&link_output_fields, format);
+}
+
+static LinkEnd wrong_size(const Law *law, const LinkFrame *answer, Fault *f)
+{
+    *f = (Fault){law->link.where, "an answer with as many bytes as the interface has outputs", NULL, answer->size};
+    return LINK_FAULT;
+}
+
+/* A request that the device answers with its outputs at a time. */
+static LinkEnd sample(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x, Fault *f)
+{
+    LinkFrame answer;
+    const size_t n = put_inputs(law, s, t, h, u);
+    const LinkEnd end = link_request(&law->link, s, type, n, s->time_out, &answer, f);
+    if (end != LINK_ANSWERED) {
+        return end;
+    }
+    if (!is_sample(&answer, s->format)) {
+        return wrong_size(law, &answer, f);
+    }
+    note_sample(law, x, t + h, answer.payload + 8, s->format);
+    return LINK_ANSWERED;
+}
+
+/* Lets the device begin at a time, with these inputs; it forgets what was before. */
+static LinkEnd begin(Law *law, const LinkSettings *s, double t, const Inputs *u, State *x, Fault *f)
+{
+    law->is_told = law->is_told && law->link.same_session;
+    LinkEnd end = tell_parameters(law, s, f);
+    if (end == LINK_ANSWERED) {
+        end = sample(law, s, LINK_START, t, 0.0, u, x, f);
+    }
+    law->link.same_session = end == LINK_ANSWERED;
+    return end;
+}
+
+bool link_start(Law *law, const Inputs *u, State *x, Fault *f)
+{
+    const LinkSettings s = settings(&law->p);
+    law->silent = false;
+    LinkEnd end = link_greet(&law->link, &s, s.time_out, f);
+    if (end == LINK_ANSWERED) {
+        end = begin(law, &s, 0.0, u, x, f);
+    }
+    if (end == LINK_RESTARTED) { /* since it was greeted, in an earlier look at the outputs */
+        law->link.greeted = false;
+        end = link_greet(&law->link, &s, s.time_out, f);
+        end = end == LINK_ANSWERED ? begin(law, &s, 0.0, u, x, f) : end;
+    }
+    return end == LINK_ANSWERED;
+}
+
+/* What has come since the last step; the newest sample is kept, whatever the order in which they came. */
+static LinkEnd take_samples(Law *law, const LinkSettings *s, State *x, Fault *f)
+{
+    LinkFrame frame;
+    LinkEnd end;
+    while ((end = link_poll(&law->link, line_now(), &frame, f)) == LINK_ANSWERED) {
+        if (frame.type == LINK_REFUSED) {
+            return link_refused(&law->link, &frame, f);
+        }
+        if (frame.type != (LINK_STEP | LINK_ANSWER)) {
+            continue;
+        }
+        if (!is_sample(&frame, s->format)) {
+            return wrong_size(law, &frame, f);
+        }
+        const double time = link_take_time(frame.payload, s->format);
+        if (time >= x->sample_time) {
+            note_sample(law, x, time, frame.payload + 8, s->format);
+        }
+    }
+    return end == LINK_FAULT ? end : LINK_ANSWERED;
+}
+
+/* Sends the inputs and takes what has come; silent where no sample has come for the time-out. */
+static LinkEnd run_free(Law *law, const LinkSettings *s, double h, const Inputs *u, State *x, Fault *f)
+{
+    const size_t n = put_inputs(law, s, x->t, h, u);
+    LinkEnd end = link_tell(&law->link, s, LINK_STEP, n, f);
+    if (end == LINK_ANSWERED) {
+        end = take_samples(law, s, x, f);
+    }
+    if (end == LINK_ANSWERED && line_now() - law->heard > s->time_out) {
+        link_silent(&law->link, f);
+        return LINK_SILENT;
+    }
+    return end;
+}
+
+/* Looks for a silent device, seldom and for a short time; one that has lost its memory begins anew where the run is. */
+static LinkEnd look(Law *law, const LinkSettings *s, const Inputs *u, double t, State *x, Fault *f)
+{
+    if (line_now() - law->tried < LOOK_EVERY) {
+        return LINK_SILENT;
+    }
+    law->link.greeted = false;
+    LinkEnd end = link_greet(&law->link, s, LOOK_FOR, f);
+    if (end == LINK_ANSWERED && !law->link.same_session) {
+        end = begin(law, s, t, u, x, f);
+        law->restarts += end == LINK_ANSWERED;
+    }
+    law->tried = law->heard = line_now();
+    return end;
+}
+
+static LinkEnd exchange(Law *law, const LinkSettings *s, double h, const Inputs *u, State *x, Fault *f)
+{
+    LinkEnd end = LINK_ANSWERED;
+    if (law->silent && (end = look(law, s, u, x->t + h, x, f)) != LINK_ANSWERED) {
+        return end;
+    }
+    if (law->silent && x->sample_time >= x->t + h) {
+        return LINK_ANSWERED; /* it has just begun, with these inputs */
+    }
+    if ((end = tell_parameters(law, s, f)) == LINK_ANSWERED) {
+        end = law->p.link_mode == LOCK_STEP ? sample(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
+    }
+    if (end == LINK_RESTARTED && law->p.link_when_silent != SILENT_STOP) {
+        end = begin(law, s, x->t + h, u, x, f);
+        law->restarts += end == LINK_ANSWERED;
+    }
+    return end;
+}
+
+/* Zero, or the value nearest to it that an output may have. */
+static void zero_outputs(Outputs *y)
+{
+    memset(y, 0, sizeof *y);
+    for (size_t i = 0; i < BLOCK_VARIABLES; ++i) {
+        const Variable *v = &variables[i];
+        if (v->causality == CAUSALITY_OUTPUT && v->kind == KIND_INTEGER && v->min > 0.0) {
+            const int32_t least = (int32_t)v->min;
+            memcpy((unsigned char *)y + (v->offset - offsetof(Ports, y)), &least, sizeof least);
+        }
+    }
+}
+
+bool link_step(Law *law, State *x, const Inputs *u, double h, Outputs *y, Fault *f)
+{
+    const LinkSettings s = settings(&law->p);
+    const LinkEnd end = exchange(law, &s, h, u, x, f);
+    if (end == LINK_FAULT || (end != LINK_ANSWERED && law->p.link_when_silent == SILENT_STOP)) {
+        return false;
+    }
+    if (end != LINK_ANSWERED) {
+        if (!law->silent) {
+            law->tried = line_now();
+        }
+        if (law->p.link_when_silent != SILENT_HOLD) {
+            zero_outputs(&x->y);
+        }
+        ++law->silent_steps;
+    }
+    law->silent = end != LINK_ANSWERED;
+    x->t += h;
+    return link_outputs(law, x, u, y, f);
+}
+
+/* Between steps nothing is asked: the outputs are those of the last answer, whatever has been set since. */
+bool link_outputs(const Law *law, const State *x, const Inputs *u, Outputs *y, Fault *f)
+{
+    (void)u, (void)f;
+    *y = x->y;
+    y->link_age = x->t - x->sample_time;
+    y->link_silent = law->silent;
+    y->link_silent_steps = law->silent_steps;
+    y->link_restarts = law->restarts;
+    y->link_damaged_frames = (int32_t)law->link.reader.damaged;
+    y->link_round_trip = law->link.round_trip;
+    return true;
+}
