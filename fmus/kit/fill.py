@@ -27,7 +27,9 @@ def filled(template: str, interface: Interface, **more: str) -> str:
         "inputs": _fields(interface.of("input")),
         "outputs": _fields(interface.of("output")),
         "zeros": _zeros(interface.of("output")),
-        "python_zeros": "\n".join(f"        {v.name!r}: {_nested_zero(v, 0)},{_comment(v)}" for v in interface.of("output")),
+        "python_zeros": "\n".join(
+            f"        {v.name!r}: {_nested_zero(v, 0)},{_comment(v)}" for v in interface.of("output")
+        ),
         **more,
     }
     for key, value in values.items():

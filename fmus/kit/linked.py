@@ -1,6 +1,6 @@
 """A kit for a device: the link FMU of a block, a firmware skeleton in C or a device in Python, and a bench that plays vectors at it.
 
-    write(load("controller"), Path("controller_device"), "c")
+write(load("controller"), Path("controller_device"), "c")
 """
 
 from __future__ import annotations
@@ -70,7 +70,9 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     parts = [f"typedef {title}{kind} {kind};" for kind in types]
     if of_block:
         parts += [f"#define block_{call} {name}_{call}" for call in ("check", "prepare", "start", "outputs", "step")]
-        parts.append("typedef struct {\n    Parameters p;\n    Law law;\n    State state;\n    char why[96];\n} Memory;")
+        parts.append(
+            "typedef struct {\n    Parameters p;\n    Law law;\n    State state;\n    char why[96];\n} Memory;"
+        )
         call = "block_sample(const Parameters *p, Memory *memory, const Inputs *u, double t, double h, Outputs *y)"
         parts.append(f"const char *{call};")
     else:
@@ -91,7 +93,7 @@ def _python_ports(interface: Interface) -> str:
         f"PORTS = Ports(\n    name={interface.name!r},\n    hash=bytes.fromhex({wire.interface_hash(interface).hex()!r}),",
     ]
     for causality in wire.RECORDS:
-        fields = "".join(f"        {_field(v)},\n" for v in interface.of(causality))  # type: ignore[arg-type]
+        fields = "".join(f"        {_field(v)},\n" for v in interface.of(causality))
         parts.append(f"    {causality}s=(\n{fields}    ),")
     return "\n".join(parts) + "\n)\n"
 

@@ -17,7 +17,21 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Protocol
 
-from .device import ANSWER, GREETING, HELLO, PARAMETERS, REFUSED, START, STEP, Field, Frame, Layout, Ports, Reader, frame
+from .device import (
+    ANSWER,
+    GREETING,
+    HELLO,
+    PARAMETERS,
+    REFUSED,
+    START,
+    STEP,
+    Field,
+    Frame,
+    Layout,
+    Ports,
+    Reader,
+    frame,
+)
 from .lines import KINDS, Line
 
 TRIES, WAIT = 4, 0.5
@@ -71,7 +85,9 @@ class Master:
                     if (answer.session, answer.sequence) != (self._session, self._sequence):
                         continue
                     if answer.type == REFUSED:
-                        raise Failed("the device refuses: " + answer.payload[1:].split(b"\0")[0].decode("ascii", "replace"))
+                        raise Failed(
+                            "the device refuses: " + answer.payload[1:].split(b"\0")[0].decode("ascii", "replace")
+                        )
                     if answer.type == type_ | ANSWER:
                         return answer
         raise Failed(f"expected an answer within {TRIES * WAIT:g} s, found none")
@@ -146,7 +162,9 @@ def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) ->
     for label, (difference, at) in worst.items():
         share = difference / peak[label] if peak[label] else difference
         when = f"{at:g} s" if difference else ""
-        print(f"{'ok    ' if within[label] else 'DIFFER'}  {label:<24} {difference:12.4g} {share:10.2g}  {when}".rstrip())
+        print(
+            f"{'ok    ' if within[label] else 'DIFFER'}  {label:<24} {difference:12.4g} {share:10.2g}  {when}".rstrip()
+        )
     right = rows > 0 and all(within.values())
     print(f"\n{'all outputs are as expected' if right else 'outputs differ from what is expected'}")
     return right
@@ -155,7 +173,9 @@ def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) ->
 def main(ports: Ports, arguments: list[str]) -> None:
     """VECTOR KIND PLACE [TOLERANCE]; the exit status is 1 where outputs differ or the device does not answer."""
     if len(arguments) not in (3, 4) or arguments[1] not in (*KINDS, "run"):
-        sys.exit(f"use: bench.py VECTOR run PROGRAM | {' | '.join(f'{kind} PLACE' for kind in KINDS)}, then a tolerance")
+        sys.exit(
+            f"use: bench.py VECTOR run PROGRAM | {' | '.join(f'{kind} PLACE' for kind in KINDS)}, then a tolerance"
+        )
     folder, (kind, place) = Path(arguments[0]), arguments[1:3]
     tolerance = float(arguments[3]) if len(arguments) > 3 else 1e-6
     with tempfile.TemporaryDirectory() as temporary:

@@ -53,7 +53,9 @@ class Ports:
     @property
     def largest(self) -> int:
         """Bytes of no frame are more."""
-        return _HEAD.size + 4 + 16 + max(128, *(Layout(f, 0).size for f in (self.parameters, self.inputs, self.outputs)))
+        return (
+            _HEAD.size + 4 + 16 + max(128, *(Layout(f, 0).size for f in (self.parameters, self.inputs, self.outputs)))
+        )
 
 
 @dataclass(frozen=True)

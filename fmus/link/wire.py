@@ -6,11 +6,12 @@ import hashlib
 
 from ..interface import Interface, InterfaceError, Variable
 from ..native.generate import TEXT_SIZE
+from ..variables import Causality
 
 HASH_SIZE, NAME_SIZE = 8, 32
 HEADER, CHECK, GREETING, REFUSAL, TIMES = 14, 4, 2 + HASH_SIZE + NAME_SIZE, 97, 16
 """Bytes of a frame's head and end, and of the payloads that no interface decides; see native/frame.h."""
-RECORDS = {"parameter": "Parameters", "input": "Inputs", "output": "Outputs"}
+RECORDS: dict[Causality, str] = {"parameter": "Parameters", "input": "Inputs", "output": "Outputs"}
 SIZES = {"real": 8, "integer": 4, "enumeration": 4, "boolean": 1, "string": TEXT_SIZE}
 """Bytes of an element, a real in double precision."""
 
@@ -19,7 +20,7 @@ def interface_hash(interface: Interface) -> bytes:
     """The first 8 bytes of the SHA-256 of the interface's name and, of each variable that goes over the line, all that gives its value a meaning."""
     lines = [interface.name]
     for causality in RECORDS:
-        for v in interface.of(causality):  # type: ignore[arg-type]
+        for v in interface.of(causality):
             units = " ".join(unit or "1" for unit in v.units)
             shape = "x".join(map(str, v.shape)) or "1"
             lines.append(f"{causality} {v.type} {v.name} {shape} {units} {v.frame or '-'} {' '.join(v.items)}".rstrip())
@@ -28,7 +29,7 @@ def interface_hash(interface: Interface) -> bytes:
 
 def frame_max(interface: Interface) -> int:
     """Bytes of the longest frame. Raises InterfaceError where a frame cannot hold the interface."""
-    sizes = {c: sum(SIZES[v.type] * len(v.elements) for v in interface.of(c)) for c in RECORDS}  # type: ignore[arg-type]
+    sizes = {c: sum(SIZES[v.type] * len(v.elements) for v in interface.of(c)) for c in RECORDS}
     payload = max(GREETING, REFUSAL, sizes["parameter"], TIMES + sizes["input"], 8 + sizes["output"])
     if payload >= 1 << 16:
         raise InterfaceError(f"{interface.name}: expected at most 65535 bytes of values in a frame, found {payload}")
@@ -62,7 +63,7 @@ def source(interface: Interface) -> str:
     """wire.c: where each variable stands in the structures."""
     parts = ['/* Generated from the interface; do not edit. */\n#include "block.h"\n#include "wire.h"\n']
     for causality, record in RECORDS.items():
-        rows = [_row(record, v) for v in interface.of(causality)]  # type: ignore[arg-type]
+        rows = [_row(record, v) for v in interface.of(causality)]
         name = f"{causality}_fields"
         if rows:
             listed = ",\n".join(f"    {row}" for row in rows)

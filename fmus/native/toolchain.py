@@ -134,11 +134,13 @@ def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], 
 
 def _hosted(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:
     files, folders, more = list(sources), list(includes), list(PLATFORMS[platform].system)
-    if zig := _zig() if "-nostdlib" in more else None:  # Windows: its headers, but no C library, which is not a part of it
+    if (
+        zig := _zig() if "-nostdlib" in more else None
+    ):  # Windows: its headers, but no C library, which is not a part of it
         files += sorted(FREESTANDING.glob("*.c"))
         folders.append(FREESTANDING)
         more += ["-isystem", str(zig.parent / "lib" / "libc" / "include" / "any-windows-any")]
-    arguments = [*(f"-I{path}" for path in folders), *files, *more]
+    arguments: list[str | Path] = [*(f"-I{path}" for path in folders), *files, *more]
     return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
 
 

@@ -86,10 +86,15 @@ class Instance:
     """One instance of a block. `memory` has the addresses that it holds."""
 
     def __init__(
-        self, block: str, lib: ctypes.CDLL | None = None, name: str = "it", guid: str = GUID, log: bool = False
+        self,
+        block: str | Interface,
+        lib: ctypes.CDLL | None = None,
+        name: str = "it",
+        guid: str = GUID,
+        log: bool = False,
     ):
-        self.interface: Interface = load(block)
-        self.lib = lib or library(block)
+        self.interface = load(block) if isinstance(block, str) else block
+        self.lib = lib or library(self.interface.name)
         self.messages: list[tuple[int, str, str]] = []
         self.memory: dict[int, Any] = {}
         self.callbacks = Callbacks(_LOGGER(self._log), _ALLOCATE(self._allocate), _FREE(self._free), None, None)

@@ -71,7 +71,7 @@ bool board_begin(int count, char **arguments)
     const bool begun = strcmp(kind, "udp") == 0      ? listen_at(arguments[2], SOCK_DGRAM)
                        : strcmp(kind, "tcp") == 0    ? listen_at(arguments[2], SOCK_STREAM)
                        : strcmp(kind, "serial") == 0 ? open_serial(arguments[2])
-                       : strcmp(kind, "pipe") == 0   && open_pipe(arguments[2]);
+                                                     : strcmp(kind, "pipe") == 0 && open_pipe(arguments[2]);
     signal(SIGPIPE, SIG_IGN);
     if (!begun) {
         fprintf(stderr, "use: %s udp PORT | tcp PORT | serial PATH | pipe ADDRESS\n", arguments[0]);

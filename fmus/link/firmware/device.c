@@ -67,7 +67,8 @@ static void sample(Device *device, const LinkFrame *request)
     }
     device->started = true;
     link_put_time(t + h, device->format, payload);
-    answer(device, request, request->type | LINK_ANSWER, 8 + link_put(&link_output_fields, &device->y, device->format, payload + 8));
+    answer(device, request, request->type | LINK_ANSWER,
+           8 + link_put(&link_output_fields, &device->y, device->format, payload + 8));
 }
 
 static size_t expected_size(const Device *device, uint8_t type)

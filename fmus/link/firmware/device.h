@@ -14,8 +14,8 @@ typedef struct {
     void *line;
     LinkReader reader;
     uint8_t received[LINK_FRAME_MAX], answer[LINK_FRAME_MAX];
-    size_t answer_size;          /* of the last answer, which is sent again when its request comes again */
-    uint32_t session, sequence;  /* of the last request that was met */
+    size_t answer_size;         /* of the last answer, which is sent again when its request comes again */
+    uint32_t session, sequence; /* of the last request that was met */
     uint8_t format;
     bool greeted, fits, told, started;
     Parameters p;

@@ -22,16 +22,16 @@ typedef struct {
     uint8_t bytes[512]; /* that came and are not looked at yet */
     int count, next;
     uint32_t session, sequence;
-    bool greeted;       /* the device has answered, and is of this interface */
-    bool same_session;  /* it has been started by this instance and has lost no memory since */
-    double round_trip;  /* of the last answer, s */
-    char where[320];    /* "device at udp 127.0.0.1:5020" */
-    char reason[160];   /* what the device or the system says */
+    bool greeted;      /* the device has answered, and is of this interface */
+    bool same_session; /* it has been started by this instance and has lost no memory since */
+    double round_trip; /* of the last answer, s */
+    char where[320];   /* "device at udp 127.0.0.1:5020" */
+    char reason[160];  /* what the device or the system says */
 } Link;
 
 typedef enum {
     LINK_ANSWERED,
-    LINK_SILENT,   /* no answer in time, or no line */
+    LINK_SILENT,    /* no answer in time, or no line */
     LINK_RESTARTED, /* the device has lost its memory */
     LINK_FAULT      /* what no later answer mends: told in the fault */
 } LinkEnd;

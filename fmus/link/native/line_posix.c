@@ -1,8 +1,8 @@
-/* The line to a device on Linux and macOS.
- * Longer than 250 lines: the four kinds of line share how they wait, send and receive. */
+/* The line to a device on Linux and macOS. */
 #define _DEFAULT_SOURCE
 #define _DARWIN_C_SOURCE
 #include "line.h"
+#include "serial.h"
 
 #ifndef _WIN32
 
@@ -14,7 +14,6 @@
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -124,60 +123,17 @@ static bool open_socket(Line *line, const char *address, double until, char *rea
     return file >= 0 || failed(reason, size, strerror(why));
 }
 
-static const struct {
-    int baud;
-    speed_t speed;
-} speeds[] = {
-    {1200, B1200},     {2400, B2400},     {4800, B4800},     {9600, B9600},   {19200, B19200}, {38400, B38400},
-    {57600, B57600},   {115200, B115200}, {230400, B230400},
-#ifdef B460800
-    {460800, B460800},
-#endif
-#ifdef B921600
-    {921600, B921600},
-#endif
-#ifdef B1000000
-    {1000000, B1000000},
-#endif
-#ifdef B2000000
-    {2000000, B2000000},
-#endif
-#ifdef B3000000
-    {3000000, B3000000},
-#endif
-};
-
-/* 8 bits, no parity, one stop bit, no flow control. */
 static bool open_serial(Line *line, const char *address, int baud, char *reason, size_t size)
 {
-    struct termios t;
-    size_t k = 0;
-    while (k < sizeof speeds / sizeof speeds[0] && speeds[k].baud != baud) {
-        ++k;
-    }
-    if (k == sizeof speeds / sizeof speeds[0]) {
-        return failed(reason, size, "this system has no such link_baud");
-    }
     const int file = open(address, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) {
-        return failed(reason, size, strerror(errno));
-    }
-    line->in = line->out = file;
-    bool set = tcgetattr(file, &t) == 0;
-    if (set) {
-        cfmakeraw(&t);
-        t.c_cflag = (t.c_cflag & ~(tcflag_t)(CSTOPB | CRTSCTS)) | CLOCAL | CREAD;
-        t.c_cc[VMIN] = 0;
-        t.c_cc[VTIME] = 0;
-        set = cfsetispeed(&t, speeds[k].speed) == 0 && cfsetospeed(&t, speeds[k].speed) == 0 &&
-              tcsetattr(file, TCSANOW, &t) == 0;
-    }
-    if (!set) {
+    if (file < 0 || !serial_set(file, baud)) {
         failed(reason, size, strerror(errno));
-        close(file);
+        if (file >= 0) {
+            close(file);
+        }
         return false;
     }
-    tcflush(file, TCIOFLUSH);
+    line->in = line->out = file;
     return true;
 }
 
@@ -226,8 +182,7 @@ bool line_send(Line *line, const uint8_t *bytes, size_t n, double until)
     const bool is_socket = line->transport == LINE_UDP || line->transport == LINE_TCP;
     const int file = (int)line->out;
     for (size_t sent = 0; sent < n;) {
-        const ssize_t some =
-            is_socket ? send(file, bytes + sent, n - sent, NO_SIGNAL) : write(file, bytes + sent, n - sent);
+        const ssize_t some = is_socket ? send(file, bytes + sent, n - sent, NO_SIGNAL) : write(file, bytes + sent, n - sent);
         if (some > 0) {
             sent += (size_t)some;
         } else if (some < 0 && !passing(line)) {

@@ -3,10 +3,10 @@
 
 #include <string.h>
 
-enum { LOCK_STEP = 1, FREE_RUNNING };   /* the items of link_mode */
-enum { SILENT_STOP = 1, SILENT_HOLD };  /* the items of link_when_silent; the third is zero */
-static const double LOOK_EVERY = 1.0;   /* s of wall time between two looks for a silent device */
-static const double LOOK_FOR = 0.01;    /* s that such a look takes at most */
+enum { LOCK_STEP = 1, FREE_RUNNING };  /* the items of link_mode */
+enum { SILENT_STOP = 1, SILENT_HOLD }; /* the items of link_when_silent; the third is zero */
+static const double LOOK_EVERY = 1.0;  /* s of wall time between two looks for a silent device */
+static const double LOOK_FOR = 0.01;   /* s that such a look takes at most */
 
 static LinkSettings settings(const Parameters *p)
 {
@@ -119,6 +119,14 @@ static LinkEnd begin(Law *law, const LinkSettings *s, double t, const Inputs *u,
     return end;
 }
 
+/* The same with a device that has lost its memory since it was greeted. */
+static LinkEnd begin_anew(Law *law, const LinkSettings *s, double t, const Inputs *u, State *x, Fault *f)
+{
+    law->link.greeted = false;
+    const LinkEnd end = link_greet(&law->link, s, s->time_out, f);
+    return end == LINK_ANSWERED ? begin(law, s, t, u, x, f) : end;
+}
+
 bool link_start(Law *law, const Inputs *u, State *x, Fault *f)
 {
     const LinkSettings s = settings(&law->p);
@@ -127,10 +135,8 @@ bool link_start(Law *law, const Inputs *u, State *x, Fault *f)
     if (end == LINK_ANSWERED) {
         end = begin(law, &s, 0.0, u, x, f);
     }
-    if (end == LINK_RESTARTED) { /* since it was greeted, in an earlier look at the outputs */
-        law->link.greeted = false;
-        end = link_greet(&law->link, &s, s.time_out, f);
-        end = end == LINK_ANSWERED ? begin(law, &s, 0.0, u, x, f) : end;
+    if (end == LINK_RESTARTED) { /* after an earlier look at the outputs */
+        end = begin_anew(law, &s, 0.0, u, x, f);
     }
     return end == LINK_ANSWERED;
 }
@@ -202,7 +208,7 @@ static LinkEnd exchange(Law *law, const LinkSettings *s, double h, const Inputs 
         end = law->p.link_mode == LOCK_STEP ? sample(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
     }
     if (end == LINK_RESTARTED && law->p.link_when_silent != SILENT_STOP) {
-        end = begin(law, s, x->t + h, u, x, f);
+        end = begin_anew(law, s, x->t + h, u, x, f);
         law->restarts += end == LINK_ANSWERED;
     }
     return end;

@@ -1,0 +1,104 @@
+"""Devices for tests: our own native blocks as firmware on this computer, and the link FMUs that ask them."""
+
+from __future__ import annotations
+
+import ctypes
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fmus import link, native
+from fmus.interface import load
+from fmus.kit import linked
+from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
+from tests.blocks import folder as folder_of
+from tests.kept import kept
+from tests.native.driver import GUID, Instance, opened
+
+ZIG = [sys.executable, "-m", "ziglang", "cc"]
+
+
+def program(block: str) -> Path:
+    """A device that answers with a native block's own code, and with the arithmetic that its FMU has."""
+    with tempfile.TemporaryDirectory() as folder:
+        generated = Path(folder)
+        sources, includes = _laid_out(block, generated)
+        made_of = [compiler(), *FLAGS, *sources, *includes, link.FIRMWARE, link.NATIVE, FREESTANDING]
+        return kept(f"{block}_device", made_of, lambda path: _build(sources, includes, path))
+
+
+def _laid_out(block: str, generated: Path) -> tuple[list[Path], list[Path]]:
+    """The C of the block as a device, without a board."""
+    own, folders = native.lay_out(load(block), folder_of(block), "{}", generated)
+    sources = [path for path in own if path.parent != native.SHELL and path.name != "table.c"]
+    for name, text in linked.generated(load(block), of_block=True).items():
+        (generated / name).write_text(text)
+    sources += [generated / "wire.c", link.FIRMWARE / "of_block.c", link.FIRMWARE / "device.c", link.NATIVE / "frame.c"]
+    return sources, [folder for folder in folders if folder != native.SHELL] + [link.FIRMWARE, link.NATIVE]
+
+
+def _build(sources: list[Path], includes: list[Path], path: Path) -> None:
+    """The block with our own elementary functions, since those of the system's C library round otherwise."""
+    folders = [f"-I{folder}" for folder in includes]
+    with tempfile.TemporaryDirectory() as folder:
+        whole = Path(folder, "block.o")
+        files = [*sources, FREESTANDING / "elementary.c"]
+        bare = [*ZIG, *FLAGS, "-ffreestanding", "-nostdlib", "-r", f"-I{FREESTANDING}", *folders, *map(str, files)]
+        subprocess.run([*bare, "-o", str(whole)], check=True)
+        board = [link.FIRMWARE / "main.c", link.FIRMWARE / "board_computer.c", whole]
+        subprocess.run([*ZIG, *FLAGS, *folders, *map(str, board), "-o", str(path)], check=True)
+
+
+@cache
+def fmu(block: str) -> Path:
+    """The link FMU of a block for this machine."""
+    made_of = [compiler(), *FLAGS, *link.sources(), native.SHELL, link.HERE / "link.toml", load(block).source]
+    return kept(f"{block}_link.fmu", made_of, lambda path: path.write_bytes(link.package(load(block), "host")))
+
+
+@cache
+def library(block: str) -> ctypes.CDLL:
+    """The library of a block's link FMU, for calls without an FMU tool."""
+    host = host_platform()
+    with tempfile.TemporaryDirectory() as folder:
+        sources, includes = link.lay_out(load(block), GUID, Path(folder))
+
+        def make(path: Path) -> None:
+            path.write_bytes(compile_library(path.name, sources, includes, [host], hosted=True)[host])
+
+        name = f"{block}_link{PLATFORMS[host].suffix}"
+        return opened(kept(name, [compiler(), *FLAGS, *sources, *includes], make))
+
+
+def instance(block: str, **settings: Any) -> Instance:
+    """An instance of the link FMU with these link_... parameters, not yet initialized."""
+    made = Instance(link.linked(load(block)), library(block))
+    for name, value in settings.items():
+        made.set(f"link_{name}", value)
+    return made
+
+
+@contextmanager
+def running(block: str, *line: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A device that serves a line: `running("controller", "udp", "5020")`."""
+    process = subprocess.Popen([program(block), *line], stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def free_port(kind: int = socket.SOCK_DGRAM) -> str:
+    """A port at which nobody listens."""
+    with socket.socket(socket.AF_INET, kind) as line:
+        line.bind(("127.0.0.1", 0))
+        return str(line.getsockname()[1])
