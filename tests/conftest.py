@@ -24,6 +24,7 @@ MARKERS = {
         "controller/planned",
         "fmus/contents",
         "fmus/kit",
+        "fmus/link",
         "fmus/python",
         "fmus/test_build.py",
         "fmus/test_dependencies.py",

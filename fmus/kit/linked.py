@@ -33,7 +33,7 @@ def write(interface: Interface, folder: Path, language: str, platforms: str | tu
     kept: dict[str, bytes | str] = {"README.md": filled(f"README.device.{language}.md", interface)}
     for part in ("__init__", "device", "lines", "bench"):
         files[f"link/{part}.py"] = (link.HERE / f"{part}.py").read_bytes() if part != "__init__" else ""
-    files["ports.py"] = _python_ports(interface)
+    files["ports.py"] = python_ports(interface)
     files["bench.py"] = filled("bench.py.template", interface)
     if language == "c":
         files |= {f"firmware/{path.name}": path.read_bytes() for path in firmware()}
@@ -86,7 +86,8 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     }
 
 
-def _python_ports(interface: Interface) -> str:
+def python_ports(interface: Interface) -> str:
+    """ports.py: the variables on the line, in Python."""
     parts = [
         f'"""The interface {interface.name} on the line. Generated from interface.toml; do not edit."""\n',
         "from link.device import Field, Ports\n",

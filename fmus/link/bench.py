@@ -150,7 +150,8 @@ def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) ->
     worst: dict[str, tuple[float, float]] = {}
     peak: dict[str, float] = {}
     rows = 0
-    for rows, (now, given, wanted) in enumerate(play(ports, folder, line), start=1):
+    for now, given, wanted in play(ports, folder, line):
+        rows += 1
         for label, value in wanted.items():
             difference = abs(given[label] - value)
             if not difference <= worst.get(label, (-1.0, 0.0))[0]:  # also where it is not a number

@@ -138,9 +138,13 @@ def test_a_reset_instance_and_one_after_it_begin_anew(direct):
 
 def test_a_device_of_another_interface_is_refused_by_name():
     port = devices.free_port()
-    with devices.running("allocator", "udp", port), asked(f"127.0.0.1:{port}") as block:
-        with pytest.raises(Refused, match="expected one built for the interface controller, found 'allocator'"):
-            block.initialize()
+    other = "expected one built for the interface controller, found 'allocator'"
+    with (
+        devices.running("allocator", "udp", port),
+        asked(f"127.0.0.1:{port}") as block,
+        pytest.raises(Refused, match=other),
+    ):
+        block.initialize()
 
 
 def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
@@ -225,9 +229,12 @@ def test_lock_step_keeps_every_sample_on_a_serial_line_that_damages_bytes(direct
     def rule(data: bytes, way: str) -> list[tuple[float, bytes]]:
         return _damaged(data) if random.random() < 0.1 else [(0.0, data)]
 
-    with terminals(rule) as (proxy, path, _), devices.running("controller", "serial", path):
-        with asked(proxy.address, "serial", time_out=1.0, tries=50) as block:
-            np.testing.assert_array_equal(flown(block), direct)
+    with (
+        terminals(rule) as (proxy, path, _),
+        devices.running("controller", "serial", path),
+        asked(proxy.address, "serial", time_out=1.0, tries=50) as block,
+    ):
+        np.testing.assert_array_equal(flown(block), direct)
 
 
 def test_a_cut_cable_stops_the_run_in_time_and_says_where():
@@ -241,14 +248,17 @@ def test_a_cut_cable_stops_the_run_in_time_and_says_where():
 
 
 def test_an_unplugged_serial_line_stops_the_run_at_once():
-    with terminals() as (proxy, path, unplug), devices.running("controller", "serial", path):
-        with asked(proxy.address, "serial", time_out=5.0) as block:
-            flown(block, 5)
-            unplug()
-            begin = time.monotonic()
-            with pytest.raises(Refused, match="found 'the line is closed at the other end'"):
-                block.step(5 * H, H)
-            assert time.monotonic() - begin < 1.0
+    with (
+        terminals() as (proxy, path, unplug),
+        devices.running("controller", "serial", path),
+        asked(proxy.address, "serial", time_out=5.0) as block,
+    ):
+        flown(block, 5)
+        unplug()
+        begin = time.monotonic()
+        with pytest.raises(Refused, match="found 'the line is closed at the other end'"):
+            block.step(5 * H, H)
+        assert time.monotonic() - begin < 1.0
 
 
 def test_hold_and_zero_go_on_without_waiting_and_come_back_when_the_cable_does(direct):
