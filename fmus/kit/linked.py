@@ -20,16 +20,16 @@ PARTS = ("firmware", "link", "ports.py", "bench.py")
 """Beside those of any kit, what `write` overwrites."""
 
 
-def write(interface: Interface, folder: Path, language: str, platforms: str | tuple[str, ...] = ()) -> list[Path]:
+def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     """Writes the project and returns its files; those of the team that are there already are kept.
 
-    `platforms` are those of the link FMU, by default all. Raises InUse, CompilerError, InterfaceError.
+    Raises InUse, CompilerError, InterfaceError.
     """
     refuse_other(interface, folder, *PARTS)
     interface = for_teams(interface)
     name = interface.name
-    fmu = link.package(interface, platforms) if platforms else link.package(interface)
-    files: dict[str, bytes | str] = {"interface.toml": interface.source, f"{name}_link.fmu": fmu}
+    fmu = link.ensure(interface)
+    files: dict[str, bytes | str] = {"interface.toml": interface.source, fmu.name: fmu.read_bytes()}
     kept: dict[str, bytes | str] = {"README.md": filled(f"README.device.{language}.md", interface)}
     for part in ("__init__", "device", "lines", "bench"):
         files[f"link/{part}.py"] = (link.HERE / f"{part}.py").read_bytes() if part != "__init__" else ""

@@ -1,13 +1,16 @@
 """The link FMU: a block's ports, and a device at the end of a line behind them.
 
-package(load("controller"))     # the bytes of controller_link.fmu, for all platforms
+ensure(load("controller"))                      # the path of controller_link.fmu, built where it is missing or out of date
+package(load("controller"), platforms="host")   # its bytes, for this machine only
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 import tempfile
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -46,6 +49,32 @@ def linked(interface: Interface) -> Interface:
     )
     source = re.sub(r"(?m)^flavours *=.*\n", "", source)
     return parse(source + "\n" + (HERE / "link.toml").read_text("utf-8"), f"{interface.name}.toml")
+
+
+def ensure(interface: Interface) -> Path:
+    """The path of an interface's link FMU for all platforms, which is built first where it is missing or its sources have changed.
+
+    Raises CompilerError, InterfaceError.
+    """
+    path = places.work() / "fmus" / "link" / f"{interface.name}_link.fmu"
+    if not (path.exists() and guid_from(_digest(linked(interface))) == _guid_of(path)):
+        data = package(interface)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+            file.write(data)
+        os.chmod(file.name, 0o644)
+        os.replace(file.name, path)
+    return path
+
+
+def _guid_of(path: Path) -> str | None:
+    """The GUID in an FMU's description; None where there is no FMU to be read."""
+    try:
+        with zipfile.ZipFile(path) as there:
+            found = re.search(rb'guid="([^"]*)"', there.read("modelDescription.xml"))
+    except (OSError, KeyError, zipfile.BadZipFile):
+        return None
+    return found[1].decode() if found else None
 
 
 def package(interface: Interface, platforms: str | Sequence[str] = tuple(PLATFORMS)) -> bytes:

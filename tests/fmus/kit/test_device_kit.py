@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from fmus import kit, link
 from fmus.interface import load
 from fmus.kit import linked
-from fmus.native.toolchain import FREESTANDING
+from fmus.native.toolchain import FREESTANDING, PLATFORMS
 from orchestration.acceptance import binaries
 from orchestration.acceptance.vector import record
 from orchestration.cli.main import main
@@ -29,10 +29,9 @@ needs_compiler = pytest.mark.skipif(not has_compiler(), reason="a C kit needs ma
 def made(folder: Path, language: str) -> Path:
     """A kit for a device of the controller, with a short vector."""
     record(kit.SCENARIO, "controller", folder / "vector")
-    shutil.rmtree(folder / "generated", ignore_errors=True)
     vector = folder / "vector" / "vector.csv"
     vector.write_text("".join(vector.read_text().splitlines(keepends=True)[:40]))
-    linked.write(load("controller"), folder, language, "host")
+    linked.write(load("controller"), folder, language)
     return folder
 
 
@@ -152,7 +151,9 @@ def test_the_link_fmu_fits_without_a_warning_and_plays_the_vector_on_a_device(c_
 
 
 def test_new_writes_the_kit_for_a_device_and_says_what_comes_next(tmp_path, monkeypatch):
-    monkeypatch.setattr(link, "package", lambda interface: b"FMU of all platforms")
+    fmu = tmp_path / "allocator_link.fmu"
+    fmu.write_bytes(b"FMU of all platforms")
+    monkeypatch.setattr(link, "ensure", lambda interface: fmu)
     for language, step in (("c", "make vector"), ("python", "python bench.py vector run allocator_device.py")):
         folder = tmp_path / language
         done = orchestrate("new", "allocator", folder, "--link", "--lang", language)
@@ -170,9 +171,14 @@ def test_new_writes_the_kit_for_a_device_and_says_what_comes_next(tmp_path, monk
     assert (tmp_path / "c" / "ports.py").exists()
 
 
-def test_the_windows_library_needs_the_system_only_and_offers_all_of_fmi(tmp_path):
-    (tmp_path / "it.fmu").write_bytes(link.package(load("controller"), "win64"))
-    with zipfile.ZipFile(tmp_path / "it.fmu") as archive:
+def test_the_link_fmu_is_built_for_all_platforms_again_only_where_its_sources_have_changed(monkeypatch):
+    fmu = link.ensure(load("controller"))
+    monkeypatch.setattr(link, "package", lambda interface: pytest.fail("built again"))
+    assert link.ensure(load("controller")) == fmu
+    with zipfile.ZipFile(fmu) as archive:
         library = binaries.read(archive.read("binaries/win64/controller_link.dll"))
+        assert {f"binaries/{p}/controller_link{known.suffix}" for p, known in PLATFORMS.items()} <= set(
+            archive.namelist()
+        )
     assert set(binaries.FUNCTIONS["fmi2"]) <= library.exported
-    assert {name.lower() for name in library.needed} == {"kernel32.dll", "ws2_32.dll"}
+    assert {name.lower() for name in library.needed} == {"kernel32.dll", "ws2_32.dll"}, "of Windows; no C runtime"

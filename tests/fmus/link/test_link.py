@@ -166,9 +166,10 @@ def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
     ],
 )
 def test_a_line_without_a_device_ends_in_time_and_is_named(transport, address, message):
-    begin = time.monotonic()
-    with asked(address, transport, time_out=0.1) as block, pytest.raises(Refused) as refused:
-        block.initialize()
+    with asked(address, transport, time_out=0.1) as block:
+        begin = time.monotonic()
+        with pytest.raises(Refused) as refused:
+            block.initialize()
     assert message in str(refused.value)
     assert time.monotonic() - begin < 1.0
 
