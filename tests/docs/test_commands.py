@@ -55,7 +55,8 @@ def test_a_command_is_left_out_only_where_a_page_shows_it() -> None:
 def test_a_command_named_in_a_sentence_exists(page: str) -> None:
     """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module."""
     text = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
-    makefiles = [(ROOT / name).read_text("utf-8") for name in ("Makefile", "fmus/kit/Makefile.template")]
+    names = ("Makefile", "fmus/kit/Makefile.template", "fmus/kit/Makefile.device.template")
+    makefiles = [(ROOT / name).read_text("utf-8") for name in names]
     targets = {
         name for makefile in makefiles for line in re.findall(r"^([\w ]+):", makefile, re.M) for name in line.split()
     }

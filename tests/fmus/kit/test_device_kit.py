@@ -140,11 +140,11 @@ def test_a_python_device_is_told_from_an_empty_one(python_kit):
 
 
 @posix
-def test_the_link_fmu_fits_without_a_warning_and_plays_the_vector_on_a_device(c_kit):
-    port = "5020"  # the FMU's own default, since a vector sets no parameter of the link
-    fmu = c_kit / "controller_link.fmu"
+def test_the_link_fmu_fits_without_a_warning_and_plays_the_vector_on_a_device(c_kit, tmp_path):
+    port, fmu, mapping = devices.free_port(), c_kit / "controller_link.fmu", tmp_path / "mapping.yaml"
+    mapping.write_text(f"start: {{link_address: '127.0.0.1:{port}'}}\n")
     with devices.running("controller", "udp", port):
-        checked = orchestrate("check", fmu, "--as", "controller", "--vector", c_kit / "vector")
+        checked = orchestrate("check", fmu, "--as", "controller", "--map", mapping, "--vector", c_kit / "vector")
     assert checked.exit_code == 0, checked.output
     assert "warning" not in checked.stdout
     assert checked.stdout.count(": as expected") == len(load("controller").of("output"))

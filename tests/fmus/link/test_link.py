@@ -157,7 +157,11 @@ def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
 @pytest.mark.parametrize(
     ("transport", "address", "message"),
     [
-        ("udp", "127.0.0.1:9", "device at udp 127.0.0.1:9: expected an answer within link_time_out, found 'none'"),
+        (
+            "udp",
+            "127.0.0.1:9",
+            "device at udp 127.0.0.1:9: expected an answer within link_time_out (see link_address), found 'none'",
+        ),
         ("tcp", "127.0.0.1:9", "expected a line that can be opened, found 'Connection refused'"),
         ("tcp", "127.0.0.1", "found 'expected HOST:PORT'"),
         ("serial", "/dev/no-such-line", "expected a line that can be opened, found 'No such file or directory'"),
