@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
 import subprocess
 import sys
 from itertools import pairwise
@@ -11,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from tests.fmus.link import devices
 
 from . import measure
 from .measure import LOOPS, ONES, STEPS, Recipe
@@ -66,6 +69,31 @@ def test_the_laws_alone_give_in_every_tool_what_they_give_here(recipe: Recipe, b
     expected = measure.alone(block, start, signal)[np.rint(time / 0.1).astype(int)]
     assert np.abs(expected).max() > 0
     np.testing.assert_allclose(seen, expected, rtol=1e-13, atol=0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the device uses POSIX")
+@pytest.mark.parametrize("recipe", ONES, ids=lambda r: r.tool)
+def test_a_device_behind_its_link_fmu_gives_in_every_tool_what_the_block_gives_here(
+    recipe: Recipe, tmp_path: Path
+) -> None:
+    needs(recipe)
+    shutil.copy(devices.fmu("controller"), tmp_path)
+    (start, signal), port = LAWS["controller"], devices.free_port()
+    replace = measure.changed(recipe, "controller_link", start, signal)
+    ((name, value),) = start.items()
+    prefix = "controller_link::" if recipe.tool == "ecos" else ""
+    if recipe.tool == "libcosim":
+        text = f'execution.string_initial_value(controller_link, references["link_address"], "127.0.0.1:{port}")\n'
+        replace["observer = "] = f"{text}observer = "
+    else:
+        replace[f'"{prefix}{name}": {value}'] = (
+            f'"{prefix}{name}": {value}, "{prefix}link_address": "127.0.0.1:{port}"'
+        )
+    with devices.running("controller", "udp", port):
+        time, seen = measure.play(recipe, tmp_path, replace=replace)
+    expected = measure.alone("controller", start, signal)[np.rint(time / 0.1).astype(int)]
+    assert np.abs(expected).max() > 0
+    np.testing.assert_array_equal(seen, expected)
 
 
 @pytest.mark.parametrize("recipe", LOOPS, ids=lambda r: r.script.removesuffix(".py"))
