@@ -86,9 +86,7 @@ def test_a_device_behind_its_link_fmu_gives_in_every_tool_what_the_block_gives_h
         text = f'execution.string_initial_value(controller_link, references["link_address"], "127.0.0.1:{port}")\n'
         replace["observer = "] = f"{text}observer = "
     else:
-        replace[f'"{prefix}{name}": {value}'] = (
-            f'"{prefix}{name}": {value}, "{prefix}link_address": "127.0.0.1:{port}"'
-        )
+        replace[f'"{prefix}{name}": {value}'] = f'"{prefix}{name}": {value}, "{prefix}link_address": "127.0.0.1:{port}"'
     with devices.running("controller", "udp", port):
         time, seen = measure.play(recipe, tmp_path, replace=replace)
     expected = measure.alone("controller", start, signal)[np.rint(time / 0.1).astype(int)]

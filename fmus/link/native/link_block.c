@@ -1,5 +1,5 @@
 /* What the FMI shell calls: each step asks the device, in lock-step or for its latest sample. */
-#include "instance.h"
+#include "link_block.h"
 
 #include <string.h>
 
@@ -214,19 +214,6 @@ static LinkEnd exchange(Law *law, const LinkSettings *s, double h, const Inputs 
     return end;
 }
 
-/* Zero, or the value nearest to it that an output may have. */
-static void zero_outputs(Outputs *y)
-{
-    memset(y, 0, sizeof *y);
-    for (size_t i = 0; i < BLOCK_VARIABLES; ++i) {
-        const Variable *v = &variables[i];
-        if (v->causality == CAUSALITY_OUTPUT && v->kind == KIND_INTEGER && v->min > 0.0) {
-            const int32_t least = (int32_t)v->min;
-            memcpy((unsigned char *)y + (v->offset - offsetof(Ports, y)), &least, sizeof least);
-        }
-    }
-}
-
 bool link_step(Law *law, State *x, const Inputs *u, double h, Outputs *y, Fault *f)
 {
     const LinkSettings s = settings(&law->p);
@@ -239,7 +226,7 @@ bool link_step(Law *law, State *x, const Inputs *u, double h, Outputs *y, Fault 
             law->tried = line_now();
         }
         if (law->p.link_when_silent != SILENT_HOLD) {
-            zero_outputs(&x->y);
+            link_zero_outputs(&x->y);
         }
         ++law->silent_steps;
     }

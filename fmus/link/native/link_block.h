@@ -29,6 +29,9 @@ bool link_start(Law *law, const Inputs *u, State *x, Fault *f);
 bool link_outputs(const Law *law, const State *x, const Inputs *u, Outputs *y, Fault *f);
 bool link_step(Law *law, State *x, const Inputs *u, double h, Outputs *y, Fault *f);
 
+/* Zero, or the value nearest to it that an output may have. */
+void link_zero_outputs(Outputs *y);
+
 /* Closes the line: the instance ends or begins anew. */
 void link_release(Law *law);
 

@@ -1,0 +1,14 @@
+/* The outputs of a silent device with the policy zero. */
+#include "instance.h"
+
+void link_zero_outputs(Outputs *y)
+{
+    memset(y, 0, sizeof *y);
+    for (size_t i = 0; i < BLOCK_VARIABLES; ++i) {
+        const Variable *v = &variables[i];
+        if (v->causality == CAUSALITY_OUTPUT && v->kind == KIND_INTEGER && v->min > 0.0) {
+            const int32_t least = (int32_t)v->min;
+            memcpy((unsigned char *)y + (v->offset - offsetof(Ports, y)), &least, sizeof least);
+        }
+    }
+}
