@@ -94,6 +94,18 @@ def importing_from(folder: Path, *packages: str) -> Iterator[None]:
         sys.modules.update(aside)
 
 
+LENT = {"gauss_models.h": "estimator"}
+"""Headers of tables that the C of several blocks may include, and the block whose `native/tables.py` writes them."""
+
+
+def lenders(folder: Path) -> dict[str, Path]:
+    """Of the headers in LENT those that the C in a block's folder includes, with the folder of the block that writes them."""
+    if not (folder / "native").is_dir():
+        return {}
+    text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").glob("*.c")))
+    return {name: Block.named(owner).folder for name, owner in LENT.items() if f'#include "{name}"' in text}
+
+
 def start_values(block: str, helper: str, value: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """The start values that a helper input of a block stands for, by the function of its name in the block's module `inputs`.
 

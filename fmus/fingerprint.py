@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from . import places
-from .block import Block, files_of
+from .block import Block, files_of, lenders
 
 _HERE = Path(__file__).parent
 
@@ -85,6 +85,8 @@ def _of_content(block: Block, flavour: str, digest: hashlib._Hash) -> str:
     _add(digest, files_of(block.folder))
     if flavour == "native":
         _add(digest, _files(block.folder / "native"))
+        for owner in lenders(block.folder).values():
+            _add(digest, [*_files(owner / "tables"), *_files(owner / "native")])
     for name in ("pythonfmu", "ziglang", *data_packages(block.folder)):
         digest.update(f"\n{name} {_version(name)}".encode())
     return digest.hexdigest()
@@ -103,12 +105,13 @@ _PACKAGES = re.compile(r"^PACKAGES = (\([^()]*\)|\[[^][]*\])", re.MULTILINE)
 
 
 def data_packages(folder: Path) -> list[str]:
-    """The literals `PACKAGES` of a block's tables: where their numbers come from. Read without importing them."""
-    found: list[str] = []
-    for path in (folder / "tables" / "__init__.py", folder / "native" / "tables.py"):
-        for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
-            found += ast.literal_eval(literal)
-    return found
+    """The literals `PACKAGES` of the tables of a block and of those that lend to it. Read without importing them."""
+    found: dict[str, None] = {}
+    for owner in (folder, *lenders(folder).values()):
+        for path in (owner / "tables" / "__init__.py", owner / "native" / "tables.py"):
+            for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
+                found |= dict.fromkeys(ast.literal_eval(literal))
+    return list(found)
 
 
 @cache

@@ -20,7 +20,7 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
-  0.999e9 or more in any element means that it is not connected;
+  0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means so;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
@@ -48,27 +48,36 @@ from .variables import FLAVOURS, Causality, Element, Interface, Type, Variable
 
 __all__ = [
     "ABSENT",
+    "ABSENT_INTEGER",
     "ABSENT_MIN",
     "BLOCKS",
     "FLAVOURS",
     "INTERFACES",
-    "OPTIONAL",
     "Element",
     "Interface",
     "InterfaceError",
     "Variable",
 ]
-__all__ += ["element_name", "load", "package_of", "parse"]
+__all__ += ["element_name", "load", "optional_text", "package_of", "parse"]
 
-BLOCKS = ("plant", "controller", "allocator", "allocator_bounded", "plant_sensors", "plant_judge", "controller_planned")
+BLOCKS = (
+    *("plant", "controller", "allocator", "allocator_bounded"),
+    *("plant_sensors", "plant_judge", "controller_planned", "estimator"),
+)
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
 ABSENT = 1e9
-"""The start of every optional input, which means that it is not connected."""
+"""The start of every optional real input, which means that it is not connected."""
+ABSENT_INTEGER = -1
+"""The same of every optional integer input; any negative value means so."""
 ABSENT_MIN = 0.999e9
 """The magnitude from which, in any of its elements, an optional input is not connected: a host may have rounded its start."""
-OPTIONAL = "optional; 1e9 means not connected"
+
+
+def optional_text(variable: Variable) -> str:
+    """What the pages say of an optional input: which value means that it is not connected."""
+    return f"optional; {'-1' if variable.type == 'integer' else '1e9'} means not connected"
 
 
 class InterfaceError(ValueError):
@@ -145,8 +154,11 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
             raise InterfaceError(f"start {start!r} is none of its items {', '.join(items)}")
         starts = [items.index(start) + 1]
     optional = entry.get("optional", False)
-    if optional and (causality != "input" or kind != "real" or set(starts) != {ABSENT}):
-        raise InterfaceError(f"only a real input may be optional, and its start is {ABSENT:g} in every element")
+    absent = {"real": ABSENT, "integer": ABSENT_INTEGER}.get(kind)
+    if optional and (causality != "input" or absent is None or set(starts) != {absent}):
+        raise InterfaceError(
+            f"only a real or integer input may be optional, and its start is {ABSENT:g} or {ABSENT_INTEGER} in every element"
+        )
     if "quantity" in entry and causality != "parameter":
         raise InterfaceError(
             f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}"

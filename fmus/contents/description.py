@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..interface import OPTIONAL, Element, Interface, Variable
+from ..interface import Element, Interface, Variable, optional_text
 from ..units import display_factor, parse_unit
 
 LOG_CATEGORIES = {
@@ -95,7 +95,7 @@ def about(variable: Variable) -> str:
     if variable.frame and "N" in variable.frame.split():
         more.append(FRAME_N)
     if variable.optional:
-        more.append(OPTIONAL)
+        more.append(optional_text(variable))
     return f"{variable.description} ({'; '.join(more)})" if more else variable.description
 
 

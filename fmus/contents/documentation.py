@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from ..interface import OPTIONAL, Interface, Variable
+from ..interface import Interface, Variable, optional_text
 
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"
@@ -80,7 +80,7 @@ def _table(variables: list[Variable], causality: str) -> str:
             cells += [f"{escape(str(v.start))}", escape(_range(v))]
         if causality == "parameter":
             cells.append(v.variability)
-        rows.append(_row("td", [*cells, escape(v.description + (f"; {OPTIONAL}" if v.optional else ""))]))
+        rows.append(_row("td", [*cells, escape(v.description + (f"; {optional_text(v)}" if v.optional else ""))]))
     return "<table>\n" + "\n".join(rows) + "\n</table>"
 
 

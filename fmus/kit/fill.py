@@ -9,7 +9,7 @@ import textwrap
 from pathlib import Path
 
 from .. import places
-from ..interface import OPTIONAL, Interface, Variable
+from ..interface import Interface, Variable, optional_text
 from ..native.generate import camel_case
 
 
@@ -63,7 +63,7 @@ def _python_type(variable: Variable) -> str:
 
 def _comment(variable: Variable) -> str:
     shape, items = str(variable.shape) if variable.shape else "", " or ".join(variable.items)
-    parts = (shape, variable.unit, _frame(variable), items, OPTIONAL if variable.optional else "")
+    parts = (shape, variable.unit, _frame(variable), items, optional_text(variable) if variable.optional else "")
     text = ", ".join(part for part in parts if part)
     return f"  # {text}" if text else ""
 

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..block import module_of
+from ..block import lenders, module_of
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface
@@ -86,11 +86,16 @@ def sources(folder: Path) -> list[Path]:
 
 
 def _generated(folder: Path) -> dict[str, str]:
-    """C that the block makes from its tables: what `generated()` of `<block>/native/tables.py` returns, by file name."""
-    if not (folder / "native" / "tables.py").exists():
-        return {}
-    with module_of(folder, "native.tables") as tables:
-        return dict(tables.generated())
+    """C from tables, by file name: what `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
+    made: dict[str, str] = {}
+    if (folder / "native" / "tables.py").exists():
+        with module_of(folder, "native.tables") as tables:
+            made |= tables.generated()
+    for name, owner in lenders(folder).items():
+        if name not in made:
+            with module_of(owner, "native.tables") as tables:
+                made[name] = tables.generated()[name]
+    return made
 
 
 def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:

@@ -11,7 +11,7 @@ import itertools
 import textwrap
 from pathlib import Path
 
-from ..interface import ABSENT_MIN, OPTIONAL, Element, Interface, InterfaceError, Variable, package_of
+from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, optional_text, package_of
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 128
@@ -64,7 +64,8 @@ def _connected(block: str, variable: Variable, limit: str) -> str:
     """Whether an optional input is connected; NaN is, so that the block refuses it as it does in any other input."""
     indices = itertools.product(*(range(n) for n in variable.shape))
     members = [f"u->{variable.name}" + "".join(f"[{i}]" for i in index) for index in indices]
-    absent = " ||\n             ".join(f"fabs({member}) >= {limit}" for member in members)
+    is_absent = "{} < 0" if variable.type == "integer" else f"fabs({{}}) >= {limit}"
+    absent = " ||\n             ".join(map(is_absent.format, members))
     head = f"static inline bool {block}_has_{variable.name}(const {camel_case(block)}Inputs *u)"
     return f"{head}\n{{\n    return !({absent});\n}}\n"
 
@@ -74,7 +75,7 @@ def _member(variable: Variable) -> str:
     if variable.type == "string":
         dimensions += f"[{TEXT_SIZE}]"
     about = [variable.unit or "", f"frame {variable.frame}" if variable.frame else "", variable.description]
-    about += [OPTIONAL] if variable.optional else []
+    about += [optional_text(variable)] if variable.optional else []
     comment = "/* " + "; ".join(part for part in about if part) + " */"
     lines = textwrap.wrap(comment, 110, initial_indent="    ", subsequent_indent="     * ", break_long_words=False)
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])

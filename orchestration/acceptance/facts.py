@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fmus.interface import ABSENT, load
+from fmus.interface import ABSENT, ABSENT_INTEGER, load
 
 from ..errors import InputError, hint
 from ..fmu import zipped
@@ -85,7 +85,7 @@ def _variable(variable: Variable, starts: Mapping[Element, Any]) -> dict[str, An
     items = {number: item for item, number in variable.items}
     if variable.type == "enumeration":
         values = [items.get(value, value) for value in values]
-    absent = variable.optional and values == [ABSENT] * variable.size
+    absent = variable.optional and values in ([ABSENT] * variable.size, [ABSENT_INTEGER] * variable.size)
     return {
         "name": variable.name,
         "causality": variable.causality,

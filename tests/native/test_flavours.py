@@ -261,6 +261,53 @@ def plant_judge_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Directions of one attitude or of another, with and without each measurement, each option of the rate."""
+    truth, other = Rotation.from_rotvec([0.3, -0.2, 0.9]).as_matrix(), _rotation(rng)
+    R = other if rng.integers(4) == 0 else truth
+    absent = {"dipole": np.full(3, 1e9), "h_w": 1e9, "wheel_torque": 1e9, "R_NB_measured": np.full((3, 3), 1e9)}
+    connected = {
+        "dipole": rng.normal(scale=5.0, size=3),
+        "h_w": rng.normal(scale=0.01),
+        "wheel_torque": rng.normal(scale=1e-3),
+        "R_NB_measured": R @ Rotation.from_rotvec(rng.normal(scale=1e-4, size=3)).as_matrix(),
+    }
+    counts = {f"{name}_sample": int(rng.integers(-1, 3)) for name in ("rate", "field", "attitude", "orbit", "sun")}
+    u = inputs(
+        "estimator",
+        omega_B_measured=rng.normal(scale=0.05, size=3),
+        b_B_measured=R.T @ [2e-5, -1e-5, 3e-5] + rng.normal(scale=1e-7, size=3),
+        r_N_measured=_unit(rng) * 7e6 * rng.integers(2),
+        v_N_measured=rng.normal(scale=5e3, size=3),
+        sun_B_measured=R.T @ [-0.76, 0.6, 0.26] * rng.integers(2),
+        **{name: connected[name] if rng.integers(2) else absent[name] for name in absent},
+        **counts,
+    )
+    boresight = _unit(rng)
+    p = parameters(
+        "estimator",
+        rate_source=str(rng.choice(["gyro", "dynamics"])),
+        rate_bias_sigma=rng.uniform(1e-4, 1e-2),
+        J_B=inertia(rng),
+        rod_axes=_rotation(rng),
+        field_noise=rng.choice([1e-7, 1e-5]),
+        field_bias_sigma=rng.choice([0.0, 1e-6]),
+        field_random_walk=rng.choice([0.0, 1e-9]),
+        rod_field=rng.normal(scale=1e-7, size=(3, 3)),
+        dipole_limit=rng.choice([5.0, 1e6]),
+        sun_noise=rng.choice([1e-3, 0.1]),
+        boresight_B=boresight,
+        gate=rng.choice([25.0, 1e12]),
+        orbit_time=rng.choice([0.0, 30.0]),
+        j2=bool(rng.integers(2)),
+        epoch="2013-06-21T06:30:00Z",
+        field_model=str(rng.choice(["igrf14", "wmm2010"])),
+        field_degree=int(rng.integers(1, 14)),
+        field_error=rng.normal(scale=1e-7, size=3),
+    )
+    return p, u
+
+
 CASES = {
     "controller": controller_case,
     "controller, given reference": controller_with_reference_case,
@@ -269,6 +316,7 @@ CASES = {
     "plant": plant_case,
     "plant_sensors": plant_sensors_case,
     "plant_judge": plant_judge_case,
+    "estimator": estimator_case,
 }
 
 

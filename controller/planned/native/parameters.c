@@ -1,6 +1,8 @@
 /* The parameters: their check, and what follows from them alone. */
 #include "controller_planned.h"
 
+#include "gauss_models.h"
+
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
 enum { SEARCH_ITERATIONS_MAX = 1000, POWERS = 200 };
 
@@ -23,21 +25,6 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
         if (counts[i].value < counts[i].low || counts[i].value > counts[i].high) {
             return fault(f, counts[i].name, counts[i].value, counts[i].expected);
         }
-    }
-    return true;
-}
-
-/* Whether the field model covers the epoch. */
-static bool check_epoch(const ControllerPlannedParameters *p, Fault *f)
-{
-    const GaussModel *model = &controller_planned_gauss_models[p->field_model - 1];
-    Epoch epoch;
-    if (!is_epoch(p->epoch, &epoch, f)) {
-        return false;
-    }
-    const double year = year_of_days(days_of_epoch(&epoch));
-    if (year < model->years[0] || year > model->valid_until) {
-        return fault(f, "epoch", year, model->covered);
     }
     return true;
 }
@@ -103,7 +90,8 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
            all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(&field_error, 1, f) && check_choices(p, f) &&
            is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) &&
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
-           has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) && check_epoch(p, f) &&
+           has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&
+           is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f) &&
            is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", rotation, f);
 }
 
@@ -115,6 +103,5 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
     (void)epoch_read(p->epoch, &epoch);
-    controller_planned_onboard_field(&controller_planned_gauss_models[p->field_model - 1], days_of_epoch(&epoch),
-                                     p->field_degree, p->field_error, &law->field);
+    onboard_field(&gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error, &law->field);
 }

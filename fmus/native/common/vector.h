@@ -139,6 +139,14 @@ static inline double clip(double x, double low, double high)
     return larger(smaller(x, high), low);
 }
 
+/* Into how many equal steps of at most `longest` a time of at most 1e9 of them falls. */
+static inline int steps_of(double time, double longest)
+{
+    const double steps = time / longest;
+    const int whole = (int)steps;
+    return whole < steps ? whole + 1 : whole > 0 ? whole : 1;
+}
+
 /* The largest |component|. */
 static inline double largest(Vector v)
 {

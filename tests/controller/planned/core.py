@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from controller.planned.native import tables
+from estimator.native import tables
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.kept import kept
@@ -36,16 +36,15 @@ def library() -> ctypes.CDLL:
     texts = tables.generated()
     sources = sorted(NATIVE.glob("*.c"))
     probe = Path(__file__).with_name("probe.c")
-    includes = [ROOT / "fmus" / "native" / "common", NATIVE]
+    common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
 
     def make(path: Path) -> None:
-        generated = [path.with_name(name) for name in texts]
-        for file in generated:
-            file.write_text(texts[file.name], "utf-8")
-        path.write_bytes(compile_library("probe", [probe, *sources, *generated], includes, [host])[host])
+        for name, text in texts.items():
+            path.with_name(name).write_text(text, "utf-8")
+        path.write_bytes(compile_library("probe", [probe, *sources], [*common, path.parent], [host])[host])
 
-    made_of = [compiler(), *FLAGS, *texts.values(), probe, *includes, FREESTANDING]
+    made_of = [compiler(), *FLAGS, *texts.values(), probe, *common, FREESTANDING]
     lib = ctypes.CDLL(str(kept(f"probe{PLATFORMS[host].suffix}", made_of, make)))
     for name in ("probe_year", "probe_sidereal", "probe_cost_rate", "probe_plan_cost", "probe_steer"):
         getattr(lib, name).restype = c_double

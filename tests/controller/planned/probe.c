@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "controller_planned.h"
+#include "gauss_models.h"
 
 #if defined _WIN32
 #define PROBE __declspec(dllexport)
@@ -119,7 +120,7 @@ static void flatten(const Motion *x, FlatMotion *f)
 static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
 {
     const double none[3] = {0.0, 0.0, 0.0};
-    controller_planned_onboard_field(&controller_planned_gauss_models[f->model - 1], f->days, f->degree, none, field);
+    onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
     const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
     return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0), {0.0, 0.0, 0.0}};
 }
@@ -140,9 +141,9 @@ double probe_year(double days)
 void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B)
 {
     OnboardField field;
-    controller_planned_onboard_field(&controller_planned_gauss_models[model - 1], days, degree, error, &field);
+    onboard_field(&gauss_models[model - 1], days, degree, error, &field);
     for (int i = 0; i < n; ++i) {
-        store(controller_planned_onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
+        store(onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
     }
 }
 
@@ -150,7 +151,7 @@ double probe_sidereal(double days)
 {
     OnboardField field;
     const double none[3] = {0.0, 0.0, 0.0};
-    controller_planned_onboard_field(&controller_planned_gauss_models[0], days, 1, none, &field);
+    onboard_field(&gauss_models[0], days, 1, none, &field);
     return field.sidereal_angle;
 }
 

@@ -1,0 +1,168 @@
+"""The estimator as a block: what it takes, what it gives, which measurements are new."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import onboard
+from .estimate import advanced
+from .parameters import Parameters, check
+from .so3 import Array, norm, require_rotation
+from .state import Estimate, Given, Measured, blank
+
+__all__ = ["Inputs", "Outputs", "Parameters", "State", "check", "outputs", "start", "step"]
+
+ABSENT_MIN = 0.999e9
+"""An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
+FIELD_MAX = 1e-3
+"""T; no orbit has more, so a larger field is in another unit."""
+R_MIN = 1e6
+"""m"""
+STEP_MAX = 1000.0
+"""s"""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Measurements, the numbers of the last of each, and what the actuators do."""
+
+    omega_B_measured: Array
+    b_B_measured: Array
+    r_N_measured: Array
+    v_N_measured: Array
+    R_NB_measured: Array
+    sun_B_measured: Array
+    rate_sample: int
+    field_sample: int
+    attitude_sample: int
+    orbit_sample: int
+    sun_sample: int
+    dipole: Array
+    h_w: float
+    wheel_torque: float
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """In the order of Measured."""
+        return self.rate_sample, self.field_sample, self.orbit_sample, self.attitude_sample, self.sun_sample
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The estimate."""
+
+    R_NB: Array
+    omega_B: Array
+    r_N: Array
+    v_N: Array
+    b_B: Array
+    rate_bias_B: Array
+    field_bias_B: Array
+    attitude_sigma_B: Array
+    covariance: Array
+    attitude_valid: bool
+    nis: Array
+    rejected: Array
+    sun_N: Array
+    sunlight: float
+
+
+@dataclass(frozen=True)
+class State:
+    """The estimate before the last step and after it; of that step its length, s, and what doStep alone takes."""
+
+    before: Estimate
+    now: Estimate
+    h: float
+    counts: tuple[int, ...]
+    fresh: tuple[bool, ...]
+    given: Given
+
+
+def start(p: Parameters, u: Inputs) -> State:
+    """The state at t = 0, at which what is measured is new; a number of 0 says that nothing has been measured yet."""
+    fresh = tuple(count != 0 for count in u.counts)
+    return _stepped(blank(u.omega_B_measured, p), u, p, 0.0, fresh)
+
+
+def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
+    """The step again with the measurements as they stand. Raises ValueError for an input that cannot be."""
+    return _given_out(advanced(x.before, _measured(u, x.fresh), x.given, p, x.h), p)
+
+
+def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
+    """From t to t + h; u are the measurements at t + h."""
+    if not h <= STEP_MAX:
+        raise ValueError(f"step: expected at most {STEP_MAX:g} s, found {h}")
+    fresh = tuple(count < 0 or count != last for count, last in zip(u.counts, x.counts, strict=True))
+    x = _stepped(x.now, u, p, h, fresh)
+    return x, _given_out(x.now, p)
+
+
+def _stepped(before: Estimate, u: Inputs, p: Parameters, h: float, fresh: tuple[bool, ...]) -> State:
+    dipole = u.dipole if _connected(u.dipole) else np.zeros(3)
+    wheel, h_w = (value if _connected(value) else None for value in (u.wheel_torque, u.h_w))
+    _require_finite("dipole", dipole)
+    for name, value in (("wheel_torque", wheel), ("h_w", h_w)):
+        if value is not None:
+            _require_finite(name, value)
+    given = Given(dipole, wheel, h_w)
+    return State(before, advanced(before, _measured(u, fresh), given, p, h), h, u.counts, fresh, given)
+
+
+def _measured(u: Inputs, fresh: tuple[bool, ...]) -> Measured:
+    """What is new. Raises ValueError for an input that cannot be."""
+    for name in ("omega_B_measured", "b_B_measured", "r_N_measured", "v_N_measured"):
+        _require_finite(name, getattr(u, name))
+    if (b := norm(u.b_B_measured)) > FIELD_MAX:
+        raise ValueError(f"b_B_measured: expected a field in tesla, at most {FIELD_MAX:g}, found {b}")
+    position = bool(u.r_N_measured.any())
+    if position and not (r := norm(u.r_N_measured)) >= R_MIN:
+        raise ValueError(f"r_N_measured: expected at least 1000 km from the Earth's centre, found {r}")
+    tracker, sun = _connected(u.R_NB_measured), _connected(u.sun_B_measured)
+    if sun:
+        _require_finite("sun_B_measured", u.sun_B_measured)
+    if tracker := tracker and bool(u.R_NB_measured.any()):
+        require_rotation("R_NB_measured", u.R_NB_measured)
+    rate, field, orbit, attitude, light = fresh
+    seen = norm(u.sun_B_measured) if sun else 0.0
+    return Measured(
+        omega_B=u.omega_B_measured if rate else None,
+        b_B=u.b_B_measured if field and u.b_B_measured.any() else None,
+        orbit=(u.r_N_measured, u.v_N_measured) if orbit and position else None,
+        R_NB=u.R_NB_measured if attitude and tracker else None,
+        sun_B=u.sun_B_measured / seen if light and seen > 0.0 else None,
+    )
+
+
+def _given_out(x: Estimate, p: Parameters) -> Outputs:
+    sigma = np.sqrt(np.diag(x.P)[:3]) if x.tracking else np.full(3, math.pi)
+    sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
+    return Outputs(
+        R_NB=x.R if x.known else np.zeros((3, 3)),
+        omega_B=x.omega_B,
+        r_N=x.r_N,
+        v_N=x.v_N,
+        b_B=x.b_B,
+        rate_bias_B=x.rate_bias,
+        field_bias_B=x.field_bias,
+        attitude_sigma_B=sigma,
+        covariance=x.P[:6, :6],
+        attitude_valid=x.tracking and bool((sigma < p.valid_sigma).all()),
+        nis=x.nis,
+        rejected=np.array(x.rejected),
+        sun_N=sun_N,
+        sunlight=onboard.sunlight(x.r_N, sun_N) if x.oriented else 0.0,
+    )
+
+
+def _connected(value: Array | float) -> bool:
+    return not (np.abs(value) >= ABSENT_MIN).any()
+
+
+def _require_finite(name: str, value: Array | float) -> None:
+    if not np.isfinite(value).all():
+        raise ValueError(f"{name}: expected finite numbers, found {np.asarray(value).tolist()}")

@@ -1,0 +1,98 @@
+"""A step of the estimate: orbit, rate and attitude forward, start where there is no attitude, then each measurement."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from . import onboard
+from .filter import propagated
+from .measurements import by_field, by_sun, by_tracker, started
+from .parameters import Parameters
+from .rates import Torques, turn_by_dynamics, turn_by_gyro
+from .so3 import Array, exp, norm, orthonormalised
+from .state import NO_MATRIX, Estimate, Given, Measured
+
+LIGHT_MIN = 0.5
+"""Of the Sun that must be seen for its direction to count."""
+
+
+def advanced(x: Estimate, new: Measured, given: Given, p: Parameters, h: float) -> Estimate:
+    """The estimate h s later (0 at the start), with what is measured then."""
+    x = replace(x, t=x.t + h)
+    x = _with_orbit(x, new.orbit, p, h)
+    if not x.oriented:
+        rate = x.rate if new.omega_B is None or p.rate_source == "dynamics" else new.omega_B
+        return replace(x, rate=rate, b_B=x.b_B if new.b_B is None else new.b_B)
+    field_N = p.field.at(x.t, x.r_N)
+    sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
+    x = _by_gyro(x, new.omega_B, p, h) if p.rate_source == "gyro" else _by_dynamics(x, field_N, given, p, h)
+    rods = p.rod_field @ given.dipole
+    usable = bool((np.abs(given.dipole) <= p.dipole_limit).all())
+    b_B = new.b_B - rods if usable and new.b_B is not None else None
+    sun_B = new.sun_B if onboard.sunlight(x.r_N, sun_N) > LIGHT_MIN else None
+    variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
+    if not x.tracking:
+        x = started(x, new, sun_B, b_B, sun_N, field_N, math.sqrt(variance), p)
+    if new.R_NB is not None:
+        x = by_tracker(x, new.R_NB, p)
+    if sun_B is not None:
+        x = by_sun(x, sun_B, sun_N, p)
+    if b_B is not None:
+        x = by_field(x, b_B, field_N, variance, p)
+    return replace(x, R=orthonormalised(x.R), b_B=_field_now(x, b_B, field_N, h))
+
+
+def _field_now(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Array:
+    """The field to give out: the measured one, else the model's, else the last one, which the body turns under."""
+    if b_B is not None:
+        return b_B - x.field_bias
+    return x.R.T @ field_N if x.known else exp(-h * x.omega_B) @ x.b_B
+
+
+def _with_orbit(x: Estimate, measured: tuple[Array, Array] | None, p: Parameters, h: float) -> Estimate:
+    r_N, v_N, since = x.r_N, x.v_N, x.since_orbit + h
+    if x.oriented and h > 0.0:
+        r_N, v_N = onboard.orbit_after(r_N, v_N, h, p.gravitational_parameter, p.j2)
+    if measured is not None:
+        share = since / (p.orbit_time + since) if x.oriented and p.orbit_time > 0.0 else 1.0
+        r_N = (1.0 - share) * r_N + share * measured[0]
+        v_N = (1.0 - share) * v_N + share * measured[1]
+        since = 0.0
+    return replace(x, r_N=r_N, v_N=v_N, since_orbit=since, oriented=x.oriented or measured is not None)
+
+
+def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Estimate:
+    """Rate, attitude and covariance h s later, by the gyro."""
+    since, now = x.since_rate + h, x.rate if measured is None else measured
+    turn = turn_by_gyro(x.omega_B, now - x.rate_bias, h, 0.0 if measured is None else since)
+    walk = p.rate_random_walk * p.rate_random_walk * np.eye(3)
+    x = replace(x, R=x.R @ exp(turn), rate=now, since_rate=since if measured is None else 0.0)
+    return _spread(x, turn, -1.0, NO_MATRIX, walk, p.angle_random_walk, p, h)
+
+
+def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: float) -> Estimate:
+    """The same by the equations of motion; without an attitude there is nothing to go by."""
+    wheel = given.wheel_torque
+    if wheel is None:
+        wheel = (given.h_w - x.momentum) / h if given.h_w is not None and h > 0.0 else 0.0
+    after = x.momentum + h * wheel if given.h_w is None else given.h_w
+    if not (x.known and h > 0.0):
+        return replace(x, momentum=after)
+    r = norm(x.r_N)
+    nadir = math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r * x.r_N
+    torques = Torques(p.J_B, p.J_inverse, p.rod_axes.T @ given.dipole, field_N, nadir, wheel)
+    growth = torques.growth(x.rate, x.momentum)
+    R, turn, rate = turn_by_dynamics(x.R, x.rate, x.momentum, torques, h)
+    walk = p.momentum_random_walk * p.momentum_random_walk * p.J_inverse @ p.J_inverse.T
+    return _spread(replace(x, R=R, rate=rate, momentum=after), turn, 1.0, growth, walk, 0.0, p, h)
+
+
+def _spread(
+    x: Estimate, turn: Array, sign: float, F: Array, walk: Array, angle_walk: float, p: Parameters, h: float
+) -> Estimate:
+    if not (x.tracking and h > 0.0):
+        return x
+    return replace(x, P=propagated(x.P, turn, h, sign, F, walk, angle_walk, p.field_random_walk))

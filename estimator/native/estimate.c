@@ -1,0 +1,156 @@
+/* A step of the estimate: orbit, rate and attitude forward, then what is measured. */
+#include "estimator.h"
+#include "onboard.h"
+#include "rates.h"
+
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+static const double LIGHT_MIN = 0.5; /* of the Sun that must be seen for its direction to count */
+
+static bool is_zero(const double v[3])
+{
+    return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0;
+}
+
+void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate *x)
+{
+    memset(x, 0, sizeof *x);
+    if (law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO) {
+        x->rate = vector(u->omega_B_measured);
+    }
+    estimator_covariance_at_start(PI, law->p.rate_bias_sigma, law->p.field_bias_sigma, &x->P);
+}
+
+static void take_orbit(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x)
+{
+    const EstimatorParameters *p = &law->p;
+    x->since_orbit += h;
+    if (x->oriented && h > 0.0) {
+        estimator_orbit_after(h, p->gravitational_parameter, p->j2, &x->r_N, &x->v_N);
+    }
+    if (fresh && !is_zero(u->r_N_measured)) {
+        const bool averaged = x->oriented && p->orbit_time > 0.0;
+        const double share = averaged ? x->since_orbit / (p->orbit_time + x->since_orbit) : 1.0;
+        x->r_N = add(scale(1.0 - share, x->r_N), scale(share, vector(u->r_N_measured)));
+        x->v_N = add(scale(1.0 - share, x->v_N), scale(share, vector(u->v_N_measured)));
+        x->since_orbit = 0.0;
+        x->oriented = true;
+    }
+}
+
+static void spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_walk, double h,
+                   Estimate *x)
+{
+    const double bias = law->p.field_random_walk;
+    if (x->tracking && h > 0.0) {
+        estimator_propagate(turn, h, sign, F, &(Walks){angle_walk * angle_walk, bias * bias, walk}, &x->P);
+    }
+}
+
+static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x)
+{
+    const double square = law->p.rate_random_walk * law->p.rate_random_walk;
+    const Matrix walk = {scale(square, identity.a), scale(square, identity.b), scale(square, identity.c)};
+    const Vector now = fresh ? vector(u->omega_B_measured) : x->rate;
+    x->since_rate += h;
+    const Vector turn =
+        estimator_turn_by_gyro(subtract(x->rate, x->rate_bias), subtract(now, x->rate_bias), h, fresh ? x->since_rate : 0.0);
+    x->R = multiply(x->R, rotation_exp(turn));
+    x->rate = now;
+    x->since_rate = fresh ? 0.0 : x->since_rate;
+    spread(law, turn, -1.0, ZERO, walk, law->p.angle_random_walk, h, x);
+}
+
+static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vector field_N, double h, Estimate *x)
+{
+    double wheel = 0.0;
+    if (given->has_wheel_torque) {
+        wheel = given->wheel_torque;
+    } else if (given->has_h_w && h > 0.0) {
+        wheel = (given->h_w - x->momentum) / h;
+    }
+    const double before = x->momentum;
+    x->momentum = given->has_h_w ? given->h_w : before + h * wheel;
+    if (!x->known || !(h > 0.0)) {
+        return;
+    }
+    const double r = norm(x->r_N);
+    const Torques torques = {
+        .J = law->J,
+        .J_inverse = law->J_inverse,
+        .dipole_B = apply_transposed(law->rod_axes, given->dipole),
+        .field_N = field_N,
+        .nadir_N = scale(sqrt(3.0 * law->p.gravitational_parameter / (r * r * r)) / r, x->r_N),
+        .wheel = wheel,
+    };
+    const double square = law->p.momentum_random_walk * law->p.momentum_random_walk;
+    Matrix walk = multiply(law->J_inverse, transposed(law->J_inverse));
+    walk = (Matrix){scale(square, walk.a), scale(square, walk.b), scale(square, walk.c)};
+    const Matrix growth = estimator_rate_growth(&torques, x->rate, before);
+    const Vector turn = estimator_turn_by_dynamics(&torques, before, h, &x->R, &x->rate);
+    spread(law, turn, 1.0, growth, walk, 0.0, h, x);
+}
+
+static Directions directions(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
+                             const Estimate *x)
+{
+    const EstimatorParameters *p = &law->p;
+    const Vector rods = apply(law->rod_field, given->dipole);
+    Directions seen;
+    memset(&seen, 0, sizeof seen);
+    seen.field_N = onboard_field_at(&law->field, x->t, x->r_N);
+    seen.sun_N = estimator_sun_direction(law->days + x->t / 86400.0);
+    seen.has_field = fresh->field && !is_zero(u->b_B_measured) && largest(given->dipole) <= p->dipole_limit;
+    seen.b_B = subtract(vector(u->b_B_measured), rods);
+    seen.field_variance = p->field_noise * p->field_noise + p->rod_field_error * p->rod_field_error * dot(rods, rods);
+    seen.R_NB = matrix(u->R_NB_measured);
+    seen.has_tracker = fresh->attitude && estimator_has_R_NB_measured(u) && !is_zero_matrix(seen.R_NB);
+    if (fresh->sun && estimator_has_sun_B_measured(u) && !is_zero(u->sun_B_measured)) {
+        const Vector sun = vector(u->sun_B_measured);
+        seen.sun_B = scale(1.0 / norm(sun), sun);
+        seen.has_sun = estimator_sunlight(x->r_N, seen.sun_N) > LIGHT_MIN;
+    }
+    return seen;
+}
+
+/* R (3 - R^T R)/2: nearer to SO(3); rounding is all that it removes. */
+static Matrix orthonormalised(Matrix R)
+{
+    Matrix left = multiply(transposed(R), R);
+    left = (Matrix){subtract(scale(1.5, identity.a), scale(0.5, left.a)), subtract(scale(1.5, identity.b), scale(0.5, left.b)),
+                    subtract(scale(1.5, identity.c), scale(0.5, left.c))};
+    return multiply(R, left);
+}
+
+void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given, double h,
+                       Estimate *x)
+{
+    x->t += h;
+    take_orbit(law, u, fresh->orbit, h, x);
+    const bool gyro = law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO;
+    if (!x->oriented) {
+        x->rate = gyro && fresh->rate ? vector(u->omega_B_measured) : x->rate;
+        x->b_B = fresh->field ? vector(u->b_B_measured) : x->b_B;
+        return;
+    }
+    const Directions seen = directions(law, u, fresh, given, x);
+    if (gyro) {
+        forward_by_gyro(law, u, fresh->rate, h, x);
+    } else {
+        forward_by_dynamics(law, given, seen.field_N, h, x);
+    }
+    if (!x->tracking) {
+        estimator_begin(law, &seen, x);
+    }
+    estimator_take(law, &seen, x);
+    x->R = orthonormalised(x->R);
+    if (seen.has_field) {
+        x->b_B = subtract(seen.b_B, x->field_bias);
+    } else if (x->known) {
+        x->b_B = apply_transposed(x->R, seen.field_N);
+    } else {
+        x->b_B = apply(rotation_exp(scale(-h, subtract(x->rate, x->rate_bias))), x->b_B);
+    }
+}

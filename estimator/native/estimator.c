@@ -1,0 +1,132 @@
+#include "estimator.h"
+
+#include <string.h>
+
+#include "onboard.h"
+
+static const double PI = 3.14159265358979323846;
+static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB_measured: single precision stays well below it */
+static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
+static const double R_MIN = 1e6;               /* m */
+static const double STEP_MAX = 1000.0;         /* s */
+
+static bool measurements_fit(const EstimatorInputs *u, Fault *f)
+{
+    const NamedVector inputs[] = {{"omega_B_measured", vector(u->omega_B_measured)},
+                                  {"b_B_measured", vector(u->b_B_measured)},
+                                  {"r_N_measured", vector(u->r_N_measured)},
+                                  {"v_N_measured", vector(u->v_N_measured)},
+                                  {"sun_B_measured", vector(u->sun_B_measured)}};
+    if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
+        return false;
+    }
+    const double b = norm(vector(u->b_B_measured)), r = norm(vector(u->r_N_measured));
+    if (b > FIELD_MAX) {
+        return fault(f, "b_B_measured", b, "a field in tesla, |b_B_measured| at most 0.001");
+    }
+    if (r > 0.0 && !(r >= R_MIN)) {
+        return fault(f, "r_N_measured", r, "at least 1000 km from the Earth's centre");
+    }
+    const Matrix R = matrix(u->R_NB_measured);
+    return !estimator_has_R_NB_measured(u) || is_zero_matrix(R) ||
+           is_rotation(R, ATTITUDE_TOLERANCE, "R_NB_measured",
+                       "a rotation matrix, max |R_NB_measured^T R_NB_measured - I| at most 0.0001", f);
+}
+
+static bool take_given(const EstimatorInputs *u, Given *given, Fault *f)
+{
+    *given = (Given){{0.0, 0.0, 0.0}, 0.0, 0.0, estimator_has_wheel_torque(u), estimator_has_h_w(u)};
+    if (estimator_has_dipole(u)) {
+        given->dipole = vector(u->dipole);
+    }
+    given->wheel_torque = given->has_wheel_torque ? u->wheel_torque : 0.0;
+    given->h_w = given->has_h_w ? u->h_w : 0.0;
+    const Named scalars[] = {{"wheel_torque", given->wheel_torque}, {"h_w", given->h_w}};
+    return all_finite_vectors(&(NamedVector){"dipole", given->dipole}, 1, f) && all_finite(scalars, COUNT(scalars), f);
+}
+
+static void put_out(const EstimatorLaw *law, const Estimate *x, EstimatorOutputs *y)
+{
+    const Vector sun_N = estimator_sun_direction(law->days + x->t / 86400.0);
+    memset(y, 0, sizeof *y);
+    if (x->known) {
+        store_matrix(x->R, y->R_NB);
+    }
+    store(subtract(x->rate, x->rate_bias), y->omega_B);
+    store(x->r_N, y->r_N);
+    store(x->v_N, y->v_N);
+    store(x->b_B, y->b_B);
+    store(x->rate_bias, y->rate_bias_B);
+    store(x->field_bias, y->field_bias_B);
+    y->attitude_valid = x->tracking;
+    for (int i = 0; i < 3; ++i) {
+        y->attitude_sigma_B[i] = x->tracking ? sqrt(x->P.m[i][i]) : PI;
+        y->attitude_valid = y->attitude_valid && y->attitude_sigma_B[i] < law->p.valid_sigma;
+    }
+    for (int i = 0; i < 6; ++i) {
+        memcpy(y->covariance[i], x->P.m[i], sizeof y->covariance[i]);
+    }
+    memcpy(y->nis, x->nis, sizeof y->nis);
+    memcpy(y->rejected, x->rejected, sizeof y->rejected);
+    store(sun_N, y->sun_N);
+    y->sunlight = x->oriented ? estimator_sunlight(x->r_N, sun_N) : 0.0;
+}
+
+/* Of each measurement whether it is new, from its number and the last one; at the start 0 says that there is none yet. */
+static Fresh fresh_of(const int32_t counts[5], const int32_t last[5])
+{
+    bool fresh[5];
+    for (int i = 0; i < 5; ++i) {
+        fresh[i] = counts[i] < 0 || counts[i] != last[i];
+    }
+    return (Fresh){fresh[0], fresh[1], fresh[2], fresh[3], fresh[4]};
+}
+
+static bool stepped(const EstimatorLaw *law, const EstimatorInputs *u, double h, EstimatorState *x, Fault *f)
+{
+    const int32_t counts[5] = {u->rate_sample, u->field_sample, u->orbit_sample, u->attitude_sample, u->sun_sample};
+    if (!measurements_fit(u, f) || !take_given(u, &x->given, f)) {
+        return false;
+    }
+    x->fresh = fresh_of(counts, x->counts);
+    memcpy(x->counts, counts, sizeof counts);
+    x->h = h;
+    x->now = x->before;
+    estimator_advance(law, u, &x->fresh, &x->given, h, &x->now);
+    return true;
+}
+
+bool estimator_start(const EstimatorLaw *law, const EstimatorInputs *u, EstimatorState *x, Fault *f)
+{
+    memset(x, 0, sizeof *x);
+    estimator_blank(law, u, &x->before);
+    return stepped(law, u, 0.0, x, f);
+}
+
+bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const EstimatorInputs *u, EstimatorOutputs *y,
+                       Fault *f)
+{
+    if (!measurements_fit(u, f)) {
+        return false;
+    }
+    Estimate now = x->before;
+    estimator_advance(law, u, &x->fresh, &x->given, x->h, &now);
+    put_out(law, &now, y);
+    return true;
+}
+
+bool estimator_step(const EstimatorLaw *law, EstimatorState *x, const EstimatorInputs *u, double h, EstimatorOutputs *y,
+                    Fault *f)
+{
+    if (!(h <= STEP_MAX)) {
+        return fault(f, "communicationStepSize", h, "at most 1000 s");
+    }
+    EstimatorState next = *x;
+    next.before = x->now;
+    if (!stepped(law, u, h, &next, f)) {
+        return false;
+    }
+    *x = next;
+    put_out(law, &x->now, y);
+    return true;
+}

@@ -1,0 +1,123 @@
+/* Lefferts, Markley and Shuster, JGCD 5 (1982); Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and
+ * Control, chapter 6. */
+#include "filter.h"
+
+#include <string.h>
+
+#include "rotation.h"
+
+void estimator_covariance_at_start(double attitude, double rate, double bias, Covariance *P)
+{
+    const double sigmas[] = {attitude, rate, bias};
+    memset(P, 0, sizeof *P);
+    for (int i = 0; i < ERRORS; ++i) {
+        P->m[i][i] = sigmas[i / 3] * sigmas[i / 3];
+    }
+}
+
+static void symmetrise(Covariance *P)
+{
+    for (int i = 0; i < ERRORS; ++i) {
+        for (int j = 0; j < i; ++j) {
+            P->m[i][j] = P->m[j][i] = 0.5 * (P->m[i][j] + P->m[j][i]);
+        }
+    }
+}
+
+static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+
+static Matrix hat(Vector x)
+{
+    return (Matrix){{0.0, -x.z, x.y}, {x.z, 0.0, -x.x}, {-x.y, x.x, 0.0}};
+}
+
+static Matrix sum(Matrix a, double s, Matrix b)
+{
+    return (Matrix){add(a.a, scale(s, b.a)), add(a.b, scale(s, b.b)), add(a.c, scale(s, b.c))};
+}
+
+/* The block of P at (i, j), and its place taken by another. */
+static Matrix block(const Covariance *P, int i, int j)
+{
+    return (Matrix){vector(&P->m[i][j]), vector(&P->m[i + 1][j]), vector(&P->m[i + 2][j])};
+}
+
+static void set_block(Matrix M, int i, int j, Covariance *P)
+{
+    store(M.a, &P->m[i][j]);
+    store(M.b, &P->m[i + 1][j]);
+    store(M.c, &P->m[i + 2][j]);
+}
+
+void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P)
+{
+    const Matrix growth = sum(ZERO, h, F), skew = hat(turn);
+    const Matrix jacobian = sum(sum(identity, -0.5, skew), 1.0 / 6.0, multiply(skew, skew));
+    const Matrix A = transposed(rotation_exp(turn));
+    const Matrix B = sum(ZERO, sign * h, multiply(jacobian, sum(identity, 0.5, growth)));
+    const Matrix C = sum(sum(identity, 1.0, growth), 0.5, multiply(growth, growth));
+    /* P <- T P T^T with T = [[A, B, 0], [0, C, 0], [0, 0, 1]]: first the rows, then the columns. */
+    Covariance M = *P;
+    for (int j = 0; j < ERRORS; j += 3) {
+        set_block(sum(multiply(A, block(P, ATTITUDE, j)), 1.0, multiply(B, block(P, RATE, j))), ATTITUDE, j, &M);
+        set_block(multiply(C, block(P, RATE, j)), RATE, j, &M);
+    }
+    *P = M;
+    for (int i = 0; i < ERRORS; i += 3) {
+        const Matrix left = block(&M, i, ATTITUDE), right = block(&M, i, RATE);
+        set_block(sum(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ATTITUDE, P);
+        set_block(multiply(right, transposed(C)), i, RATE, P);
+    }
+    set_block(sum(sum(block(P, ATTITUDE, ATTITUDE), h * walks->angle, identity), h * h * h / 3.0, walks->rate), ATTITUDE,
+              ATTITUDE, P);
+    set_block(sum(block(P, ATTITUDE, RATE), sign * 0.5 * h * h, walks->rate), ATTITUDE, RATE, P);
+    set_block(sum(block(P, RATE, ATTITUDE), sign * 0.5 * h * h, walks->rate), RATE, ATTITUDE, P);
+    set_block(sum(block(P, RATE, RATE), h, walks->rate), RATE, RATE, P);
+    set_block(sum(block(P, BIAS, BIAS), h * walks->bias, identity), BIAS, BIAS, P);
+    symmetrise(P);
+}
+
+/* One component: y = row . error + noise of variance r. Returns y^2/s. */
+static double correct_by(double y, const double row[ERRORS], double r, Covariance *P, double error[ERRORS])
+{
+    double PH[ERRORS], K[ERRORS], s = r, left = y;
+    for (int i = 0; i < ERRORS; ++i) {
+        PH[i] = 0.0;
+        for (int j = 0; j < ERRORS; ++j) {
+            PH[i] += P->m[i][j] * row[j];
+        }
+        s += row[i] * PH[i];
+        left -= row[i] * error[i];
+    }
+    for (int i = 0; i < ERRORS; ++i) {
+        K[i] = PH[i] / s;
+        error[i] += left * K[i];
+    }
+    for (int i = 0; i < ERRORS; ++i) {
+        double MH = 0.0;
+        for (int j = 0; j < ERRORS; ++j) {
+            P->m[i][j] -= K[i] * PH[j];
+            MH += P->m[i][j] * row[j];
+        }
+        for (int j = 0; j < ERRORS; ++j) {
+            P->m[i][j] += (r * K[i] - MH) * K[j];
+        }
+    }
+    symmetrise(P);
+    return left * left / s;
+}
+
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERRORS])
+{
+    double y[3], r[3], H[3][3], nis = 0.0;
+    store(innovation->y, y);
+    store(innovation->r, r);
+    store_matrix(innovation->H_attitude, H);
+    memset(error, 0, ERRORS * sizeof *error);
+    for (int i = 0; i < 3; ++i) {
+        double row[ERRORS] = {H[i][0], H[i][1], H[i][2]};
+        row[BIAS + i] = innovation->biased ? 1.0 : 0.0;
+        nis += correct_by(y[i], row, r[i], P, error);
+    }
+    return nis;
+}

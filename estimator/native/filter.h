@@ -1,0 +1,39 @@
+/* The covariance of the error state: attitude (small turn in body axes), rate or its bias, bias of the field. */
+#ifndef ESTIMATOR_FILTER_H
+#define ESTIMATOR_FILTER_H
+
+#include "vector.h"
+
+enum { ERRORS = 9, ATTITUDE = 0, RATE = 3, BIAS = 6 };
+
+/* By rows. */
+typedef struct {
+    double m[ERRORS][ERRORS];
+} Covariance;
+
+/* What drives the errors over a step: each is a square of what 1 s gives. */
+typedef struct {
+    double angle, bias; /* rad2, T2 */
+    Matrix rate;        /* rad2/s2 */
+} Walks;
+
+/* What a measurement says beside its prediction: y = H_attitude delta (+ mu where it is biased) + noise of variances r. */
+typedef struct {
+    Vector y;
+    Matrix H_attitude;
+    bool biased;
+    Vector r;
+} Innovation;
+
+/* With nothing known but standard deviations in each axis. */
+void estimator_covariance_at_start(double attitude, double rate, double bias, Covariance *P);
+
+/* After h s, in which the body turns by `turn`, rad: the rate's error grows by F, 1/s, and turns the attitude's with `sign`:
+ * -1 for a gyro's bias, +1 for a rate. */
+void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P);
+
+/* Takes a measurement, its components in turn, each in Joseph's form; gives the error state and returns the normalised
+ * innovation squared. */
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERRORS]);
+
+#endif

@@ -1,0 +1,81 @@
+/* The parameters: their check, and what follows from them alone. */
+#include "estimator.h"
+#include "gauss_models.h"
+
+static bool check_choices(const EstimatorParameters *p, Fault *f)
+{
+    if (p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO && p->rate_source != ESTIMATOR_RATE_SOURCE_DYNAMICS) {
+        return fault(f, "rate_source", p->rate_source, "1 (gyro) or 2 (dynamics)");
+    }
+    if (p->field_model < ESTIMATOR_FIELD_MODEL_IGRF14 || p->field_model > ESTIMATOR_FIELD_MODEL_WMM2025) {
+        return fault(f, "field_model", p->field_model, "1 to 5");
+    }
+    if (p->field_degree < 1 || p->field_degree > ONBOARD_DEGREE_MAX) {
+        return fault(f, "field_degree", p->field_degree, "1 to 13");
+    }
+    return true;
+}
+
+static bool check_vectors(const EstimatorParameters *p, Fault *f)
+{
+    const double length = norm(vector(p->boresight_B));
+    if (!is_finite(vector(p->field_error))) {
+        return fault(f, "field_error", NAN, "finite numbers");
+    }
+    if (!is_finite_matrix(matrix(p->rod_field))) {
+        return fault(f, "rod_field", NAN, "finite numbers");
+    }
+    if (!(fabs(length - 1.0) <= 1e-6)) {
+        return fault(f, "boresight_B", length, "unit length, to 1e-06");
+    }
+    return has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
+}
+
+bool estimator_check(const EstimatorParameters *p, Fault *f)
+{
+    const Named positive[] = {
+        {"field_noise", p->field_noise},
+        {"sun_noise", p->sun_noise},
+        {"attitude_noise", p->attitude_noise},
+        {"attitude_noise_boresight", p->attitude_noise_boresight},
+        {"gate", p->gate},
+        {"gravitational_parameter", p->gravitational_parameter},
+    };
+    const Named not_negative[] = {
+        {"angle_random_walk", p->angle_random_walk},
+        {"rate_random_walk", p->rate_random_walk},
+        {"rate_bias_sigma", p->rate_bias_sigma},
+        {"momentum_random_walk", p->momentum_random_walk},
+        {"field_bias_sigma", p->field_bias_sigma},
+        {"field_random_walk", p->field_random_walk},
+        {"rod_field_error", p->rod_field_error},
+        {"dipole_limit", p->dipole_limit},
+        {"valid_sigma", p->valid_sigma},
+        {"orbit_time", p->orbit_time},
+    };
+    return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
+           check_choices(p, f) && check_vectors(p, f) && is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f);
+}
+
+/* Rows: two axes across a direction, and that. */
+static Matrix axes_about(Vector z)
+{
+    const double x = fabs(z.x), y = fabs(z.y), least = smaller(smaller(x, y), fabs(z.z));
+    const Vector across = x == least ? identity.a : y == least ? identity.b : identity.c;
+    const Vector first = cross(across, z), unit = scale(1.0 / norm(first), first);
+    return (Matrix){unit, cross(z, unit), z};
+}
+
+void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
+{
+    Epoch epoch = {0, 0, 0, 0};
+    (void)epoch_read(p->epoch, &epoch);
+    law->p = *p;
+    law->days = days_of_epoch(&epoch);
+    onboard_field(&gauss_models[p->field_model - 1], law->days, p->field_degree, p->field_error, &law->field);
+    law->J = matrix(p->J_B);
+    law->J_inverse = inverse(law->J);
+    law->rod_axes = matrix(p->rod_axes);
+    law->rod_field = matrix(p->rod_field);
+    law->tracker_axes = axes_about(scale(1.0 / norm(vector(p->boresight_B)), vector(p->boresight_B)));
+}

@@ -1,0 +1,82 @@
+/* What the estimator remembers, and what follows from its parameters. */
+#ifndef ESTIMATOR_STATE_H
+#define ESTIMATOR_STATE_H
+
+#include "filter.h"
+#include "fault.h"
+#include "geomagnetic.h"
+#include "ports.h"
+#include "rotation.h"
+
+enum { FIELD, SUN, TRACKER, SENSORS };
+
+/* What is new at the end of a step. */
+typedef struct {
+    bool rate, field, orbit, attitude, sun;
+} Fresh;
+
+/* What the actuators did over a step. */
+typedef struct {
+    Vector dipole; /* along the rods, A m2 */
+    double wheel_torque, h_w;
+    bool has_wheel_torque, has_h_w;
+} Given;
+
+/* All that the estimator knows at t, s. */
+typedef struct {
+    double t;
+    bool known;    /* there is an attitude */
+    bool tracking; /* the filter runs: its covariance is that of the attitude */
+    bool oriented; /* there is an orbit */
+    Matrix R;
+    Vector rate; /* of the gyro as measured, or, without one, the estimated rate */
+    Vector rate_bias, field_bias;
+    Covariance P;
+    double since_rate; /* s since the gyro's last measurement */
+    Vector r_N, v_N;
+    double since_orbit; /* s since the last measured orbit */
+    double momentum;    /* of the wheel, N m s */
+    Vector b_B;
+    double nis[SENSORS];
+    int32_t rejected[SENSORS], in_a_row[SENSORS];
+} Estimate;
+
+/* The estimate before the last step and after it; of that step its length, s, and what counts at a step only. */
+typedef struct {
+    Estimate before, now;
+    double h;
+    int32_t counts[5];
+    Fresh fresh;
+    Given given;
+} EstimatorState;
+
+typedef struct {
+    EstimatorParameters p;
+    OnboardField field;
+    double days; /* of the epoch from 2000-01-01T12:00 */
+    Matrix J, J_inverse, rod_axes, rod_field;
+    Matrix tracker_axes; /* rows: two across the boresight, and that */
+} EstimatorLaw;
+
+/* What is measured and usable. */
+typedef struct {
+    bool has_tracker, has_sun, has_field;
+    Matrix R_NB;
+    Vector sun_B, sun_N, b_B, field_N;
+    double field_variance;
+} Directions;
+
+/* The first attitude, where the measurements give one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field. */
+void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *x);
+
+/* Takes star tracker, Sun and field, each unless it is beyond the gate. */
+void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x);
+
+/* Before the first measurement, with the rate that the gyro's port holds. */
+void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate *x);
+
+/* The estimate h s later (0 at the start), with what is new then. */
+void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given, double h,
+                       Estimate *x);
+
+#endif

@@ -1,0 +1,99 @@
+"""What the estimator knows at a time, and what it is told over a step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .parameters import Parameters
+from .so3 import Array
+
+ZERO, NO_MATRIX = np.zeros(3), np.zeros((3, 3))
+
+
+class Measured(NamedTuple):
+    """What is new at the end of a step; None where there is none."""
+
+    omega_B: Array | None
+    b_B: Array | None
+    orbit: tuple[Array, Array] | None
+    R_NB: Array | None
+    sun_B: Array | None
+
+
+class Given(NamedTuple):
+    """What the actuators did over a step: dipoles along the rods, A m2, dl/dt, N m, wheel momentum at its end, N m s."""
+
+    dipole: Array
+    wheel_torque: float | None
+    h_w: float | None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """All that the estimator knows at t, s."""
+
+    t: float
+    known: bool
+    """There is an attitude."""
+    tracking: bool
+    """The filter runs: its covariance is that of the attitude."""
+    oriented: bool
+    """There is an orbit."""
+    R: Array
+    rate: Array
+    """rad/s: that of the gyro as measured, or, without one, the estimated rate."""
+    rate_bias: Array
+    field_bias: Array
+    P: Array
+    since_rate: float
+    """s since the gyro's last measurement."""
+    r_N: Array
+    v_N: Array
+    since_orbit: float
+    """s since the last measured orbit."""
+    momentum: float
+    """Wheel momentum, N m s."""
+    b_B: Array
+    nis: Array
+    rejected: tuple[int, ...]
+    in_a_row: tuple[int, ...]
+
+    @property
+    def omega_B(self) -> Array:
+        """(3,) rad/s"""
+        return self.rate - self.rate_bias
+
+
+def blank(omega_B: Array, p: Parameters) -> Estimate:
+    """Before the first measurement, with the rate that the gyro's port holds."""
+    gyro = p.rate_source == "gyro"
+    return Estimate(
+        t=0.0,
+        known=False,
+        tracking=False,
+        oriented=False,
+        R=NO_MATRIX,
+        rate=omega_B if gyro else ZERO,
+        rate_bias=ZERO,
+        field_bias=ZERO,
+        P=start_covariance(math.pi, p),
+        since_rate=0.0,
+        r_N=ZERO,
+        v_N=ZERO,
+        since_orbit=0.0,
+        momentum=0.0,
+        b_B=ZERO,
+        nis=ZERO,
+        rejected=(0, 0, 0),
+        in_a_row=(0, 0, 0),
+    )
+
+
+def start_covariance(attitude_sigma: float, p: Parameters) -> Array:
+    """(9,9), with nothing known of the biases but their parameters."""
+    sigmas = np.repeat((attitude_sigma, p.rate_bias_sigma, p.field_bias_sigma), 3)
+    return np.diag(sigmas * sigmas)
