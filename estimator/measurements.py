@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
 from .parameters import Parameters
-from .so3 import Array, cross, exp, hat, log, norm
-from .start import triad
-from .state import NO_MATRIX, Estimate, Measured, start_covariance
+from .so3 import Array, exp, hat, log, norm
+from .start import sine, triad
+from .state import NO_MATRIX, Anchor, Estimate, Measured, start_covariance
 
 FIELD, SUN, TRACKER = range(3)
 """Numbers of the sensors that are gated."""
 IN_A_ROW = 50
 """So many measurements of one sensor above the gate, one after the other, end the filter: it starts again."""
-START_FACTOR = 10.0
-"""Of the first attitude's standard deviation: the covariance at the start, next to which the first measurements count alone."""
+START_FACTOR, ANCHOR_FACTOR = 10.0, 2.0
+"""Of the first attitude's standard deviation, for that of the covariance at the start; less where an earlier field gives it."""
+START_ANGLE, ANCHOR_ANGLE = math.radians(10.0), math.radians(20.0)
+"""Least angle between Sun and field, and between two fields, from which an attitude is made."""
+ANCHOR_AGE = 900.0
+"""s; a field that is older is no longer turned on by the gyro."""
 
 
 def started(
@@ -30,20 +35,27 @@ def started(
     sigma: float,
     p: Parameters,
 ) -> Estimate:
-    """With the first attitude, where the measurements give one: of the star tracker, or of Sun and field; `sigma`, T, of the field."""
+    """With the first attitude, where there is one: of the star tracker, of Sun and field, of the field and an earlier one.
+
+    `sigma`, T, is that of the field. What is measured now is taken once more, by the filter, so it counts little here.
+    """
+    off = sigma / norm(field_N)
+    R, spread = None, math.pi
     if new.R_NB is not None:
-        R, spread = new.R_NB, p.attitude_noise_boresight + p.attitude_noise
+        R, spread = new.R_NB, START_FACTOR * (p.attitude_noise_boresight + p.attitude_noise)
     elif sun_B is not None and b_B is not None:
-        off = sigma / norm(field_N)
         first, second = ((b_B, field_N), (sun_B, sun_N)) if off < p.sun_noise else ((sun_B, sun_N), (b_B, field_N))
-        attitude = triad(first[0], second[0], first[1], second[1])
-        if attitude is None:
-            return x
-        R, spread = attitude, (off + p.sun_noise) / norm(cross(field_N, sun_N)) * norm(field_N)
-    else:
-        return x
-    P = start_covariance(START_FACTOR * spread, p)
-    return replace(x, R=R, P=P, known=True, tracking=True, in_a_row=(0, 0, 0))
+        R = triad(first[0], second[0], first[1], second[1], START_ANGLE)
+        spread = START_FACTOR * (off + p.sun_noise) / sine(field_N, sun_N)
+    elif x.anchor is not None and b_B is not None:
+        R = triad(b_B, x.anchor.b_B, field_N, x.anchor.field_N, ANCHOR_ANGLE)
+        spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor.age) / sine(field_N, x.anchor.field_N)
+    if R is not None:
+        P = start_covariance(spread, p)
+        return replace(x, R=R, P=P, known=True, tracking=True, anchor=None, in_a_row=(0, 0, 0))
+    if b_B is not None and p.rate_source == "gyro" and (x.anchor is None or x.anchor.age > ANCHOR_AGE):
+        return replace(x, anchor=Anchor(b_B, field_N, 0.0))
+    return x
 
 
 def by_tracker(x: Estimate, R_NB: Array, p: Parameters) -> Estimate:

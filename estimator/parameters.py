@@ -62,7 +62,7 @@ class Parameters:
     @cached_property
     def J_inverse(self) -> Array:
         """(3,3)"""
-        inverse: Array = np.linalg.inv(self.J_B)
+        inverse: Array = np.linalg.inv(self.J_B).astype(np.float64)
         return inverse
 
     @cached_property

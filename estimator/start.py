@@ -8,20 +8,24 @@ import numpy as np
 
 from .so3 import Array, cross, norm
 
-SINE_MIN = math.sin(math.radians(10.0))
-"""Of the angle between the two directions: nearer to each other they leave the turn about them too open."""
 
+def triad(first_B: Array, second_B: Array, first_N: Array, second_N: Array, apart: float) -> Array | None:
+    """R_NB (3,3) that maps the first direction exactly and the second as well as that allows.
 
-def triad(first_B: Array, second_B: Array, first_N: Array, second_N: Array) -> Array | None:
-    """R_NB (3,3) that maps the first direction exactly and the second as well as that allows. None where a pair is collinear.
-
-    Directions (3,) of any length.
+    Directions (3,) of any length. None where those of a pair are less than `apart`, rad, from one line.
     """
     pairs = []
     for first, second in ((first_B, second_B), (first_N, second_N)):
-        normal = cross(first, second)
-        if not norm(normal) >= SINE_MIN * norm(first) * norm(second) > 0.0:
+        if not sine(first, second) >= math.sin(apart):
             return None
-        x, z = first / norm(first), normal / norm(normal)
+        x, normal = first / norm(first), cross(first, second)
+        z = normal / norm(normal)
         pairs.append(np.column_stack((x, z, cross(x, z))))
-    return pairs[1] @ pairs[0].T
+    R: Array = pairs[1] @ pairs[0].T
+    return R
+
+
+def sine(x: Array, y: Array) -> float:
+    """Of the angle between x and y (3,); 0 where one of them is zero."""
+    both = norm(x) * norm(y)
+    return norm(cross(x, y)) / both if both > 0.0 else 0.0

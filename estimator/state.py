@@ -24,6 +24,14 @@ class Measured(NamedTuple):
     sun_B: Array | None
 
 
+class Anchor(NamedTuple):
+    """An earlier field, for a start without the Sun: as measured, turned on with the body (3,), by the model (3,); its age, s."""
+
+    b_B: Array
+    field_N: Array
+    age: float
+
+
 class Given(NamedTuple):
     """What the actuators did over a step: dipoles along the rods, A m2, dl/dt, N m, wheel momentum at its end, N m s."""
 
@@ -58,6 +66,7 @@ class Estimate:
     momentum: float
     """Wheel momentum, N m s."""
     b_B: Array
+    anchor: Anchor | None
     nis: Array
     rejected: tuple[int, ...]
     in_a_row: tuple[int, ...]
@@ -87,6 +96,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         since_orbit=0.0,
         momentum=0.0,
         b_B=ZERO,
+        anchor=None,
         nis=ZERO,
         rejected=(0, 0, 0),
         in_a_row=(0, 0, 0),

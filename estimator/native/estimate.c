@@ -58,6 +58,8 @@ static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, b
     const Vector turn =
         estimator_turn_by_gyro(subtract(x->rate, x->rate_bias), subtract(now, x->rate_bias), h, fresh ? x->since_rate : 0.0);
     x->R = multiply(x->R, rotation_exp(turn));
+    x->anchor_B = apply_transposed(rotation_exp(turn), x->anchor_B);
+    x->anchor_age += h;
     x->rate = now;
     x->since_rate = fresh ? 0.0 : x->since_rate;
     spread(law, turn, -1.0, ZERO, walk, law->p.angle_random_walk, h, x);

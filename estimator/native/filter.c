@@ -10,14 +10,14 @@ void estimator_covariance_at_start(double attitude, double rate, double bias, Co
 {
     const double sigmas[] = {attitude, rate, bias};
     memset(P, 0, sizeof *P);
-    for (int i = 0; i < ERRORS; ++i) {
+    for (int i = 0; i < ERROR_STATES; ++i) {
         P->m[i][i] = sigmas[i / 3] * sigmas[i / 3];
     }
 }
 
 static void symmetrise(Covariance *P)
 {
-    for (int i = 0; i < ERRORS; ++i) {
+    for (int i = 0; i < ERROR_STATES; ++i) {
         for (int j = 0; j < i; ++j) {
             P->m[i][j] = P->m[j][i] = 0.5 * (P->m[i][j] + P->m[j][i]);
         }
@@ -58,12 +58,12 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
     const Matrix C = sum(sum(identity, 1.0, growth), 0.5, multiply(growth, growth));
     /* P <- T P T^T with T = [[A, B, 0], [0, C, 0], [0, 0, 1]]: first the rows, then the columns. */
     Covariance M = *P;
-    for (int j = 0; j < ERRORS; j += 3) {
+    for (int j = 0; j < ERROR_STATES; j += 3) {
         set_block(sum(multiply(A, block(P, ATTITUDE, j)), 1.0, multiply(B, block(P, RATE, j))), ATTITUDE, j, &M);
         set_block(multiply(C, block(P, RATE, j)), RATE, j, &M);
     }
     *P = M;
-    for (int i = 0; i < ERRORS; i += 3) {
+    for (int i = 0; i < ERROR_STATES; i += 3) {
         const Matrix left = block(&M, i, ATTITUDE), right = block(&M, i, RATE);
         set_block(sum(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ATTITUDE, P);
         set_block(multiply(right, transposed(C)), i, RATE, P);
@@ -78,28 +78,28 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
 }
 
 /* One component: y = row . error + noise of variance r. Returns y^2/s. */
-static double correct_by(double y, const double row[ERRORS], double r, Covariance *P, double error[ERRORS])
+static double correct_by(double y, const double row[ERROR_STATES], double r, Covariance *P, double error[ERROR_STATES])
 {
-    double PH[ERRORS], K[ERRORS], s = r, left = y;
-    for (int i = 0; i < ERRORS; ++i) {
+    double PH[ERROR_STATES], K[ERROR_STATES], s = r, left = y;
+    for (int i = 0; i < ERROR_STATES; ++i) {
         PH[i] = 0.0;
-        for (int j = 0; j < ERRORS; ++j) {
+        for (int j = 0; j < ERROR_STATES; ++j) {
             PH[i] += P->m[i][j] * row[j];
         }
         s += row[i] * PH[i];
         left -= row[i] * error[i];
     }
-    for (int i = 0; i < ERRORS; ++i) {
+    for (int i = 0; i < ERROR_STATES; ++i) {
         K[i] = PH[i] / s;
         error[i] += left * K[i];
     }
-    for (int i = 0; i < ERRORS; ++i) {
+    for (int i = 0; i < ERROR_STATES; ++i) {
         double MH = 0.0;
-        for (int j = 0; j < ERRORS; ++j) {
+        for (int j = 0; j < ERROR_STATES; ++j) {
             P->m[i][j] -= K[i] * PH[j];
             MH += P->m[i][j] * row[j];
         }
-        for (int j = 0; j < ERRORS; ++j) {
+        for (int j = 0; j < ERROR_STATES; ++j) {
             P->m[i][j] += (r * K[i] - MH) * K[j];
         }
     }
@@ -107,15 +107,15 @@ static double correct_by(double y, const double row[ERRORS], double r, Covarianc
     return left * left / s;
 }
 
-double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERRORS])
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES])
 {
     double y[3], r[3], H[3][3], nis = 0.0;
     store(innovation->y, y);
     store(innovation->r, r);
     store_matrix(innovation->H_attitude, H);
-    memset(error, 0, ERRORS * sizeof *error);
+    memset(error, 0, ERROR_STATES * sizeof *error);
     for (int i = 0; i < 3; ++i) {
-        double row[ERRORS] = {H[i][0], H[i][1], H[i][2]};
+        double row[ERROR_STATES] = {H[i][0], H[i][1], H[i][2]};
         row[BIAS + i] = innovation->biased ? 1.0 : 0.0;
         nis += correct_by(y[i], row, r[i], P, error);
     }

@@ -4,11 +4,11 @@
 
 #include "vector.h"
 
-enum { ERRORS = 9, ATTITUDE = 0, RATE = 3, BIAS = 6 };
+enum { ERROR_STATES = 9, ATTITUDE = 0, RATE = 3, BIAS = 6 };
 
 /* By rows. */
 typedef struct {
-    double m[ERRORS][ERRORS];
+    double m[ERROR_STATES][ERROR_STATES];
 } Covariance;
 
 /* What drives the errors over a step: each is a square of what 1 s gives. */
@@ -34,6 +34,6 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
 
 /* Takes a measurement, its components in turn, each in Joseph's form; gives the error state and returns the normalised
  * innovation squared. */
-double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERRORS]);
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES]);
 
 #endif

@@ -3,54 +3,75 @@
 
 #include "state.h"
 
-static const double START_FACTOR = 10.0;            /* of the first attitude's deviation: the covariance at the start */
-static const double SINE_MIN = 0.17364817766693033; /* of the angle between Sun and field at the start: 10 deg */
+/* Of the first attitude's deviation, for that of the covariance at the start; less where an earlier field gives it. */
+static const double START_FACTOR = 10.0, ANCHOR_FACTOR = 2.0;
+static const double START_SINE = 0.17364817766693033;  /* 10 deg: least angle between Sun and field */
+static const double ANCHOR_SINE = 0.34202014332566871; /* 20 deg: between two fields */
+static const double ANCHOR_AGE = 900.0;                /* s; a field that is older is no longer turned on by the gyro */
 enum { IN_A_ROW = 50 }; /* measurements of one sensor above the gate, one after the other, that end the filter */
 
-/* Right-handed axes of two directions, the first of them the first axis, as columns; false where they are too near to each
- * other. */
-static bool axes_of(Vector first, Vector second, Matrix *axes)
+/* Of the angle between x and y; 0 where one of them is zero. */
+static double sine(Vector x, Vector y)
+{
+    const double both = norm(x) * norm(y);
+    return both > 0.0 ? norm(cross(x, y)) / both : 0.0;
+}
+
+/* Right-handed axes of two directions, as columns. */
+static Matrix axes_of(Vector first, Vector second)
 {
     const Vector normal = cross(first, second);
-    const double length = norm(normal), both = SINE_MIN * norm(first) * norm(second);
-    if (!(length >= both && both > 0.0)) {
+    const Vector x = scale(1.0 / norm(first), first), z = scale(1.0 / norm(normal), normal);
+    return transposed((Matrix){x, z, cross(x, z)});
+}
+
+/* Maps the first direction exactly; false where those of a pair are too near to one line. */
+static bool triad(Vector first_B, Vector second_B, Vector first_N, Vector second_N, double apart, Matrix *R)
+{
+    if (!(sine(first_B, second_B) >= apart && sine(first_N, second_N) >= apart)) {
         return false;
     }
-    const Vector x = scale(1.0 / norm(first), first), z = scale(1.0 / length, normal);
-    *axes = transposed((Matrix){x, z, cross(x, z)});
+    *R = multiply(axes_of(first_N, second_N), transposed(axes_of(first_B, second_B)));
     return true;
 }
 
 void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *x)
 {
     const EstimatorParameters *p = &law->p;
-    double deviation;
+    const double off = sqrt(seen->field_variance) / norm(seen->field_N);
+    double deviation = 0.0;
+    bool begun = false;
     if (seen->has_tracker) {
         x->R = seen->R_NB;
-        deviation = p->attitude_noise_boresight + p->attitude_noise;
+        deviation = START_FACTOR * (p->attitude_noise_boresight + p->attitude_noise);
+        begun = true;
     } else if (seen->has_sun && seen->has_field) {
-        const double off = sqrt(seen->field_variance) / norm(seen->field_N);
-        const bool by_field = off < p->sun_noise; /* maps the better of the two exactly */
-        Matrix in_B, in_N;
-        if (!axes_of(by_field ? seen->b_B : seen->sun_B, by_field ? seen->sun_B : seen->b_B, &in_B) ||
-            !axes_of(by_field ? seen->field_N : seen->sun_N, by_field ? seen->sun_N : seen->field_N, &in_N)) {
-            return;
-        }
-        x->R = multiply(in_N, transposed(in_B));
-        deviation = (off + p->sun_noise) / norm(cross(seen->field_N, seen->sun_N)) * norm(seen->field_N);
-    } else {
-        return;
+        begun = off < p->sun_noise ? triad(seen->b_B, seen->sun_B, seen->field_N, seen->sun_N, START_SINE, &x->R)
+                                   : triad(seen->sun_B, seen->b_B, seen->sun_N, seen->field_N, START_SINE, &x->R);
+        deviation = START_FACTOR * (off + p->sun_noise) / sine(seen->field_N, seen->sun_N);
+    } else if (x->anchored && seen->has_field) {
+        begun = triad(seen->b_B, x->anchor_B, seen->field_N, x->anchor_N, ANCHOR_SINE, &x->R);
+        deviation = ANCHOR_FACTOR * (2.0 * off + p->rate_bias_sigma * x->anchor_age) / sine(seen->field_N, x->anchor_N);
     }
-    estimator_covariance_at_start(START_FACTOR * deviation, p->rate_bias_sigma, p->field_bias_sigma, &x->P);
-    x->known = x->tracking = true;
-    memset(x->in_a_row, 0, sizeof x->in_a_row);
+    if (begun) {
+        estimator_covariance_at_start(deviation, p->rate_bias_sigma, p->field_bias_sigma, &x->P);
+        x->known = x->tracking = true;
+        x->anchored = false;
+        memset(x->in_a_row, 0, sizeof x->in_a_row);
+    } else if (seen->has_field && p->rate_source == ESTIMATOR_RATE_SOURCE_GYRO &&
+               (!x->anchored || x->anchor_age > ANCHOR_AGE)) {
+        x->anchored = true;
+        x->anchor_B = seen->b_B;
+        x->anchor_N = seen->field_N;
+        x->anchor_age = 0.0;
+    }
 }
 
 /* Takes a measurement, unless it is beyond the gate. */
 static void take(const EstimatorLaw *law, int sensor, const Innovation *innovation, Estimate *x)
 {
     Covariance P = x->P;
-    double error[ERRORS];
+    double error[ERROR_STATES];
     x->nis[sensor] = estimator_correct(innovation, &P, error);
     if (!(x->nis[sensor] <= law->p.gate)) {
         ++x->rejected[sensor];

@@ -4,7 +4,7 @@
 
 #include "filter.h"
 #include "fault.h"
-#include "geomagnetic.h"
+#include "onboard_field.h"
 #include "ports.h"
 #include "rotation.h"
 
@@ -37,6 +37,10 @@ typedef struct {
     double since_orbit; /* s since the last measured orbit */
     double momentum;    /* of the wheel, N m s */
     Vector b_B;
+    /* An earlier field, for a start without the Sun: as measured, turned on with the body; by the model; its age, s. */
+    bool anchored;
+    Vector anchor_B, anchor_N;
+    double anchor_age;
     double nis[SENSORS];
     int32_t rejected[SENSORS], in_a_row[SENSORS];
 } Estimate;
@@ -66,7 +70,8 @@ typedef struct {
     double field_variance;
 } Directions;
 
-/* The first attitude, where the measurements give one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field. */
+/* The first attitude, where there is one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field, or of the field and
+ * an earlier one. What is measured now is taken once more, by the filter, so it counts little here. */
 void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *x);
 
 /* Takes star tracker, Sun and field, each unless it is beyond the gate. */

@@ -12,7 +12,7 @@ def generated() -> dict[str, str]:
     guard = "GAUSS_MODELS_H"
     parts = [
         "/* Written by estimator/native/tables.py from the packages that estimator/tables names. */",
-        f'#ifndef {guard}\n#define {guard}\n\n#include "geomagnetic.h"\n',
+        f'#ifndef {guard}\n#define {guard}\n\n#include "onboard_field.h"\n',
     ]
     rows = []
     for name in tables.NAMES:

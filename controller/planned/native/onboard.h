@@ -2,7 +2,7 @@
 #ifndef CONTROLLER_PLANNED_ONBOARD_H
 #define CONTROLLER_PLANNED_ONBOARD_H
 
-#include "geomagnetic.h"
+#include "onboard_field.h"
 #include "rotation.h"
 
 /* The target: none, one that the parameter `reference` names (1 and 2 are its values), or a given one, which keeps its

@@ -1,6 +1,6 @@
 /* An onboard model of the geomagnetic field, which the blocks of the flight software share. The plant's field is its own. */
-#ifndef COMMON_GEOMAGNETIC_H
-#define COMMON_GEOMAGNETIC_H
+#ifndef COMMON_ONBOARD_FIELD_H
+#define COMMON_ONBOARD_FIELD_H
 
 #include <string.h>
 
