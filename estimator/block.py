@@ -45,9 +45,9 @@ class Inputs:
     wheel_torque: float
 
     @property
-    def counts(self) -> tuple[int, ...]:
-        """In the order of Measured."""
-        return self.rate_sample, self.field_sample, self.orbit_sample, self.attitude_sample, self.sun_sample
+    def counts(self) -> Array:
+        """(5,) in the order of Measured."""
+        return np.array((self.rate_sample, self.field_sample, self.orbit_sample, self.attitude_sample, self.sun_sample))
 
 
 @dataclass(frozen=True)
@@ -72,50 +72,57 @@ class Outputs:
 
 @dataclass(frozen=True)
 class State:
-    """The estimate before the last step and after it; of that step its length, s, and what doStep alone takes."""
+    """The estimate before the last step and after it, packed; of that step its length, s, and what doStep alone takes."""
 
-    before: Estimate
-    now: Estimate
+    before: Array
+    now: Array
     h: float
-    counts: tuple[int, ...]
-    fresh: tuple[bool, ...]
-    given: Given
+    counts: Array
+    fresh: Array
+    actuators: Array
 
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0, at which what is measured is new; a number of 0 says that nothing has been measured yet."""
-    fresh = tuple(count != 0 for count in u.counts)
-    return _stepped(blank(u.omega_B_measured, p), u, p, 0.0, fresh)
+    return _stepped(blank(u.omega_B_measured, p), u, p, 0.0, u.counts != 0)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """The step again with the measurements as they stand. Raises ValueError for an input that cannot be."""
-    return _given_out(advanced(x.before, _measured(u, x.fresh), x.given, p, x.h), p)
+    _actuators(u)
+    now = advanced(Estimate.unpacked(x.before), _measured(u, x.fresh), _given(x.actuators), p, x.h)
+    return _given_out(now, p)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the measurements at t + h."""
     if not h <= STEP_MAX:
         raise ValueError(f"step: expected at most {STEP_MAX:g} s, found {h}")
-    fresh = tuple(count < 0 or count != last for count, last in zip(u.counts, x.counts, strict=True))
-    x = _stepped(x.now, u, p, h, fresh)
-    return x, _given_out(x.now, p)
+    x = _stepped(Estimate.unpacked(x.now), u, p, h, (u.counts < 0) | (u.counts != x.counts))
+    return x, _given_out(Estimate.unpacked(x.now), p)
 
 
-def _stepped(before: Estimate, u: Inputs, p: Parameters, h: float, fresh: tuple[bool, ...]) -> State:
-    dipole = u.dipole if _connected(u.dipole) else np.zeros(3)
-    wheel, h_w = (value if _connected(value) else None for value in (u.wheel_torque, u.h_w))
-    _require_finite("dipole", dipole)
-    for name, value in (("wheel_torque", wheel), ("h_w", h_w)):
-        if value is not None:
-            _require_finite(name, value)
-    given = Given(dipole, wheel, h_w)
-    return State(before, advanced(before, _measured(u, fresh), given, p, h), h, u.counts, fresh, given)
+def _stepped(before: Estimate, u: Inputs, p: Parameters, h: float, fresh: Array) -> State:
+    actuators = _actuators(u)
+    now = advanced(before, _measured(u, fresh), _given(actuators), p, h)
+    return State(before.packed, now.packed, h, u.counts, fresh, actuators)
 
 
-def _measured(u: Inputs, fresh: tuple[bool, ...]) -> Measured:
+def _actuators(u: Inputs) -> Array:
+    """Dipoles, dl/dt and wheel momentum (5,). Raises ValueError for an input that is not finite."""
+    for name in ("dipole", "wheel_torque", "h_w"):
+        _require_finite(name, getattr(u, name))
+    return np.array((*(u.dipole if _connected(u.dipole) else np.zeros(3)), u.wheel_torque, u.h_w))
+
+
+def _given(actuators: Array) -> Given:
+    wheel, h_w = (float(value) if _connected(value) else None for value in actuators[3:])
+    return Given(actuators[:3], wheel, h_w)
+
+
+def _measured(u: Inputs, fresh: Array) -> Measured:
     """What is new. Raises ValueError for an input that cannot be."""
-    for name in ("omega_B_measured", "b_B_measured", "r_N_measured", "v_N_measured"):
+    for name in ("omega_B_measured", "b_B_measured", "r_N_measured", "v_N_measured", "sun_B_measured", "R_NB_measured"):
         _require_finite(name, getattr(u, name))
     if (b := norm(u.b_B_measured)) > FIELD_MAX:
         raise ValueError(f"b_B_measured: expected a field in tesla, at most {FIELD_MAX:g}, found {b}")
@@ -123,8 +130,6 @@ def _measured(u: Inputs, fresh: tuple[bool, ...]) -> Measured:
     if position and not (r := norm(u.r_N_measured)) >= R_MIN:
         raise ValueError(f"r_N_measured: expected at least 1000 km from the Earth's centre, found {r}")
     tracker, sun = _connected(u.R_NB_measured), _connected(u.sun_B_measured)
-    if sun:
-        _require_finite("sun_B_measured", u.sun_B_measured)
     if tracker := tracker and bool(u.R_NB_measured.any()):
         require_rotation("R_NB_measured", u.R_NB_measured)
     rate, field, orbit, attitude, light = fresh
@@ -153,7 +158,7 @@ def _given_out(x: Estimate, p: Parameters) -> Outputs:
         covariance=x.P[:6, :6],
         attitude_valid=x.tracking and bool((sigma < p.valid_sigma).all()),
         nis=x.nis,
-        rejected=np.array(x.rejected),
+        rejected=x.rejected.astype(np.int32),
         sun_N=sun_N,
         sunlight=onboard.sunlight(x.r_N, sun_N) if x.oriented else 0.0,
     )

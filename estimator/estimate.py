@@ -13,7 +13,7 @@ from .measurements import by_field, by_sun, by_tracker, started
 from .parameters import Parameters
 from .rates import Torques, turn_by_dynamics, turn_by_gyro
 from .so3 import Array, exp, norm, orthonormalised
-from .state import NO_MATRIX, Anchor, Estimate, Given, Measured
+from .state import NO_MATRIX, Estimate, Given, Measured
 
 LIGHT_MIN = 0.5
 """Of the Sun that must be seen for its direction to count."""
@@ -69,10 +69,9 @@ def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Es
     since, now = x.since_rate + h, x.rate if measured is None else measured
     turn = turn_by_gyro(x.omega_B, now - x.rate_bias, h, 0.0 if measured is None else since)
     walk = p.rate_random_walk * p.rate_random_walk * np.eye(3)
-    anchor = x.anchor
-    if anchor is not None:
-        anchor = Anchor(exp(-turn) @ anchor.b_B, anchor.field_N, anchor.age + h)
-    x = replace(x, R=x.R @ exp(turn), rate=now, anchor=anchor, since_rate=since if measured is None else 0.0)
+    step = exp(turn)
+    x = replace(x, R=x.R @ step, anchor_B=step.T @ x.anchor_B, anchor_age=x.anchor_age + h)
+    x = replace(x, rate=now, since_rate=since if measured is None else 0.0)
     return _spread(x, turn, -1.0, NO_MATRIX, walk, p.angle_random_walk, p, h)
 
 

@@ -11,7 +11,7 @@ from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
 from .parameters import Parameters
 from .so3 import Array, exp, hat, log, norm
 from .start import sine, triad
-from .state import NO_MATRIX, Anchor, Estimate, Measured, start_covariance
+from .state import NO_MATRIX, Estimate, Measured, start_covariance
 
 FIELD, SUN, TRACKER = range(3)
 """Numbers of the sensors that are gated."""
@@ -47,14 +47,14 @@ def started(
         first, second = ((b_B, field_N), (sun_B, sun_N)) if off < p.sun_noise else ((sun_B, sun_N), (b_B, field_N))
         R = triad(first[0], second[0], first[1], second[1], START_ANGLE)
         spread = START_FACTOR * (off + p.sun_noise) / sine(field_N, sun_N)
-    elif x.anchor is not None and b_B is not None:
-        R = triad(b_B, x.anchor.b_B, field_N, x.anchor.field_N, ANCHOR_ANGLE)
-        spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor.age) / sine(field_N, x.anchor.field_N)
+    elif x.anchored and b_B is not None:
+        R = triad(b_B, x.anchor_B, field_N, x.anchor_N, ANCHOR_ANGLE)
+        spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor_age) / sine(field_N, x.anchor_N)
     if R is not None:
         P = start_covariance(spread, p)
-        return replace(x, R=R, P=P, known=True, tracking=True, anchor=None, in_a_row=(0, 0, 0))
-    if b_B is not None and p.rate_source == "gyro" and (x.anchor is None or x.anchor.age > ANCHOR_AGE):
-        return replace(x, anchor=Anchor(b_B, field_N, 0.0))
+        return replace(x, R=R, P=P, known=True, tracking=True, anchored=False, in_a_row=np.zeros(3))
+    if b_B is not None and p.rate_source == "gyro" and (not x.anchored or x.anchor_age > ANCHOR_AGE):
+        return replace(x, anchored=True, anchor_B=b_B, anchor_N=field_N, anchor_age=0.0)
     return x
 
 
@@ -81,12 +81,12 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
     if not x.tracking:
         return x
     error, P, value = corrected(x.P, innovation)
-    nis = np.where(np.arange(3) == sensor, value, x.nis)
+    this = np.arange(3) == sensor
+    nis = np.where(this, value, x.nis)
     if not value <= p.gate:
-        in_a_row = _changed(x.in_a_row, sensor, x.in_a_row[sensor] + 1)
-        rejected = _changed(x.rejected, sensor, x.rejected[sensor] + 1)
-        tracking = in_a_row[sensor] < IN_A_ROW
-        return replace(x, nis=nis, rejected=rejected, in_a_row=in_a_row, tracking=tracking)
+        in_a_row = x.in_a_row + this
+        tracking = bool(in_a_row[sensor] < IN_A_ROW)
+        return replace(x, nis=nis, rejected=x.rejected + this, in_a_row=in_a_row, tracking=tracking)
     gyro = p.rate_source == "gyro"
     return replace(
         x,
@@ -96,9 +96,5 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
         field_bias=x.field_bias + error[BIAS],
         P=P,
         nis=nis,
-        in_a_row=_changed(x.in_a_row, sensor, 0),
+        in_a_row=np.where(this, 0.0, x.in_a_row),
     )
-
-
-def _changed(values: tuple[int, ...], index: int, value: int) -> tuple[int, ...]:
-    return (*values[:index], value, *values[index + 1 :])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -22,14 +22,6 @@ class Measured(NamedTuple):
     orbit: tuple[Array, Array] | None
     R_NB: Array | None
     sun_B: Array | None
-
-
-class Anchor(NamedTuple):
-    """An earlier field, for a start without the Sun: as measured, turned on with the body (3,), by the model (3,); its age, s."""
-
-    b_B: Array
-    field_N: Array
-    age: float
 
 
 class Given(NamedTuple):
@@ -66,10 +58,34 @@ class Estimate:
     momentum: float
     """Wheel momentum, N m s."""
     b_B: Array
-    anchor: Anchor | None
+    anchored: bool
+    """There is an earlier field, for a start without the Sun."""
+    anchor_B: Array
+    """As measured, turned on with the body."""
+    anchor_N: Array
+    """By the model."""
+    anchor_age: float
+    """s"""
     nis: Array
-    rejected: tuple[int, ...]
-    in_a_row: tuple[int, ...]
+    rejected: Array
+    in_a_row: Array
+
+    @property
+    def packed(self) -> Array:
+        """All of it as one array, in which an FMU keeps it."""
+        return np.concatenate([np.ravel(getattr(self, f.name)).astype(np.float64) for f in fields(self)])
+
+    @classmethod
+    def unpacked(cls, values: Array) -> Estimate:
+        """The estimate of which `packed` made the array."""
+        parts, at = {}, 0
+        for f in fields(cls):
+            shape = (9, 9) if f.name == "P" else (3, 3) if f.name == "R" else (3,) if f.type == "Array" else ()
+            size = math.prod(shape)
+            part = values[at : at + size].reshape(shape)
+            parts[f.name] = part if shape else bool(part) if f.type == "bool" else float(part)
+            at += size
+        return cls(**parts)
 
     @property
     def omega_B(self) -> Array:
@@ -96,10 +112,13 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         since_orbit=0.0,
         momentum=0.0,
         b_B=ZERO,
-        anchor=None,
+        anchored=False,
+        anchor_B=ZERO,
+        anchor_N=ZERO,
+        anchor_age=0.0,
         nis=ZERO,
-        rejected=(0, 0, 0),
-        in_a_row=(0, 0, 0),
+        rejected=ZERO,
+        in_a_row=ZERO,
     )
 
 

@@ -154,10 +154,10 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
             raise InterfaceError(f"start {start!r} is none of its items {', '.join(items)}")
         starts = [items.index(start) + 1]
     optional = entry.get("optional", False)
-    absent = {"real": ABSENT, "integer": ABSENT_INTEGER}.get(kind)
-    if optional and (causality != "input" or absent is None or set(starts) != {absent}):
+    absent = ABSENT_INTEGER if kind == "integer" else ABSENT
+    if optional and (causality != "input" or kind not in ("real", "integer") or set(starts) != {absent}):
         raise InterfaceError(
-            f"only a real or integer input may be optional, and its start is {ABSENT:g} or {ABSENT_INTEGER} in every element"
+            f"only a real or integer input may be optional, and its start is {absent:g} in every element"
         )
     if "quantity" in entry and causality != "parameter":
         raise InterfaceError(

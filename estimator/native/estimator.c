@@ -28,21 +28,29 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
         return fault(f, "r_N_measured", r, "at least 1000 km from the Earth's centre");
     }
     const Matrix R = matrix(u->R_NB_measured);
+    if (!is_finite_matrix(R)) {
+        return fault(f, "R_NB_measured", NAN, "finite numbers");
+    }
     return !estimator_has_R_NB_measured(u) || is_zero_matrix(R) ||
            is_rotation(R, ATTITUDE_TOLERANCE, "R_NB_measured",
                        "a rotation matrix, max |R_NB_measured^T R_NB_measured - I| at most 0.0001", f);
 }
 
-static bool take_given(const EstimatorInputs *u, Given *given, Fault *f)
+static bool actuators_fit(const EstimatorInputs *u, Fault *f)
 {
-    *given = (Given){{0.0, 0.0, 0.0}, 0.0, 0.0, estimator_has_wheel_torque(u), estimator_has_h_w(u)};
-    if (estimator_has_dipole(u)) {
-        given->dipole = vector(u->dipole);
-    }
-    given->wheel_torque = given->has_wheel_torque ? u->wheel_torque : 0.0;
-    given->h_w = given->has_h_w ? u->h_w : 0.0;
-    const Named scalars[] = {{"wheel_torque", given->wheel_torque}, {"h_w", given->h_w}};
-    return all_finite_vectors(&(NamedVector){"dipole", given->dipole}, 1, f) && all_finite(scalars, COUNT(scalars), f);
+    const Named scalars[] = {{"wheel_torque", u->wheel_torque}, {"h_w", u->h_w}};
+    return all_finite_vectors(&(NamedVector){"dipole", vector(u->dipole)}, 1, f) && all_finite(scalars, COUNT(scalars), f);
+}
+
+static Given given_by(const EstimatorInputs *u)
+{
+    const bool torque = estimator_has_wheel_torque(u), momentum = estimator_has_h_w(u);
+    const Vector none = {0.0, 0.0, 0.0};
+    return (Given){.dipole = estimator_has_dipole(u) ? vector(u->dipole) : none,
+                   .wheel_torque = torque ? u->wheel_torque : 0.0,
+                   .h_w = momentum ? u->h_w : 0.0,
+                   .has_wheel_torque = torque,
+                   .has_h_w = momentum};
 }
 
 static void put_out(const EstimatorLaw *law, const Estimate *x, EstimatorOutputs *y)
@@ -85,9 +93,10 @@ static Fresh fresh_of(const int32_t counts[5], const int32_t last[5])
 static bool stepped(const EstimatorLaw *law, const EstimatorInputs *u, double h, EstimatorState *x, Fault *f)
 {
     const int32_t counts[5] = {u->rate_sample, u->field_sample, u->orbit_sample, u->attitude_sample, u->sun_sample};
-    if (!measurements_fit(u, f) || !take_given(u, &x->given, f)) {
+    if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
         return false;
     }
+    x->given = given_by(u);
     x->fresh = fresh_of(counts, x->counts);
     memcpy(x->counts, counts, sizeof counts);
     x->h = h;
@@ -106,7 +115,7 @@ bool estimator_start(const EstimatorLaw *law, const EstimatorInputs *u, Estimato
 bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const EstimatorInputs *u, EstimatorOutputs *y,
                        Fault *f)
 {
-    if (!measurements_fit(u, f)) {
+    if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
         return false;
     }
     Estimate now = x->before;

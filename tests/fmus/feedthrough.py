@@ -40,6 +40,14 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "L0": (0.02 * FULL,),
             "rod_axes": (rod_axes,),
         },
+        "estimator": {
+            "rate_source": ("gyro", "dynamics"),
+            "gate": (1e12,),
+            "field_degree": (2,),
+            "field_bias_sigma": (1e-6,),
+            "rod_field": ((1e-8 * FULL).tolist(),),
+            "boresight_B": (rod_axes[0].tolist(),),
+        },
         "plant_judge": {"reference": ("lvlh", "inertial", "rate")},
         "plant": {
             "rod_axes": (rod_axes,),
@@ -97,6 +105,11 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
     if interface.name == "plant_sensors":  # the parameters of `settings` need these inputs
         needed = {"sun_N": rng.normal(size=3) / 2.0, "dipole": 20.0 * rng.normal(size=3)}
         sizes |= {**needed, "sunlight": rng.choice([0.3, 0.7, 1.0])}
+    if interface.name == "estimator":
+        sizes |= {f"{name}_measured": sizes[name] for name in ("omega_B", "b_B", "r_N", "v_N", "R_NB")}
+        sizes |= {f"{name}_sample": 1 for name in ("rate", "field", "attitude", "orbit", "sun")}
+        sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}
+        sizes |= {"wheel_torque": 1e-4 * rng.normal()}
     given = {v.name: sizes[v.name] for v in interface.of("input")}
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
         if kind >> bit & 1:
@@ -109,7 +122,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
 
 def moves(name: str, value: float) -> tuple[float, ...]:
     """What an element of an input is moved to: a little, and, where the block takes it, far."""
-    if name in ("R_NB", "R_d", "R_ref"):
+    if name in ("R_NB", "R_d", "R_ref", "R_NB_measured"):
         return (value + 3e-5, value - 3e-5)
     return (value * 1.01 + 1e-9, -value, 5.0 * value, 50.0 * value)
 
@@ -151,13 +164,13 @@ def _real_pairs(it: Host, block: str, points: int, seed: int, parameters: list[d
                 values = flat.copy()
                 values[i] = moved
                 try:
-                    it.set(v.name, values)
+                    it.set(v.name, values.astype(int) if v.type == "integer" else values)
                     now = _outputs(it, names)
                 except FMICallException:  # no rotation, say
                     continue
                 seen |= {(elements[j], v.elements[i].name) for j in np.flatnonzero(np.abs(now - base) > limit)}
             if v.name in given:
-                it.set(v.name, flat)
+                it.set(v.name, flat.astype(int) if v.type == "integer" else flat)
     return seen
 
 

@@ -65,6 +65,16 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"{name}_noise": 1e-3 for name in ("attitude", "rate", "field", "wheel_momentum", "position", "velocity")},
         "h_w": 1e-3,
     },
+    "estimator": {
+        **{f"R_NB_measured[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+        **{f"omega_B_measured[{i}]": 0.01 * i for i in (1, 2, 3)},
+        **{f"sun_B_measured[{i}]": 0.2 * i for i in (1, 2, 3)},
+        **{f"dipole[{i}]": 1.0 * i for i in (1, 2, 3)},
+        **{f"rod_field[{i},{j}]": 1e-7 * (i + 2 * j) for i in (1, 2, 3) for j in (1, 2, 3)},
+        "field_bias_sigma": 1e-6,
+        "gate": 1e12,
+        "rate_bias_sigma": 1e-2,
+    },
     "plant_judge": {
         **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
         **{f"R_d0[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0.T)},

@@ -13,7 +13,7 @@ from fmus.interface import ABSENT_MIN, Variable, load
 
 from .direct import Direct
 
-FLIGHT = ("controller", "controller_planned", "allocator", "allocator_bounded")
+FLIGHT = ("controller", "controller_planned", "allocator", "allocator_bounded", "estimator")
 CHECKED = (*FLIGHT, "plant_sensors", "plant_judge")
 WITH_ATTITUDE = ("controller", "controller_planned", "plant_judge")
 ZEROS = np.zeros((3, 3))

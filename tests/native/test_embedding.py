@@ -17,6 +17,7 @@ import pytest
 import allocator
 import controller
 from fmus.interface import load
+from fmus.native import lay_out
 from fmus.native.toolchain import FLAGS, FREESTANDING
 from tests.blocks import folder, inputs, parameters
 
@@ -138,15 +139,22 @@ def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
         assert commands.holding == expected.holding
 
 
-FLOWN = ("controller", "allocator", "allocator_bounded", "controller_planned")
+FLOWN = ("controller", "allocator", "allocator_bounded", "controller_planned", "estimator")
 
 
 @pytest.mark.parametrize("block", FLOWN)
 def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
     native = folder(block) / "native"
+    lay_out(load(block), folder(block), "{}", tmp_path)  # the tables that the build writes
     for law in native.glob("*.c"):
         command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
-        command += [f"-I{FREESTANDING}", f"-I{COMMON}", f"-I{native}", "-c", str(law), "-o", str(tmp_path / "law.o")]
+        command += [
+            *(f"-I{path}" for path in (FREESTANDING, COMMON, tmp_path, native)),
+            "-c",
+            str(law),
+            "-o",
+            str(tmp_path / "law.o"),
+        ]
         subprocess.run(command, check=True)
 
 
