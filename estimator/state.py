@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,7 +78,8 @@ class Estimate:
     @classmethod
     def unpacked(cls, values: Array) -> Estimate:
         """The estimate of which `packed` made the array."""
-        parts, at = {}, 0
+        parts: dict[str, Any] = {}
+        at = 0
         for f in fields(cls):
             shape = (9, 9) if f.name == "P" else (3, 3) if f.name == "R" else (3,) if f.type == "Array" else ()
             size = math.prod(shape)

@@ -59,21 +59,22 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
     /* P <- T P T^T with T = [[A, B, 0], [0, C, 0], [0, 0, 1]]: first the rows, then the columns. */
     Covariance M = *P;
     for (int j = 0; j < ERROR_STATES; j += 3) {
-        set_block(sum(multiply(A, block(P, ATTITUDE, j)), 1.0, multiply(B, block(P, RATE, j))), ATTITUDE, j, &M);
-        set_block(multiply(C, block(P, RATE, j)), RATE, j, &M);
+        set_block(sum(multiply(A, block(P, ERROR_ATTITUDE, j)), 1.0, multiply(B, block(P, ERROR_RATE, j))), ERROR_ATTITUDE, j,
+                  &M);
+        set_block(multiply(C, block(P, ERROR_RATE, j)), ERROR_RATE, j, &M);
     }
     *P = M;
     for (int i = 0; i < ERROR_STATES; i += 3) {
-        const Matrix left = block(&M, i, ATTITUDE), right = block(&M, i, RATE);
-        set_block(sum(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ATTITUDE, P);
-        set_block(multiply(right, transposed(C)), i, RATE, P);
+        const Matrix left = block(&M, i, ERROR_ATTITUDE), right = block(&M, i, ERROR_RATE);
+        set_block(sum(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ERROR_ATTITUDE, P);
+        set_block(multiply(right, transposed(C)), i, ERROR_RATE, P);
     }
-    set_block(sum(sum(block(P, ATTITUDE, ATTITUDE), h * walks->angle, identity), h * h * h / 3.0, walks->rate), ATTITUDE,
-              ATTITUDE, P);
-    set_block(sum(block(P, ATTITUDE, RATE), sign * 0.5 * h * h, walks->rate), ATTITUDE, RATE, P);
-    set_block(sum(block(P, RATE, ATTITUDE), sign * 0.5 * h * h, walks->rate), RATE, ATTITUDE, P);
-    set_block(sum(block(P, RATE, RATE), h, walks->rate), RATE, RATE, P);
-    set_block(sum(block(P, BIAS, BIAS), h * walks->bias, identity), BIAS, BIAS, P);
+    set_block(sum(sum(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity), h * h * h / 3.0, walks->rate),
+              ERROR_ATTITUDE, ERROR_ATTITUDE, P);
+    set_block(sum(block(P, ERROR_ATTITUDE, ERROR_RATE), sign * 0.5 * h * h, walks->rate), ERROR_ATTITUDE, ERROR_RATE, P);
+    set_block(sum(block(P, ERROR_RATE, ERROR_ATTITUDE), sign * 0.5 * h * h, walks->rate), ERROR_RATE, ERROR_ATTITUDE, P);
+    set_block(sum(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
+    set_block(sum(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
     symmetrise(P);
 }
 
@@ -116,7 +117,7 @@ double estimator_correct(const Innovation *innovation, Covariance *P, double err
     memset(error, 0, ERROR_STATES * sizeof *error);
     for (int i = 0; i < 3; ++i) {
         double row[ERROR_STATES] = {H[i][0], H[i][1], H[i][2]};
-        row[BIAS + i] = innovation->biased ? 1.0 : 0.0;
+        row[ERROR_BIAS + i] = innovation->biased ? 1.0 : 0.0;
         nis += correct_by(y[i], row, r[i], P, error);
     }
     return nis;

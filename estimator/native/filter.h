@@ -4,7 +4,7 @@
 
 #include "vector.h"
 
-enum { ERROR_STATES = 9, ATTITUDE = 0, RATE = 3, BIAS = 6 };
+enum { ERROR_STATES = 9, ERROR_ATTITUDE = 0, ERROR_RATE = 3, ERROR_BIAS = 6 };
 
 /* By rows. */
 typedef struct {

@@ -80,10 +80,10 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     }
     x->in_a_row[sensor] = 0;
     x->P = P;
-    x->R = multiply(x->R, rotation_exp(vector(error + ATTITUDE)));
-    x->field_bias = add(x->field_bias, vector(error + BIAS));
+    x->R = multiply(x->R, rotation_exp(vector(error + ERROR_ATTITUDE)));
+    x->field_bias = add(x->field_bias, vector(error + ERROR_BIAS));
     Vector *rate = law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO ? &x->rate_bias : &x->rate;
-    *rate = add(*rate, vector(error + RATE));
+    *rate = add(*rate, vector(error + ERROR_RATE));
 }
 
 static Matrix hat(Vector x)
@@ -103,15 +103,16 @@ void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x
         const double across = p->attitude_noise * p->attitude_noise;
         const double about = p->attitude_noise_boresight * p->attitude_noise_boresight;
         const Vector turn = rotation_log(multiply(transposed(x->R), seen->R_NB));
-        take(law, TRACKER, &(Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}}, x);
+        take(law, GATED_TRACKER,
+             &(Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}}, x);
     }
     if (seen->has_sun && x->tracking) {
         const Vector s = apply_transposed(x->R, seen->sun_N), error = subtract(seen->sun_B, s);
         const Vector y = subtract(error, scale(dot(s, error), s));
-        take(law, SUN, &(Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise)}, x);
+        take(law, GATED_SUN, &(Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise)}, x);
     }
     if (seen->has_field && x->tracking) {
         const Vector b = apply_transposed(x->R, seen->field_N), y = subtract(subtract(seen->b_B, b), x->field_bias);
-        take(law, FIELD, &(Innovation){y, hat(b), true, equal(seen->field_variance)}, x);
+        take(law, GATED_FIELD, &(Innovation){y, hat(b), true, equal(seen->field_variance)}, x);
     }
 }

@@ -8,7 +8,7 @@
 #include "ports.h"
 #include "rotation.h"
 
-enum { FIELD, SUN, TRACKER, SENSORS };
+enum { GATED_FIELD, GATED_SUN, GATED_TRACKER, GATED };
 
 /* What is new at the end of a step. */
 typedef struct {
@@ -41,8 +41,8 @@ typedef struct {
     bool anchored;
     Vector anchor_B, anchor_N;
     double anchor_age;
-    double nis[SENSORS];
-    int32_t rejected[SENSORS], in_a_row[SENSORS];
+    double nis[GATED];
+    int32_t rejected[GATED], in_a_row[GATED];
 } Estimate;
 
 /* The estimate before the last step and after it; of that step its length, s, and what counts at a step only. */

@@ -107,7 +107,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         sizes |= {**needed, "sunlight": rng.choice([0.3, 0.7, 1.0])}
     if interface.name == "estimator":
         sizes |= {f"{name}_measured": sizes[name] for name in ("omega_B", "b_B", "r_N", "v_N", "R_NB")}
-        sizes |= {f"{name}_sample": 1 for name in ("rate", "field", "attitude", "orbit", "sun")}
+        sizes |= {f"{name}_sample": -1 for name in ("rate", "field", "attitude", "orbit", "sun")}
         sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}
         sizes |= {"wheel_torque": 1e-4 * rng.normal()}
     given = {v.name: sizes[v.name] for v in interface.of("input")}
