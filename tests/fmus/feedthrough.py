@@ -44,6 +44,7 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "rate_source": ("gyro", "dynamics"),
             "gate": (1e12,),
             "field_degree": (2,),
+            "epoch": ("2009-02-10T00:00:00Z",),  # the Sun is seen from R_N
             "field_bias_sigma": (1e-6,),
             "rod_field": ((1e-8 * FULL).tolist(),),
             "boresight_B": (rod_axes[0].tolist(),),

@@ -168,7 +168,23 @@ def test_nothing_changes_an_output_initially_but_what_it_declares(case, tmp_path
 CAUTION = "the interface also stands in for another team's FMU that declares nothing, and whose law may use it"
 TOGETHER = "it changes where all elements go from zero to a rotation at once"
 BORDER = "it decides at the border of a field of view or of the threshold only whether there is a measurement"
+GATE = "it decides at the gate, or at a limit of the deviation only"
+BEGIN = "only in the step in which the filter starts"
 UNSEEN = {
+    "estimator": {
+        (output, element.name): GATE if output in ("rejected", "attitude_valid", "sunlight") else BEGIN
+        for output, inputs in {
+            "rejected": ("omega_B", "b_B", "r_N", "R_NB", "sun_B"),
+            "attitude_valid": ("omega_B", "b_B", "r_N", "R_NB", "sun_B"),
+            "sunlight": ("r_N",),
+            "covariance": ("b_B",),
+            "attitude_sigma_B": ("b_B",),
+            "nis": ("b_B", "r_N", "sun_B"),
+        }.items()
+        for name in inputs
+        for element in load("estimator").variables[f"{name}_measured"].elements
+        if (output, element.name) != ("sunlight", "r_N_measured[1]")
+    },
     **{
         block: {("no_attitude", element_name("R_NB", (i, j))): TOGETHER for i in (1, 2, 3) for j in (1, 2, 3)}
         for block in ("controller", "controller_planned", "plant_judge")
@@ -204,7 +220,7 @@ def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(block
         assert any(element == e and output in (o, "") for o, e in known), f"{element} is seen: take it off the list"
 
 
-POINTS = {"controller_planned": 48, "allocator": 80}
+POINTS = {"controller_planned": 48, "allocator": 80, "estimator": 12}
 
 
 @pytest.mark.parametrize(
