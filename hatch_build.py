@@ -1,6 +1,6 @@
 """Builds wheels: with two import names only, and with the FMUs and the step loop's libraries ready-made.
 
-In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and `fmus`, `plant`,
+In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and `fmus`, `plant`, `estimator`,
 `controller` and `allocator` stand inside `attitude_cosim`, since those names may be anyone's: docs/decisions/0006.
 
 The build backend is hatchling; what compiles the FMUs is asked for when a wheel is built, not for an editable install.

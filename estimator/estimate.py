@@ -85,7 +85,9 @@ def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: fl
         return replace(x, momentum=after)
     r = norm(x.r_N)
     nadir = math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r * x.r_N
-    torques = Torques(p.J_B, p.J_inverse, p.rod_axes.T @ given.dipole, field_N, nadir, wheel)
+    torques = Torques(
+        p.J_B, p.J_inverse, p.wheel_axis / norm(p.wheel_axis), p.rod_axes.T @ given.dipole, field_N, nadir, wheel
+    )
     growth = torques.growth(x.rate, x.momentum)
     R, turn, rate = turn_by_dynamics(x.R, x.rate, x.momentum, torques, h)
     walk = p.momentum_random_walk * p.momentum_random_walk * p.J_inverse @ p.J_inverse.T

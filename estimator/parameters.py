@@ -27,6 +27,7 @@ class Parameters:
     rate_bias_sigma: float
     J_B: Array
     rod_axes: Array
+    wheel_axis: Array
     momentum_random_walk: float
     field_noise: float
     field_bias_sigma: float
@@ -97,7 +98,11 @@ def check(p: Parameters) -> None:
         raise ValueError(f"field_model: expected one of {', '.join(tables.NAMES)}, found {p.field_model!r}")
     if not 1 <= p.field_degree <= tables.DEGREE:
         raise ValueError(f"field_degree: expected 1 to {tables.DEGREE}, found {p.field_degree}")
-    for name, axes in (("rod_axes", p.rod_axes), ("boresight_B", p.boresight_B[None])):
+    for name, axes in (
+        ("rod_axes", p.rod_axes),
+        ("wheel_axis", p.wheel_axis[None]),
+        ("boresight_B", p.boresight_B[None]),
+    ):
         for axis in axes:
             if not abs(norm(axis) - 1.0) <= UNIT_TOLERANCE:
                 raise ValueError(f"{name}: expected unit length, to {UNIT_TOLERANCE:g}, found {norm(axis)}")

@@ -11,8 +11,6 @@ from .so3 import Array, cross, exp, hat
 
 STEP = 0.5
 """Longest step of the integration, s."""
-E1 = np.array((1.0, 0.0, 0.0))
-"""The wheel's axis."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +19,7 @@ class Torques:
 
     J: Array
     J_inverse: Array
+    wheel_axis: Array
     dipole_B: Array
     """A m2"""
     field_N: Array
@@ -31,14 +30,14 @@ class Torques:
     """dl/dt, N m"""
 
     def acceleration(self, R: Array, omega: Array, momentum: float) -> Array:
-        """dω/dt (3,): J dω/dt = (J ω + l e1) × ω + m × Rᵀ B + nadir × J nadir - dl/dt e1."""
+        """dω/dt (3,): J dω/dt = (J ω + l a) × ω + m × Rᵀ B + nadir × J nadir - dl/dt a."""
         nadir, field = R.T @ self.nadir_N, R.T @ self.field_N
-        torque = cross(self.J @ omega + momentum * E1, omega) + cross(self.dipole_B, field)
-        return self.J_inverse @ (torque + cross(nadir, self.J @ nadir) - self.wheel * E1)
+        torque = cross(self.J @ omega + momentum * self.wheel_axis, omega) + cross(self.dipole_B, field)
+        return self.J_inverse @ (torque + cross(nadir, self.J @ nadir) - self.wheel * self.wheel_axis)
 
     def growth(self, omega: Array, momentum: float) -> Array:
         """The derivative (3,3), 1/s, of dω/dt with ω."""
-        return self.J_inverse @ (hat(self.J @ omega + momentum * E1) - hat(omega) @ self.J)
+        return self.J_inverse @ (hat(self.J @ omega + momentum * self.wheel_axis) - hat(omega) @ self.J)
 
 
 def turn_by_gyro(before: Array, now: Array, h: float, since: float) -> Array:

@@ -27,7 +27,7 @@ from .native.fuzzer import build
 
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "coverage"
-CODE = ("plant", "controller", "allocator", "fmus/native/common", "fmus/native/shell")
+CODE = ("plant", "estimator", "controller", "allocator", "fmus/native/common", "fmus/native/shell")
 TESTS = (
     *("allocator/bounded", "controller/planned", "plant/judge"),
     *(

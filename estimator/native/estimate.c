@@ -82,6 +82,7 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
     const Torques torques = {
         .J = law->J,
         .J_inverse = law->J_inverse,
+        .wheel_axis = law->wheel_axis,
         .dipole_B = apply_transposed(law->rod_axes, given->dipole),
         .field_N = field_N,
         .nadir_N = scale(sqrt(3.0 * law->p.gravitational_parameter / (r * r * r)) / r, x->r_N),

@@ -18,17 +18,14 @@ static bool check_choices(const EstimatorParameters *p, Fault *f)
 
 static bool check_vectors(const EstimatorParameters *p, Fault *f)
 {
-    const double length = norm(vector(p->boresight_B));
     if (!is_finite(vector(p->field_error))) {
         return fault(f, "field_error", NAN, "finite numbers");
     }
     if (!is_finite_matrix(matrix(p->rod_field))) {
         return fault(f, "rod_field", NAN, "finite numbers");
     }
-    if (!(fabs(length - 1.0) <= 1e-6)) {
-        return fault(f, "boresight_B", length, "unit length, to 1e-06");
-    }
-    return has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
+    return is_unit_vector(vector(p->boresight_B), "boresight_B", f) && is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
+           has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
 }
 
 bool estimator_check(const EstimatorParameters *p, Fault *f)
@@ -77,5 +74,6 @@ void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
     law->J_inverse = inverse(law->J);
     law->rod_axes = matrix(p->rod_axes);
     law->rod_field = matrix(p->rod_field);
-    law->tracker_axes = axes_about(scale(1.0 / norm(vector(p->boresight_B)), vector(p->boresight_B)));
+    law->wheel_axis = unit_vector(vector(p->wheel_axis));
+    law->tracker_axes = axes_about(unit_vector(vector(p->boresight_B)));
 }

@@ -37,6 +37,8 @@ typedef struct {
     double J_B[3][3];
     /* frame B; Rows: the rods' unit axes u1, u2, u3, for rate_source 'dynamics'; of unit length to 1e-6 */
     double rod_axes[3][3];
+    /* frame B; Unit axis of the wheel, for rate_source 'dynamics'; of unit length to 1e-6 */
+    double wheel_axis[3];
     /* N.m.s; Dynamics: standard deviation that torques which are not modelled give to the momentum in 1 s, in
      * each axis */
     double momentum_random_walk;
@@ -75,7 +77,7 @@ typedef struct {
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
     /* UTC at t = 0, ISO 8601, with the time of day; with Z, +00:00, -00:00 or no zone at its end */
-    char epoch[64];
+    char epoch[128];
     /* Onboard model of the geomagnetic field, at the year of epoch */
     int32_t field_model;
     /* Degree to which the onboard field is evaluated; 1 is a tilted dipole */

@@ -10,18 +10,16 @@ Vector estimator_turn_by_gyro(Vector before, Vector now, double h, double since)
 
 static Vector with_wheel(const Torques *torques, Vector omega, double momentum)
 {
-    const Vector L = apply(torques->J, omega);
-    return (Vector){L.x + momentum, L.y, L.z};
+    return add(apply(torques->J, omega), scale(momentum, torques->wheel_axis));
 }
 
-/* J d omega/dt = (J omega + l e1) x omega + m x B + nadir x J nadir - dl/dt e1. */
+/* J d omega/dt = (J omega + l a) x omega + m x B + nadir x J nadir - dl/dt a. */
 static Vector acceleration(const Torques *torques, Matrix R, Vector omega, double momentum)
 {
     const Vector nadir = apply_transposed(R, torques->nadir_N), field = apply_transposed(R, torques->field_N);
     Vector torque = add(cross(with_wheel(torques, omega, momentum), omega), cross(torques->dipole_B, field));
     torque = add(torque, cross(nadir, apply(torques->J, nadir)));
-    torque.x -= torques->wheel;
-    return apply(torques->J_inverse, torque);
+    return apply(torques->J_inverse, subtract(torque, scale(torques->wheel, torques->wheel_axis)));
 }
 
 Matrix estimator_rate_growth(const Torques *torques, Vector omega, double momentum)

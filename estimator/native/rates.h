@@ -7,6 +7,7 @@
 /* What turns a satellite of inertia J, kg m2, over a step. */
 typedef struct {
     Matrix J, J_inverse;
+    Vector wheel_axis;
     Vector dipole_B, field_N; /* A m2, T */
     Vector nadir_N;           /* sqrt(3 mu/r^3) times the unit position, 1/s */
     double wheel;             /* dl/dt, N m */

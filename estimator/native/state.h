@@ -59,6 +59,7 @@ typedef struct {
     OnboardField field;
     double days; /* of the epoch from 2000-01-01T12:00 */
     Matrix J, J_inverse, rod_axes, rod_field;
+    Vector wheel_axis;
     Matrix tracker_axes; /* rows: two across the boresight, and that */
 } EstimatorLaw;
 

@@ -72,7 +72,7 @@ def test_a_running_fmu_needs_python_and_numpy_only(built_fmus: dict[str, Path], 
     drive = f"""
 import sys
 import fmpy, fmpy.fmi2, lxml.etree, numpy
-blocked = {{"pint", "pygeomag", "ppigrf", "pythonfmu", "ziglang", "scipy", "fmus", "orchestration", "plant", "controller", "allocator"}}
+blocked = {{"pint", "pygeomag", "ppigrf", "pythonfmu", "ziglang", "scipy", "fmus", "orchestration", "plant", "estimator", "controller", "allocator"}}
 class Block:
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in blocked:

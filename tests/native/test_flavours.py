@@ -290,6 +290,7 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
         rate_bias_sigma=rng.uniform(1e-4, 1e-2),
         J_B=inertia(rng),
         rod_axes=_rotation(rng),
+        wheel_axis=_unit(rng),
         field_noise=rng.choice([1e-7, 1e-5]),
         field_bias_sigma=rng.choice([0.0, 1e-6]),
         field_random_walk=rng.choice([0.0, 1e-9]),
