@@ -10,8 +10,8 @@ Around controller_planned_around_at(const Ahead *ahead, double t)
     controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
     const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
-    return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)),
-                    scale(1.0 / r, r_N), ahead->orbit.mu / (r * r * r)};
+    return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
+                    ahead->orbit.mu / (r * r * r)};
 }
 
 Target controller_planned_target_at(const Ahead *ahead, double t)
