@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fmus.interface import Interface, load
+from fmus.native.generate import TEXT_SIZE
 
 from . import driver
 
@@ -17,7 +18,7 @@ from . import driver
 @cache
 def record(block: str, causality: Literal["parameter", "input", "output"]) -> Any:
     """The C structure of the block's ports."""
-    kinds: dict[str, Any] = {"real": c_double, "boolean": c_bool, "string": c_char * 64}
+    kinds: dict[str, Any] = {"real": c_double, "boolean": c_bool, "string": c_char * TEXT_SIZE}
     fields = []
     for v in load(block).of(causality):
         kind = kinds.get(v.type, c_int32)
