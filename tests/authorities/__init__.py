@@ -6,7 +6,18 @@ from importlib import import_module
 
 from .registry import REGISTRY, Authority
 
-MODULES = ("torque_free", "orekit", "basilisk", "libration", "structure", "integrator", "field", "density", "orbits")
+MODULES = (
+    "torque_free",
+    "orekit",
+    "basilisk",
+    "libration",
+    "structure",
+    "integrator",
+    "field",
+    "density",
+    "orbits",
+    "sun",
+)
 
 
 def load() -> list[Authority]:
