@@ -27,6 +27,7 @@ from .flight import make as flights
 from .flight.tune import search
 from .momentum_bound import balance
 from .reproduction import make as paper
+from .sensors import make as sensor_figures
 from .setup import read
 from .sizing import setup_of, study, table
 
@@ -164,6 +165,12 @@ def sizing(
         say(f"written: {out}")
     if found.sizing.torque_max > found.sizing.wish.torque:
         ctx.exit(IMPOSSIBLE)
+
+
+@main.command()
+def sensors() -> None:
+    """Make the figures of docs/sensors.md: an eclipse, and the Allan deviation of gyros."""
+    say(f"written: {sensor_figures()}")
 
 
 @main.command()
