@@ -59,7 +59,7 @@ def regenerate(folder: Path) -> list[Path]:
 
 def firmware() -> list[Path]:
     """The C of every device: the protocol, and boards."""
-    paths = [p for p in sorted(link.FIRMWARE.glob("*.[ch]")) if p.name != "of_block.c"]
+    paths = [p for p in sorted(link.FIRMWARE.iterdir()) if p.suffix in (".c", ".h", ".ld") and p.name != "of_block.c"]
     return [*paths, link.NATIVE / "frame.c", link.NATIVE / "frame.h", COMMON / "fault.h"]
 
 

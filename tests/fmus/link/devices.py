@@ -28,12 +28,12 @@ def program(block: str) -> Path:
     """A device that answers with a native block's own code, and with the arithmetic that its FMU has."""
     with tempfile.TemporaryDirectory() as folder:
         generated = Path(folder)
-        sources, includes = _laid_out(block, generated)
+        sources, includes = laid_out(block, generated)
         made_of = [compiler(), *FLAGS, *sources, *includes, link.FIRMWARE, link.NATIVE, FREESTANDING]
         return kept(f"{block}_device", made_of, lambda path: _build(sources, includes, path))
 
 
-def _laid_out(block: str, generated: Path) -> tuple[list[Path], list[Path]]:
+def laid_out(block: str, generated: Path) -> tuple[list[Path], list[Path]]:
     """The C of the block as a device, without a board."""
     own, folders = native.lay_out(load(block), folder_of(block), "{}", generated)
     sources = [path for path in own if path.parent != native.SHELL and path.name != "table.c"]
