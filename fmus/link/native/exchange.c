@@ -39,6 +39,8 @@ static void lose(Link *link)
 {
     line_close(&link->line);
     link->greeted = false;
+    link->reason[0] = '\0';
+    append(link->reason, sizeof link->reason, "the line is closed or blocked at the other end");
 }
 
 void link_hang_up(Link *link)
@@ -80,8 +82,6 @@ LinkEnd link_poll(Link *link, double until, LinkFrame *frame, Fault *f)
             link->count = link->next = 0;
             const int some = line_receive(&link->line, link->bytes, sizeof link->bytes, until);
             if (some < 0) {
-                link->reason[0] = '\0';
-                append(link->reason, sizeof link->reason, "the line is closed at the other end");
                 lose(link);
             }
             if (some <= 0 || line_now() > until + BEYOND) {

@@ -261,7 +261,7 @@ def test_an_unplugged_serial_line_stops_the_run_at_once():
         flown(block, 5)
         unplug()
         begin = time.monotonic()
-        with pytest.raises(Refused, match="found 'the line is closed at the other end'"):
+        with pytest.raises(Refused, match="found 'the line is closed or blocked at the other end'"):
             block.step(5 * H, H)
         assert time.monotonic() - begin < 1.0
 
