@@ -46,7 +46,7 @@ def astropy_sun(dates: list[datetime]) -> np.ndarray:
     "Apparent direction from the Earth's centre, 400 dates from 1975 to 2026: largest difference",
     source="astropy, get_sun",
     needs="astropy:astropy",
-    tolerance=0.01,
+    tolerance=0.005,
     unit="deg",
 )
 def sun_direction() -> float:
