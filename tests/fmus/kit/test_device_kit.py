@@ -74,7 +74,7 @@ def test_the_bench_finds_our_own_block_on_a_device_as_expected(c_kit):
 
 
 @posix
-def test_the_bench_refuses_a_device_of_another_interface_and_one_that_is_silent(c_kit):
+def test_the_bench_refuses_a_device_of_another_interface(c_kit):
     port = devices.free_port()
     with devices.running("allocator", "udp", port):
         run = bench(c_kit, "udp", f"127.0.0.1:{port}")
@@ -82,8 +82,6 @@ def test_the_bench_refuses_a_device_of_another_interface_and_one_that_is_silent(
         1,
         f"udp 127.0.0.1:{port}: the device is built for the interface allocator; expected controller\n",
     )
-    run = bench(c_kit, "udp", "127.0.0.1:9")
-    assert (run.returncode, run.stderr) == (1, "udp 127.0.0.1:9: expected an answer within 2 s, found none\n")
 
 
 def _for_a_board(folder: Path, compiler: list[str], objects: Path) -> list[str]:

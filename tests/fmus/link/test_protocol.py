@@ -176,6 +176,18 @@ def test_the_bench_plays_a_vector_and_names_what_differs(tmp_path, capsys):
         )
 
 
+def test_the_bench_does_not_wait_for_ever(tmp_path, monkeypatch):
+    class Dead(Inside):
+        def send(self, data: bytes) -> None:
+            pass
+
+    monkeypatch.setattr(bench, "WAIT", 0.01)
+    (tmp_path / "parameters.csv").write_text("name,value\n")
+    (tmp_path / "vector.csv").write_text("time,demand\n0.0,3.0\n")
+    with pytest.raises(bench.Failed, match=re.escape("expected an answer within 0.04 s, found none")):
+        bench.compare(PORTS, tmp_path, Dead(lamp()))
+
+
 def test_the_kit_s_python_ports_are_those_of_the_interface():
     scope: dict = {}
     exec(linked.python_ports(load("plant")).replace("from link.device", "from fmus.link.device"), scope)
