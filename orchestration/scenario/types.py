@@ -87,7 +87,7 @@ Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 
 class Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 Flavour = Literal["native", "python"]
