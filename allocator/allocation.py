@@ -1,8 +1,8 @@
-"""Partition of a torque over one wheel on body +X and three magnetic rods [14]-[24].
+"""Partition of a torque over one wheel and three magnetic rods [14]-[24].
 
 The rods can only turn the body across the field, so the wheel supplies the demand's part along it; the
 rods supply the rest with the least dipole. b_hat_B is the paper's b, the field's unit vector in body axes, and
-B the field's strength, T; U (3,3) has the rods' unit axes u_i as rows.
+B the field's strength, T; U (3,3) has the rods' unit axes u_i as rows; axis (3,) is the wheel's unit axis, the paper's e1.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import numpy as np
 
 from .vector import Array, cross, norm
 
+E1 = np.array((1.0, 0.0, 0.0))
+"""The wheel's axis in the paper."""
 FIELD_MIN = 1e-12
 """T. A field below a thousandth of a nanotesla has no direction to allocate by."""
 B_WHEEL_MIN = 1e-9
@@ -33,26 +35,24 @@ def field(b_B: Array) -> tuple[float, Array]:
     return B, b_B * (1.0 / B)
 
 
-def wheel_reaction(dh_w: float, h_w: float, omega_B: Array) -> Array:
+def wheel_reaction(dh_w: float, h_w: float, omega_B: Array, axis: Array = E1) -> Array:
     """Torque of the wheel on the body [14]: tau_RW = -(dl_w/dt e1 + l_w Omega x e1), (3,) N m.
 
     dh_w the torque on the rotor dl_w/dt, N m; h_w its momentum l_w, N m s; omega_B (3,) rad/s.
     """
-    _, Omega2, Omega3 = omega_B.tolist()
-    return np.array((-dh_w, -Omega3 * h_w, Omega2 * h_w))
+    return -dh_w * axis - h_w * cross(omega_B, axis)
 
 
-def wheel_torque(tau_B: Array, b_hat_B: Array, omega_B: Array, h_w: float) -> float:
+def wheel_torque(tau_B: Array, b_hat_B: Array, omega_B: Array, h_w: float, axis: Array = E1) -> float:
     """Wheel torque that supplies the demand's part along the field [20], dl_w/dt in N m.
 
-    dl_w/dt = -(tau . b + Omega3 l_w b2 - Omega2 l_w b3)/b1
+    dl_w/dt = -(tau . b + l_w (Omega x e1) . b)/(e1 . b)
 
     tau_B (3,) N m, omega_B (3,) rad/s, h_w N m s. With the field normal to the wheel (|b1| below B_WHEEL_MIN)
     it is 0 where nothing is wanted along the field; otherwise raises Singular.
     """
-    b1, b2, b3 = b_hat_B.tolist()
-    _, Omega2, Omega3 = omega_B.tolist()
-    along_field = float(tau_B @ b_hat_B) + Omega3 * h_w * b2 - Omega2 * h_w * b3
+    b1 = float(b_hat_B @ axis)
+    along_field = float(tau_B @ b_hat_B) + h_w * float(cross(omega_B, axis) @ b_hat_B)
     if along_field == 0.0:
         return 0.0
     if abs(b1) < B_WHEEL_MIN:
@@ -107,15 +107,15 @@ def least_dipole(tau_MT: Array, tau_B: Array, B: float, b_hat_B: Array, U: Array
     return y_n * A_n + y_c * A_c
 
 
-def allocate(tau_B: Array, b_B: Array, omega_B: Array, h_w: float, U: Array) -> tuple[Array, float]:
+def allocate(tau_B: Array, b_B: Array, omega_B: Array, h_w: float, U: Array, axis: Array = E1) -> tuple[Array, float]:
     """Dipoles (3,) A m2 along the rods and wheel torque dl_w/dt, N m, that together give tau_B on the body.
 
     tau_B (3,) N m, b_B (3,) T, omega_B (3,) rad/s, h_w N m s. No limit acts here.
     Raises Singular where the field, the wheel or the rods leave the allocation undefined.
     """
     B, b_hat_B = field(b_B)
-    dh_w = wheel_torque(tau_B, b_hat_B, omega_B, h_w)
-    tau_RW = wheel_reaction(dh_w, h_w, omega_B)
+    dh_w = wheel_torque(tau_B, b_hat_B, omega_B, h_w, axis)
+    tau_RW = wheel_reaction(dh_w, h_w, omega_B, axis)
     tau_MT = tau_B - tau_RW
     return least_dipole(tau_MT, tau_B, B, b_hat_B, U), dh_w
 
@@ -138,6 +138,7 @@ def achieved(
     dipole_max: float,
     wheel_torque_max: float,
     wheel_momentum_max: float,
+    axis: Array = E1,
 ) -> Array:
     """Torque (3,) N m on the body of these commands once each actuator has met its limits.
 
@@ -147,4 +148,4 @@ def achieved(
     turning = min(max(dh_w, -wheel_torque_max), wheel_torque_max)
     if abs(h_w) >= wheel_momentum_max and turning * h_w > 0.0:
         turning = 0.0
-    return rod_torque(given, U, b_B) + wheel_reaction(turning, h_w, omega_B)
+    return rod_torque(given, U, b_B) + wheel_reaction(turning, h_w, omega_B, axis)

@@ -14,7 +14,7 @@ from .hold import Commands
 from .vector import Array, norm
 
 UNIT_TOLERANCE = 1e-6
-"""max ||u_i| - 1| of rod_axes."""
+"""max ||u| - 1| of the axes of rods and wheel."""
 INDEPENDENT_MIN = 1e-6
 """|det U| below which the rods count as lying in one plane."""
 
@@ -23,6 +23,7 @@ INDEPENDENT_MIN = 1e-6
 class Parameters:
     rod_axes: Array
     dipole_max: float
+    wheel_axis: Array
     wheel_torque_max: float
     wheel_momentum_max: float
     hold_fraction: float
@@ -31,6 +32,11 @@ class Parameters:
     def U(self) -> Array:
         """rod_axes with unit rows."""
         return self.rod_axes / np.linalg.norm(self.rod_axes, axis=1, keepdims=True)
+
+    @cached_property
+    def axis(self) -> Array:
+        """wheel_axis of unit length: the paper's e1."""
+        return self.wheel_axis / np.linalg.norm(self.wheel_axis)
 
 
 @dataclass(frozen=True)
@@ -77,6 +83,10 @@ def check(p: Parameters) -> None:
             f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
             f"found {volume:.3g}: {p.rod_axes.tolist()}"
         )
+    if not abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
+        raise ValueError(
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {p.wheel_axis.tolist()}"
+        )
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
@@ -94,13 +104,13 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """The allocation [14]-[24] of the demand, or what x remembers while it is held."""
     _require_finite(u)
     try:
-        wanted = Commands(*allocate(u.tau_cmd_B, u.b_B, u.omega_B, u.h_w, p.U))
+        wanted = Commands(*allocate(u.tau_cmd_B, u.b_B, u.omega_B, u.h_w, p.U, p.axis))
         fraction = min(demand_fraction(*wanted, p.dipole_max, p.wheel_torque_max), hold.FRACTION_CAP)
     except Singular:
         wanted, fraction = hold.NONE, hold.FRACTION_CAP
     given, holding = hold.choose(fraction, p.hold_fraction, wanted, Commands(x.dipole, x.wheel_torque))
     tau_achieved = achieved(
-        *given, u.b_B, u.omega_B, u.h_w, p.U, p.dipole_max, p.wheel_torque_max, p.wheel_momentum_max
+        *given, u.b_B, u.omega_B, u.h_w, p.U, p.dipole_max, p.wheel_torque_max, p.wheel_momentum_max, p.axis
     )
     return Outputs(
         dipole_cmd=given.dipole,
@@ -108,7 +118,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         holding=holding,
         demand_fraction=fraction,
         tau_residual_B=u.tau_cmd_B - tau_achieved,
-        b_wheel=_b_wheel(u.b_B),
+        b_wheel=_b_wheel(u.b_B, p.axis),
     )
 
 
@@ -122,10 +132,10 @@ def _remember(t: float, y: Outputs) -> State:
     return State(t, y.dipole_cmd, y.wheel_torque_cmd, y.holding)
 
 
-def _b_wheel(b_B: Array) -> float:
-    """b1, the component of the field's unit vector along the wheel's axis e1; 0 without a field."""
+def _b_wheel(b_B: Array, axis: Array) -> float:
+    """The component of the field's unit vector along the wheel's axis (the paper's b1); 0 without a field."""
     B = norm(b_B)
-    return float(b_B[0]) / B if B >= FIELD_MIN else 0.0
+    return float(b_B @ axis) / B if B >= FIELD_MIN else 0.0
 
 
 def _require_finite(u: Inputs) -> None:

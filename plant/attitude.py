@@ -1,14 +1,14 @@
 """Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat.
 
-One step of length h takes the attitude R and the body momentum Pi = J Omega + l_w e1 [12] along
+One step of length h takes the attitude R and the body momentum Pi = J Omega + l_w u [12], u the wheel's axis (the paper's e1), along
 [1] and [13]. From the discrete Lagrangian
 
-    L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(e1^ F),     R+ = R F,     J_d = 1/2 tr(J) I - J,
+    L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F),     R+ = R F,     J_d = 1/2 tr(J) I - J,
 
 with lm the mean wheel momentum over the step and a = h (Pi + h/2 M(t)), the Cayley vector f of F
 solves
 
-    (a - p) + a x f + ((a + p).f) f - 2 J f = 0,        p = h lm e1,
+    (a - p) + a x f + ((a + p).f) f - 2 J f = 0,        p = h lm u,
 
 and then Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h). The wheel's torque is internal: it appears in lm
 only, so R Pi is kept to rounding without external moments, whatever the wheel does. R is never
@@ -48,10 +48,11 @@ COMPOSITIONS: dict[int, tuple[float, ...]] = {2: (1.0,), 4: _suzuki4(), 6: _yosh
 
 @dataclass(frozen=True)
 class Body:
-    """What the integrator knows of the satellite: its inertia J (3,3), kg m2, with the wheel locked."""
+    """What the integrator knows of the satellite: its inertia J (3,3), kg m2, with the wheel locked, and the wheel's unit axis (3,)."""
 
     J: Array
     J_inverse: Array
+    wheel_axis: Array
     rate_dependent: bool = False
     """Whether the moment depends on Omega: then the second half kick is solved implicitly."""
 
@@ -76,7 +77,7 @@ def lgvi_step(
     F = cayley(_solve_cayley(h * kicked, h * wheel_mean, body))
     R_next = R @ F
     Pi_free = F.T @ kicked
-    wheel = np.array((wheel_end, 0.0, 0.0))
+    wheel = wheel_end * body.wheel_axis
     # Explicit unless the moment depends on Omega; then the fixed point contracts like h/2 |dM/dOmega| / J.
     Pi_next = Pi_free
     for _ in range(50 if body.rate_dependent else 1):
@@ -87,9 +88,9 @@ def lgvi_step(
     return R_next, Pi_next, moment_end
 
 
-def _solve_cayley(a: Array, p1: float, body: Body) -> Array:
-    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = (p1, 0, 0), by Newton's method."""
-    p = np.array((p1, 0.0, 0.0))
+def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
+    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method."""
+    p = lm * body.wheel_axis
     difference, total = a - p, a + p
     f = 0.5 * (body.J_inverse @ difference)
     a_hat = hat(a)

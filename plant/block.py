@@ -44,8 +44,8 @@ class State:
     """Of the rods over the last step, A m2."""
 
     def Omega(self, p: Parameters) -> Array:
-        """Body rate (3,), rad/s: J^-1 (Pi - l_w e1)."""
-        return p.body.J_inverse @ (self.Pi - np.array((self.l_w, 0.0, 0.0)))
+        """Body rate (3,), rad/s: J^-1 (Pi - l_w u), u the wheel's axis."""
+        return p.body.J_inverse @ (self.Pi - self.l_w * p.body.wheel_axis)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Outputs:
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0."""
-    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + np.array((p.h_w0, 0.0, 0.0)), l_w=p.h_w0)
+    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + p.h_w0 * p.body.wheel_axis, l_w=p.h_w0)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
@@ -120,7 +120,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, t: float) -> tuple[Array, Array]:
     """The composed integrator over a part of a step in which the wheel moves smoothly."""
     s = 0.0
-    wheel = np.array((part.l_start, 0.0, 0.0))
+    wheel = part.l_start * p.body.wheel_axis
     tau = moment(R, t, p.body.J_inverse @ (Pi - wheel))
     for share in COMPOSITIONS[p.integrator_order]:
         h = share * part.duration

@@ -38,6 +38,7 @@ class Parameters:
     J_B: Array
     J_error_B: Array
     wheel_inertia: float
+    wheel_axis: Array
     wheel_momentum_max: float
     wheel_torque_max: float
     wheel_viscous_friction: float
@@ -84,7 +85,8 @@ class Parameters:
     @cached_property
     def body(self) -> Body:
         J = self.J_B + self.J_error_B
-        return Body(J=J, J_inverse=np.asarray(np.linalg.inv(J), dtype=np.float64))
+        axis = self.wheel_axis / np.linalg.norm(self.wheel_axis)
+        return Body(J=J, J_inverse=np.asarray(np.linalg.inv(J), dtype=np.float64), wheel_axis=axis)
 
     @cached_property
     def wheel(self) -> Wheel:
@@ -227,6 +229,10 @@ def check(p: Parameters) -> None:
     lengths = np.linalg.norm(p.rod_axes, axis=1)
     if np.abs(lengths - 1.0).max() > 1e-6:
         raise ValueError(f"rod_axes has rows of length {lengths.tolist()}; expected unit vectors, to 1e-6")
+    if abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) > 1e-6:
+        raise ValueError(
+            f"wheel_axis is {p.wheel_axis.tolist()}, of length {length:.9g}; expected a unit vector, to 1e-6"
+        )
     if not ((p.rod_gain >= 0.0) & (p.rod_gain <= ROD_GAIN_MAX)).all():
         raise ValueError(f"rod_gain is {p.rod_gain.tolist()}; expected 0 to {ROD_GAIN_MAX:g}")
     if not (p.rod_period == 0.0 or p.rod_period >= ROD_PERIOD_MIN):

@@ -1,7 +1,7 @@
 """The allocation as a weighted least squares problem in the actuators' limits.
 
-minimise |R m - d e1 - r|^2 + w_r^2 |m - m_p|^2 + w_w^2 (d - d_p)^2 over dipoles m (3,) A m2 and wheel torque d = dl_w/dt, N m,
-with R = [u1 x b_B, u2 x b_B, u3 x b_B] and r the demand without the torque of the spinning wheel. Since R turns no
+minimise |R m - d a - r|^2 + w_r^2 |m - m_p|^2 + w_w^2 (d - d_p)^2 over dipoles m (3,) A m2 and wheel torque d = dl_w/dt, N m,
+a the wheel's axis, with R = [u1 x b_B, u2 x b_B, u3 x b_B] and r the demand without the torque of the spinning wheel. Since R turns no
 moment along the field into torque, the preference m_p, d_p decides there, and it may cost a little torque elsewhere.
 """
 
@@ -51,10 +51,11 @@ def rod_matrix(b_B: Array, U: Array) -> Array:
     return np.array(((0.0, b3, -b2), (-b3, 0.0, b1), (b2, -b1, 0.0))) @ U.T
 
 
-def spin_torque(omega_B: Array, h_w: float) -> Array:
-    """Torque on the turning body of a wheel that spins without torque, -l_w Omega x e1, (3,) N m [14]."""
-    _, Omega2, Omega3 = omega_B.tolist()
-    return np.array((0.0, -Omega3 * h_w, Omega2 * h_w))
+def spin_torque(omega_B: Array, h_w: float, axis: Array) -> Array:
+    """Torque on the turning body of a wheel that spins without torque, -l_w Omega x a, (3,) N m [14]; a: unit axis (3,)."""
+    O1, O2, O3 = omega_B.tolist()
+    a1, a2, a3 = axis.tolist()
+    return np.array((h_w * (O3 * a2 - O2 * a3), h_w * (O1 * a3 - O3 * a1), h_w * (O2 * a1 - O1 * a2)))
 
 
 def limits(h_w: float, period: float, dipole_max: float, torque_max: float, momentum_max: float) -> Limits:
@@ -67,8 +68,8 @@ def limits(h_w: float, period: float, dipole_max: float, torque_max: float, mome
     return Limits(dipole_max, low, high, torque_max)
 
 
-def allocate(r: Array, R: Array, limit: Limits, preference: Preference) -> Allocated:
-    """The commands that give r (3,) N m by R (3,3) and the wheel, as nearly as the limits and the preference let them.
+def allocate(r: Array, R: Array, axis: Array, limit: Limits, preference: Preference) -> Allocated:
+    """The commands that give r (3,) N m by R (3,3) and the wheel on its unit axis (3,), as nearly as the limits and the preference let them.
 
     A preference beyond a limit counts as the limit.
     """
@@ -80,7 +81,7 @@ def allocate(r: Array, R: Array, limit: Limits, preference: Preference) -> Alloc
     weights = np.array((w_r, w_r, w_r, w_w)) * scale
     A = np.zeros((7, 4))
     A[:3, :3] = R * limit.dipole
-    A[0, 3] = -limit.wheel_torque
+    A[:3, 3] = -limit.wheel_torque * axis
     A[range(3, 7), range(4)] = weights
     y = np.concatenate((r, weights * np.clip(wanted, low, high)))
     x, free = least_squares(A, y, low, high)

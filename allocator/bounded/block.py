@@ -12,7 +12,7 @@ from .allocation import Allocated, Preference, allocate, limits, rod_matrix, spi
 from .box import Array
 
 UNIT_TOLERANCE = 1e-6
-"""max ||u_i| - 1| of rod_axes."""
+"""max ||u| - 1| of the axes of rods and wheel."""
 INDEPENDENT_MIN = 1e-6
 """|det U| below which the rods count as lying in one plane."""
 FIELD_MIN = 1e-12
@@ -29,6 +29,7 @@ FRACTION_CAP = 1e6
 class Parameters:
     rod_axes: Array
     dipole_max: float
+    wheel_axis: Array
     wheel_torque_max: float
     wheel_momentum_max: float
     command_period: float
@@ -41,6 +42,11 @@ class Parameters:
     def U(self) -> Array:
         """rod_axes with unit rows."""
         return self.rod_axes / np.linalg.norm(self.rod_axes, axis=1, keepdims=True)
+
+    @cached_property
+    def axis(self) -> Array:
+        """wheel_axis of unit length."""
+        return self.wheel_axis / np.linalg.norm(self.wheel_axis)
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,10 @@ def check(p: Parameters) -> None:
             f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
             f"found {volume:.3g}: {p.rod_axes.tolist()}"
         )
+    if not abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
+        raise ValueError(
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {p.wheel_axis.tolist()}"
+        )
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max", "command_period", "desaturation_time"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
@@ -104,9 +114,9 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     _require_finite(u)
     B = math.hypot(*u.b_B.tolist())
     R = rod_matrix(u.b_B, p.U) if B >= FIELD_MIN else np.zeros((3, 3))
-    spin = spin_torque(u.omega_B, u.h_w)
+    spin = spin_torque(u.omega_B, u.h_w, p.axis)
     limit = limits(u.h_w, p.command_period, p.dipole_max, p.wheel_torque_max, p.wheel_momentum_max)
-    given = allocate(u.tau_cmd_B - spin, R, limit, _preference(u, p, B >= FIELD_MIN))
+    given = allocate(u.tau_cmd_B - spin, R, p.axis, limit, _preference(u, p, B >= FIELD_MIN))
     if not math.isfinite(sum(given.dipole.tolist()) + given.wheel_torque):
         given = Allocated(np.zeros(3), 0.0, math.inf)  # inputs so large that their products overflow
     return Outputs(
@@ -114,8 +124,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         wheel_torque_cmd=given.wheel_torque,
         holding=False,
         demand_fraction=given.fraction if given.fraction < FRACTION_CAP else FRACTION_CAP,
-        tau_residual_B=u.tau_cmd_B - (R @ given.dipole + spin - np.array((given.wheel_torque, 0.0, 0.0))),
-        b_wheel=float(u.b_B[0]) / B if B >= FIELD_MIN else 0.0,
+        tau_residual_B=u.tau_cmd_B - (R @ given.dipole + spin - given.wheel_torque * p.axis),
+        b_wheel=float(u.b_B @ p.axis) / B if B >= FIELD_MIN else 0.0,
     )
 
 

@@ -17,7 +17,8 @@ bool allocator_check(const AllocatorParameters *p, Fault *f)
     const Named limits[] = {{"dipole_max", p->dipole_max},
                             {"wheel_torque_max", p->wheel_torque_max},
                             {"wheel_momentum_max", p->wheel_momentum_max}};
-    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !all_positive(limits, COUNT(limits), f)) {
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
+        !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) || !all_positive(limits, COUNT(limits), f)) {
         return false;
     }
     if (!(p->hold_fraction > 0.0 && p->hold_fraction <= 1.0)) {
@@ -30,12 +31,13 @@ void allocator_prepare(const AllocatorParameters *p, AllocatorLaw *law)
 {
     law->p = *p;
     store_matrix(with_unit_rows(matrix(p->rod_axes)), law->U);
+    store(unit_vector(vector(p->wheel_axis)), law->axis);
 }
 
 /* tau_RW = -(dl_w/dt e1 + l_w Omega x e1) [14], N m on the body. */
-static Vector wheel_reaction(double dh_w, double h_w, Vector Omega)
+static Vector wheel_reaction(Vector axis, double dh_w, double h_w, Vector Omega)
 {
-    return (Vector){-dh_w, -Omega.z * h_w, Omega.y * h_w};
+    return subtract(scale(-dh_w, axis), scale(h_w, cross(Omega, axis)));
 }
 
 /* Some vector across the field: the demand's own part [21], or, where it has none, that of the body axis most nearly
@@ -52,9 +54,10 @@ static Vector across_field(Vector tau, Vector b)
 }
 
 /* Commands that together give tau on the body, no limit acting; false where the allocation is singular. */
-static bool allocate(Matrix U, const AllocatorInputs *u, Commands *commands)
+static bool allocate(const AllocatorLaw *law, const AllocatorInputs *u, Commands *commands)
 {
-    const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B);
+    const Matrix U = matrix(law->U);
+    const Vector axis = vector(law->axis), tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B);
     const double B = norm(b_B);
     if (B < FIELD_MIN) {
         return false;
@@ -62,14 +65,15 @@ static bool allocate(Matrix U, const AllocatorInputs *u, Commands *commands)
     const Vector b = scale(1.0 / B, b_B);
 
     /* Wheel: the demand's part along the field [20]. Normal to the wheel, it can only give nothing. */
-    const double along = dot(tau, b) + Omega.z * u->h_w * b.y - Omega.y * u->h_w * b.z;
-    if (along != 0.0 && fabs(b.x) < B_WHEEL_MIN) {
+    const Vector spin = scale(u->h_w, cross(Omega, axis));
+    const double along = dot(tau, b) + spin.x * b.x + spin.y * b.y + spin.z * b.z, b_wheel = dot(b, axis);
+    if (along != 0.0 && fabs(b_wheel) < B_WHEEL_MIN) {
         return false;
     }
-    const double dh_w = along != 0.0 ? -along / b.x : 0.0;
+    const double dh_w = along != 0.0 ? -along / b_wheel : 0.0;
 
     /* Rods: the rest, which lies across the field, with the least dipole [24]. */
-    const Vector tau_MT = subtract(tau, wheel_reaction(dh_w, u->h_w, Omega));
+    const Vector tau_MT = subtract(tau, wheel_reaction(axis, dh_w, u->h_w, Omega));
     const Vector across = across_field(tau, b);
     const Vector n = scale(1.0 / norm(across), across);
     const Vector c = cross(b, n);
@@ -111,7 +115,7 @@ static Vector achieved(const AllocatorLaw *law, const AllocatorInputs *u, const 
         dh_w = 0.0;
     }
     const Vector rods = cross(apply_transposed(matrix(law->U), dipole), vector(u->b_B)); /* [16] to [18] */
-    return add(rods, wheel_reaction(dh_w, u->h_w, vector(u->omega_B)));
+    return add(rods, wheel_reaction(vector(law->axis), dh_w, u->h_w, vector(u->omega_B)));
 }
 
 bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y,
@@ -124,7 +128,7 @@ bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const A
     }
 
     Commands wanted = {{0.0, 0.0, 0.0}, 0.0};
-    const bool regular = allocate(matrix(law->U), u, &wanted);
+    const bool regular = allocate(law, u, &wanted);
     const double fraction = regular ? demand_fraction(&wanted, &law->p) : FRACTION_CAP;
     const bool holding = !(fraction < law->p.hold_fraction);
     const Commands held = {vector(x->dipole), x->wheel_torque};
@@ -137,7 +141,7 @@ bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const A
     y->holding = holding;
     y->demand_fraction = fraction;
     store(subtract(vector(u->tau_cmd_B), achieved(law, u, &given)), y->tau_residual_B);
-    y->b_wheel = B < FIELD_MIN ? 0.0 : b_B.x / B;
+    y->b_wheel = B < FIELD_MIN ? 0.0 : dot(b_B, vector(law->axis)) / B;
     return true;
 }
 

@@ -22,6 +22,7 @@ typedef struct {
 typedef struct {
     AllocatorParameters p;
     double U[3][3]; /* rows: the rods' unit axes */
+    double axis[3]; /* of the wheel, unit: the paper's e1 */
 } AllocatorLaw;
 
 bool allocator_check(const AllocatorParameters *p, Fault *f);

@@ -19,7 +19,7 @@ static const Composition order_6 = {7, {Y3, Y2, Y1, 1.0 - 2.0 * (Y1 + Y2 + Y3), 
 /* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. */
 static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
 {
-    const Vector difference = {a.x - p, a.y, a.z}, total = {a.x + p, a.y, a.z};
+    const Vector wheel = scale(p, body->wheel_axis), difference = subtract(a, wheel), total = add(a, wheel);
     const Matrix J2 = body->J_twice;
     *f = scale(0.5, apply(body->J_inverse, difference));
     for (int i = 0; i < 20; ++i) {
@@ -65,7 +65,7 @@ bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *mo
         Vector turn;
         if (!solve_cayley(body, scale(h, kicked), p, &turn)) {
             const Vector a = scale(h, kicked);
-            return fault(f, "step_max", norm(apply(body->J_inverse, (Vector){a.x - p, a.y, a.z})),
+            return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, scale(p, body->wheel_axis)))),
                          "a turn below about 1 rad in an internal step, so that the attitude step converges");
         }
         const Matrix F = cayley(turn);

@@ -1,8 +1,8 @@
 /* Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat, and its symmetric compositions.
  *
- * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(e1^ F), R+ = R F, with Pi = J Omega + l_w e1 [12],
+ * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F), R+ = R F, with Pi = J Omega + l_w u [12], u the wheel's axis (the paper's e1),
  * lm the mean of l_w over the step and a = h (Pi + h/2 M(t)), the Cayley vector f of F solves
- *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h lm e1,   and then   Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
+ *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h lm u,   and then   Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
  * The wheel's torque is internal: R Pi is kept to rounding whatever the wheel does. R is never reprojected.
  * Unforced: Lee, Leok and McClamroch, IEEE CCA 2005. Order 4: Suzuki 1990; order 6: Yoshida 1990, solution A. */
 #ifndef PLANT_ATTITUDE_H
@@ -17,6 +17,7 @@ typedef Vector Moment(void *context, const Matrix *R, double t);
 
 typedef struct {
     Matrix J, J_inverse, J_twice; /* kg m2, wheel locked */
+    Vector wheel_axis;            /* unit */
 } Body;
 
 typedef struct {

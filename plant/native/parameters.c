@@ -118,7 +118,7 @@ bool plant_check(const PlantParameters *p, Fault *f)
     Epoch date;
     Orbit orbit;
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_inertia(inertia(p), "J_B + J_error_B", f) ||
-        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f)) {
+        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f)) {
         return false;
     }
     static const char *const gains[] = {"rod_gain[1]", "rod_gain[2]", "rod_gain[3]"};
@@ -185,7 +185,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 
     plant->p = *p;
     const Matrix J = inertia(p);
-    plant->body = (Body){J, inverse(J), {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}};
+    plant->body = (Body){J, inverse(J), {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}, unit_vector(vector(p->wheel_axis))};
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));

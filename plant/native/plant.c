@@ -18,7 +18,7 @@ bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fau
     const double l_w = plant->p.h_w0;
     *x = (PlantState){.t = 0.0, .l_w = l_w};
     store_matrix(plant->R_NB0, x->R);
-    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), (Vector){l_w, 0.0, 0.0}), x->Pi);
+    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), scale(l_w, plant->body.wheel_axis)), x->Pi);
     return true;
 }
 
@@ -165,7 +165,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const PlantParameters *p = &plant->p;
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
-    const Vector Omega = apply(plant->body.J_inverse, (Vector){Pi.x - x->l_w, Pi.y, Pi.z});
+    const Vector Omega = apply(plant->body.J_inverse, subtract(Pi, scale(x->l_w, plant->body.wheel_axis)));
     const Loads *loads = loads_at(plant, &R, x->t);
     const OrbitState motion = plant_motion_at(&plant->environment.orbit, x->t);
     const Vector dipole = plant_rod_dipoles(p, u, plant_turn_at(p, x->t).on), H_N = apply(R, Pi);

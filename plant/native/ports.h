@@ -36,8 +36,10 @@ typedef struct {
     double J_B[3][3];
     /* kg.m2; frame B; Difference of the true inertia from J_B: the plant moves with J_B + J_error_B */
     double J_error_B[3][3];
-    /* kg.m2; Inertia of the wheel about its axis, body +X */
+    /* kg.m2; Inertia of the wheel about wheel_axis */
     double wheel_inertia;
+    /* frame B; Unit axis of the wheel; of unit length to 1e-6 (normalised on use) */
+    double wheel_axis[3];
     /* N.m.s; Largest |h_w| of the wheel */
     double wheel_momentum_max;
     /* N.m; Largest torque of the wheel's motor */
@@ -170,8 +172,8 @@ typedef struct {
     double wheel_torque;
     /* rad/s; Wheel speed relative to the body */
     double wheel_speed;
-    /* N.m.s; frame N; Total angular momentum R (J Omega + l_w e1) [12]; constant without external moments,
-     * for every motion of the wheel */
+    /* N.m.s; frame N; Total angular momentum R (J Omega + l_w wheel_axis) [12]; constant without external
+     * moments, for every motion of the wheel */
     double H_N[3];
     /* J; 1/2 Omega.J Omega + U(R) - omega_o.(R Pi): conserved on a circular orbit under gravity gradient
      * alone with constant h_w; with gravity_gradient false it is 1/2 Omega.J Omega, conserved without moments

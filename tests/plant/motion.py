@@ -51,7 +51,7 @@ def bare(
     seen: Callable[[np.ndarray, np.ndarray], None] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """R and Omega after n composed steps of the integrator alone, with l_w and its mean given as functions of time."""
-    body = Body(J, np.linalg.inv(J), rate_dependent)
+    body = Body(J, np.linalg.inv(J), np.eye(3)[0], rate_dependent)
     e1 = np.array([1.0, 0.0, 0.0])
     Pi = J @ Omega + wheel(0.0) * e1
     tau = moment(R, 0.0, Omega)

@@ -20,7 +20,8 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
                               {"wheel_momentum_max", p->wheel_momentum_max},
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
-    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !all_positive(positive, COUNT(positive), f)) {
+    if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
+        !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) || !all_positive(positive, COUNT(positive), f)) {
         return false;
     }
     if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
@@ -34,18 +35,20 @@ void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBou
 {
     law->p = *p;
     store_matrix(with_unit_rows(matrix(p->rod_axes)), law->U);
+    store(unit_vector(vector(p->wheel_axis)), law->axis);
 }
 
 /* The commands that give r, N m, as nearly as the limits and the preference let them: in shares of the limits,
  * minimise |A x - r|^2 + sum w_i^2 (x_i - p_i)^2. The columns of A are the torques of the actuators at their limits. */
-static Commands allocate(const AllocatorBoundedParameters *p, const AllocatorBoundedInputs *u, const Vector rods[3], Vector r,
+static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, const Vector rods[3], Vector r,
                          bool with_rods_ff)
 {
+    const AllocatorBoundedParameters *p = &law->p;
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
     const double h_w = u->h_w;
     const double torque_max = p->wheel_torque_max;
-    const Vector A[BOX_N] = {
-        scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]), {-torque_max, 0.0, 0.0}};
+    const Vector A[BOX_N] = {scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]),
+                             scale(-torque_max, vector(law->axis))};
     const double rod_weight = p->rod_weight * p->dipole_max;
     const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
     const double weight[BOX_N] = {rod_weight, rod_weight, rod_weight, wheel_weight};
@@ -93,18 +96,18 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     const bool with_field = B >= FIELD_MIN;
     const Vector field = with_field ? b_B : (Vector){0.0, 0.0, 0.0};
     const Vector rods[3] = {cross(U.a, field), cross(U.b, field), cross(U.c, field)}; /* [16] */
-    const Vector spin = {0.0, -Omega.z * u->h_w, Omega.y * u->h_w};                   /* -l_w Omega x e1 [14] */
+    const Vector axis = vector(law->axis), spin = scale(-u->h_w, cross(Omega, axis)); /* -l_w Omega x e1 [14] */
     const bool with_rods_ff = with_field && allocator_bounded_has_dipole_ff(u);
-    const Commands given = allocate(&law->p, u, rods, subtract(tau, spin), with_rods_ff);
+    const Commands given = allocate(law, u, rods, subtract(tau, spin), with_rods_ff);
 
     const Vector by_rods = cross(apply_transposed(U, given.dipole), field);
-    const Vector by_wheel = {-given.dh_w, spin.y, spin.z};
+    const Vector by_wheel = subtract(spin, scale(given.dh_w, axis));
     store(given.dipole, y->dipole_cmd);
     y->wheel_torque_cmd = given.dh_w;
     y->holding = false;
     y->demand_fraction = given.fraction;
     store(subtract(tau, add(by_rods, by_wheel)), y->tau_residual_B);
-    y->b_wheel = with_field ? b_B.x / B : 0.0;
+    y->b_wheel = with_field ? dot(b_B, axis) / B : 0.0;
     return true;
 }
 

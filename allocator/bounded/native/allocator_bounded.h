@@ -19,6 +19,7 @@ typedef struct {
 typedef struct {
     AllocatorBoundedParameters p;
     double U[3][3]; /* rows: the rods' unit axes */
+    double axis[3]; /* of the wheel, unit */
 } AllocatorBoundedLaw;
 
 bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);

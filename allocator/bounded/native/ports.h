@@ -13,6 +13,9 @@ typedef struct {
     double rod_axes[3][3];
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
+    /* frame B; Unit axis of the wheel that the allocation assumes; of unit length to 1e-6 (normalised on use)
+     * */
+    double wheel_axis[3];
     /* N.m; Largest torque of the wheel's motor */
     double wheel_torque_max;
     /* N.m.s; Largest |h_w| of the wheel */

@@ -34,12 +34,10 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
 static Standing standing_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model,
                             const Ahead *ahead, const Motion *now)
 {
-    const ControllerPlannedParameters *p = &law->p;
     const Target target = controller_planned_target_at(ahead, x->t);
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
-    const double least = smaller(p->J_B[0][0], smaller(p->J_B[1][1], p->J_B[2][2]));
-    const double left = norm(D_N) / smaller(x->scales.steering_limit, RATE_MAX * least / x->scales.time);
+    const double left = norm(D_N) / smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
     const bool far = x->steering.time > STEERING_LEFT * x->scales.time && left > STEERING_DONE;
     return (Standing){
         .target = target,

@@ -4,7 +4,7 @@
 #include "gauss_models.h"
 
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
-enum { SEARCH_ITERATIONS_MAX = 1000, POWERS = 200 };
+enum { SEARCH_ITERATIONS_MAX = 1000 };
 
 static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
 {
@@ -29,18 +29,6 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
-/* The largest eigenvalue of J^-1 S, S symmetric, by the power method: what is reported, so that a few digits do. */
-static double largest_of(Matrix J, Matrix S)
-{
-    const Matrix M = multiply(inverse(J), S);
-    Vector v = {1.0, 0.9, 1.1};
-    for (int i = 0; i < POWERS; ++i) {
-        const Vector w = apply(M, v);
-        v = scale(1.0 / larger(norm(w), 1e-300), w);
-    }
-    return dot(v, apply(M, v));
-}
-
 /* The law [8] on its sampled errors is stable below both bounds: of z^2 + (d + s/2 - 2) z + 1 - d + s/2, d = L T/J and
  * s = K T^2/J, both roots lie within the unit circle where d < 2 and s < 2 d, so that s < 4. */
 static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
@@ -53,7 +41,7 @@ static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
         if (!is_positive_definite(L, "L0", f)) {
             return false;
         }
-        const double damping = T * largest_of(J, L);
+        const double damping = T * controller_planned_largest_of(J, L);
         if (!(damping < 2.0)) {
             return fault(f, "L0", damping,
                          "L0 control_period/J_B below 2 about each axis (this is the largest), or 0: computed");
@@ -63,7 +51,7 @@ static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
         if (!is_ascending(p->K0, f)) {
             return false;
         }
-        const double stiff = T * T * largest_of(J, stiffness);
+        const double stiff = T * T * controller_planned_largest_of(J, stiffness);
         if (!(stiff < 4.0)) {
             return fault(f, "K0", stiff,
                          "(K0[i] + K0[j]) control_period^2/J_B below 4 about each axis (this is the largest), or 0: computed");

@@ -54,6 +54,19 @@ static double given_or(double given, double computed)
     return given > 0.0 ? given : computed;
 }
 
+enum { POWERS = 200 };
+
+double controller_planned_largest_of(Matrix J, Matrix S)
+{
+    const Matrix M = multiply(inverse(J), S);
+    Vector v = {1.0, 0.9, 1.1};
+    for (int i = 0; i < POWERS; ++i) {
+        const Vector w = apply(M, v);
+        v = scale(1.0 / larger(norm(w), 1e-300), w);
+    }
+    return dot(v, apply(M, v));
+}
+
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
 {
     const Matrix J = matrix(p->J_B);
@@ -61,11 +74,12 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     const double T = two_digits(sqrt(inertia / (p->dipole_max * SURFACE_FIELD * ratio * ratio * ratio)));
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);
-    const double least = smaller(J.a.x, smaller(J.b.y, J.c.z));
+    const double least = 1.0 / controller_planned_largest_of(J, identity);
     const double l = two_digits(smaller(DAMPING * momentum, DAMPING_SAMPLED * least / p->control_period));
     return (Scales){
         .time = T,
         .momentum = momentum,
+        .least_moment = least,
         .torque = torque,
         .weight_rate = WEIGHT_RATE * T * T,
         .weight_wheel = two_digits(WEIGHT_WHEEL / (h * h)),

@@ -11,6 +11,7 @@
 typedef struct {
     double time;                      /* T, s, to two digits */
     double momentum, torque;          /* J/T, N m s; J/T^2, N m */
+    double least_moment;              /* the least principal one, kg m2 */
     double weight_rate;               /* of a plan's cost, s^2 */
     double weight_wheel;              /* 1/(N m s)^2 */
     double weight_near_limit;         /* the same beyond the wheel's near limit */
@@ -27,6 +28,9 @@ typedef struct {
 
 /* `a`: the orbit's semi-major axis, m. Parameters that are given win, but for the tunable gains. */
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a);
+
+/* The largest eigenvalue of J^-1 S, J an inertia and S symmetric, by the power method: to a few digits where two are alike. */
+double controller_planned_largest_of(Matrix J, Matrix S);
 
 /* Whether the gain is given. */
 bool controller_planned_has_L0(const ControllerPlannedParameters *p);
