@@ -31,8 +31,7 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
     return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, momentum_of(model, now)));
 }
 
-static Standing standing_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model,
-                            const Ahead *ahead, const Motion *now)
+static Standing standing_of(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now)
 {
     const Target target = controller_planned_target_at(ahead, x->t);
     const Matrix Q = multiply(transposed(target.R), now->R);
@@ -122,7 +121,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
         x->phase = PHASE_STEERING;
         x->next_plan = x->t;
     }
-    const Standing s = standing_of(law, x, &model, ahead, now);
+    const Standing s = standing_of(x, &model, ahead, now);
     const double early = EARLY * p->control_period;
     if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
         x->settled_since = INFINITY;
