@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -14,8 +15,10 @@ from fmus.native.toolchain import CompilerError
 from ..acceptance.vector import record, scenario_of
 from ..errors import InputError, hint, reason
 from ..fmu.archive import shown
+from ..scenario import template
 from .console import say
 from .help import examples
+from .overrides import settings
 from .paths import PATH
 
 
@@ -26,6 +29,7 @@ from .paths import PATH
         "orchestrate new controller mine --lang python",
         "orchestrate new plant --scenario loop.yaml",
         "orchestrate new controller board --link",
+        "orchestrate new satellite",
     ),
 )
 @click.argument("block")
@@ -45,15 +49,25 @@ from .paths import PATH
     metavar="FILE",
     help="The run of which the test vector is a part; default: one of the project's own.",
 )
-def command(block: str, folder: Path | None, lang: str, link_: bool, scenario: Path | None) -> None:
-    """Write a project from which another team makes its FMU or, with --link, its device.
+@click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="A value of a satellite; may be repeated.")
+def command(
+    block: str, folder: Path | None, lang: str, link_: bool, scenario: Path | None, sets: tuple[str, ...]
+) -> None:
+    """Write a project for another team's FMU or, with --link, its device; or a satellite's file.
 
     Its FMU has the block's exact interface. The project contains the build files (C needs only a compiler and make), a README and a test vector.
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the
     FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
+
+    For a satellite it writes its file and a scenario that flies it; without --set NAME=VALUE the command says which values it needs.
     """
+    if block in template.names():
+        _fill(template.read(block), folder or Path(block), settings(sets))
+        return
+    if sets:
+        raise InputError(f"--set: {block!r} has no values to set; only {', '.join(template.names())} has")
     if block not in BLOCKS:
-        raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
+        raise InputError(f"there is no block {block!r}{hint(block, [*BLOCKS, *template.names()])}")
     target = folder or Path(f"{block}_device_{lang}" if link_ else f"{block}_{lang}")
     run = scenario or scenario_of(block)
     if not run.exists():
@@ -82,3 +96,19 @@ def command(block: str, folder: Path | None, lang: str, link_: bool, scenario: P
     if lang == "c":
         say("  make vector")
     say(f"  orchestrate check {block}.fmu --as {block} --vector vector")
+
+
+def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
+    """Writes the files of a template; none that is there already."""
+    files = {folder / name: text for name, text in found.filled(given).items()}
+    if there := next((path for path in files if path.exists()), None):
+        raise InputError(f"{there} is there already; expected a folder without it")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, text in files.items():
+            path.write_text(text, "utf-8")
+    except OSError as error:
+        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
+    say(f"{folder}: {found.about}")
+    for path in files:
+        say(f"  {path}")

@@ -1,0 +1,68 @@
+"""Files of scenarios with values left open: a folder of templates, and the files that follow from the values.
+
+A folder has values.yaml, which says what is left open, and beside it files in which @NAME@ stands for a value.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fmus import places
+
+from ..errors import InputError, hint
+from .text import parse
+
+VALUES = "values.yaml"
+
+
+@dataclass(frozen=True)
+class Template:
+    folder: Path
+    about: str
+    values: dict[str, dict[str, Any]]
+    """By name: what it is, and a default or an example."""
+
+    def filled(self, given: Mapping[str, Any]) -> dict[str, str]:
+        """The texts of the files by their names, each @NAME@ as YAML. Raises InputError for a value that is unknown or missing."""
+        for name in given:
+            if name not in self.values:
+                raise InputError(f"--set {name}: {self.folder.name} has no such value{hint(name, self.values)}")
+        if missing := [name for name in self.values if name not in given and "default" not in self.values[name]]:
+            lines = [
+                f'  --set "{name}={self.values[name]["example"]}"   {self.values[name]["what"]}' for name in missing
+            ]
+            raise InputError("\n".join([f"{self.folder.name}: expected these values, for instance", *lines]))
+        known = {name: given.get(name, entry.get("default")) for name, entry in self.values.items()}
+        return {
+            path.name: re.sub(r"@(\w+)@", lambda match: _flow(known[match[1]]), path.read_text("utf-8"))
+            for path in sorted(self.folder.glob("*.yaml"))
+            if path.name != VALUES
+        }
+
+
+def _flow(value: Any) -> str:
+    """On one line; text as it stands where YAML reads it back as the same."""
+    if isinstance(value, str):
+        return value if re.fullmatch(r"[\w.+-]+( [\w./^*-]+)?", value) else json.dumps(value)
+    return json.dumps(value)
+
+
+def names() -> list[str]:
+    """Of the project's templates."""
+    return sorted(path.parent.name for path in _root().glob(f"*/{VALUES}"))
+
+
+def read(name: str) -> Template:
+    """One of `names`."""
+    folder = _root() / name
+    data = parse((folder / VALUES).read_text("utf-8"), str(folder / VALUES)).data
+    return Template(folder, data["about"], data["values"])
+
+
+def _root() -> Path:
+    return places.shared("scenarios") / "templates"

@@ -1,0 +1,87 @@
+"""`orchestrate new satellite`: what it asks for, what it writes, and that what it writes flies."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import orchestration
+from orchestration.scenario import template
+
+from ..swapped import orchestrate
+
+GIVEN = {
+    "inertia": {"diagonal": [0.0419, 0.0419, 0.0067]},
+    "dipole_max": "0.3 A.m2",
+    "wheel_torque_max": "0.3 mN.m",
+    "wheel_momentum_max": "2 mN.m.s",
+    "wheel_axis": [0, 1, 0],
+    "orbit_radius": "6878 km",
+    "inclination": "97.4 deg",
+    "body_width": "10 cm",
+    "body_length": "34 cm",
+}
+
+
+def made(folder, **changes):
+    values = {**GIVEN, **changes}
+    sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
+    return orchestrate("new", "satellite", str(folder), *sets)
+
+
+def test_the_files_it_writes_fly_that_satellite(tmp_path):
+    assert made(tmp_path / "cube").exit_code == 0
+    scenario = orchestration.load(tmp_path / "cube" / "tumble.yaml")
+    data = {key: value for key, value in scenario.source.data.items() if key not in ("expect", "figures")}
+    result = orchestration.run({**data, "duration": 2.0})
+    momentum = np.diag([0.0419, 0.0419, 0.0067]) @ result["plant.omega_B"][0]
+    assert result["plant.R_NB"][0].T @ result["plant.H_N"][0] == pytest.approx(momentum, rel=1e-9)
+    assert np.linalg.norm(result["plant.r_N"][0]) == pytest.approx(6878e3)
+    assert np.abs(result["plant.dipole"]).max() == pytest.approx(0.3)
+
+
+def test_without_its_values_it_says_which_it_needs(tmp_path):
+    result = orchestrate("new", "satellite", str(tmp_path))
+    assert result.exit_code == 2
+    needed = [name for name, entry in template.read("satellite").values.items() if "default" not in entry]
+    assert needed
+    for name in needed:
+        assert f'  --set "{name}=' in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("satellite", "--set", "inertai=1"), "--set inertai: satellite has no such value; did you mean 'inertia'?"),
+        (("allocator", "--set", "mass=1"), "--set: 'allocator' has no values to set; only satellite has"),
+        (("satelite",), "there is no block 'satelite'; did you mean 'satellite'?"),
+    ],
+)
+def test_what_it_does_not_know_is_refused(arguments, message):
+    result = orchestrate("new", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+def test_files_that_are_there_are_kept(tmp_path):
+    made(tmp_path)
+    before = (tmp_path / "satellite.yaml").read_text()
+    result = made(tmp_path, dipole_max="1 A.m2")
+    assert result.exit_code == 2
+    assert f"{Path(tmp_path, 'satellite.yaml')} is there already" in result.stderr
+    assert (tmp_path / "satellite.yaml").read_text() == before
+
+
+def test_a_value_of_the_wrong_unit_is_found_by_validate_with_its_line(tmp_path):
+    made(tmp_path, dipole_max="0.3 N.m")
+    result = orchestrate("validate", str(tmp_path / "tumble.yaml"))
+    assert result.exit_code == 2
+    assert "satellite.yaml:6: shared.dipole_max" in result.stderr
+
+
+def test_each_file_uses_values_that_are_declared_and_all_are_used():
+    found = template.read("satellite")
+    text = "".join(path.read_text() for path in found.folder.glob("*.yaml") if path.name != template.VALUES)
+    assert {name for name in found.values if f"@{name}@" in text} == set(found.values)
