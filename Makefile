@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight references release format docs site authorities clean
+.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight pil references release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -61,6 +61,10 @@ reproduction: $(VENV)/test
 # Thousands of flights in SI units as campaigns: docs/flight.md and its figures; about an hour on two cores, goes on where it was stopped.
 flight: $(VENV)/test
 	$(BIN)/python -m studies flight
+
+# The flight code on an emulated Cortex-M7 (QEMU): docs/processor.md; some minutes.
+pil: $(VENV)/test
+	$(BIN)/python -m studies processor
 
 # The outside authorities' table, docs/verification.md.
 authorities: $(VENV)/test

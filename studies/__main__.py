@@ -26,6 +26,7 @@ from .allocators import page as allocator_page
 from .flight import make as flights
 from .flight.tune import search
 from .momentum_bound import balance
+from .processor import make as cost
 from .reproduction import make as paper
 from .sensors import make as sensor_figures
 from .setup import read
@@ -171,6 +172,12 @@ def sizing(
 def sensors() -> None:
     """Make the figures of docs/sensors.md: an eclipse, and the Allan deviation of gyros."""
     say(f"written: {sensor_figures()}")
+
+
+@main.command()
+def processor() -> None:
+    """Make docs/processor.md: the flight code on an emulated Cortex-M7, in the loop through the link."""
+    say(f"written: {cost.make()}")
 
 
 @main.command()

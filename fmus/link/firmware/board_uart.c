@@ -5,6 +5,9 @@
 #ifndef UART_BASE
 #define UART_BASE 0x40004000u
 #endif
+#ifndef UART_INTERRUPT
+#define UART_INTERRUPT 0u /* of the receiver, in the interrupt controller */
+#endif
 #ifndef UART_DIVIDER
 #define UART_DIVIDER 217u /* 25 MHz / 115200 */
 #endif
@@ -13,7 +16,12 @@ typedef struct {
     volatile uint32_t data, state, control, interrupt, divider;
 } Uart;
 
-enum { STATE_SEND_FULL = 1, STATE_RECEIVE_FULL = 2, CONTROL_SEND = 1, CONTROL_RECEIVE = 2 };
+enum { STATE_SEND_FULL = 1, STATE_RECEIVE_FULL = 2, CONTROL_SEND = 1, CONTROL_RECEIVE = 2, CONTROL_RECEIVE_INTERRUPT = 8 };
+enum { INTERRUPT_RECEIVED = 2 };
+
+/* NVIC: enables interrupts, and clears pending ones. */
+static volatile uint32_t *const interrupt_enable = (volatile uint32_t *)0xE000E100u;
+static volatile uint32_t *const interrupt_clear = (volatile uint32_t *)0xE000E280u;
 
 static Uart *const uart = (Uart *)UART_BASE;
 
@@ -21,15 +29,20 @@ bool board_begin(int count, char **arguments)
 {
     (void)count, (void)arguments;
     uart->divider = UART_DIVIDER;
-    uart->control = CONTROL_SEND | CONTROL_RECEIVE;
+    uart->control = CONTROL_SEND | CONTROL_RECEIVE | CONTROL_RECEIVE_INTERRUPT;
+    __asm volatile("cpsid i"); /* an interrupt ends the sleep of the processor and has no handler */
+    *interrupt_enable = 1u << UART_INTERRUPT;
     return true;
 }
 
-/* By polling: between a frame and its answer the other end sends nothing, but for a request that it sends again. Where a step
+/* Sleeps until a byte is there. Between a frame and its answer the other end sends nothing, but for a request that it sends again. Where a step
  * takes longer than a byte and the UART has no FIFO, let the interrupt of the receiver fill a ring of LINK_FRAME_MAX bytes. */
 bool board_receive(uint8_t *byte)
 {
     while ((uart->state & STATE_RECEIVE_FULL) == 0u) {
+        __asm volatile("dsb\n\twfi");
+        uart->interrupt = INTERRUPT_RECEIVED;
+        *interrupt_clear = 1u << UART_INTERRUPT;
     }
     *byte = (uint8_t)uart->data;
     return true;
