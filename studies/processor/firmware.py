@@ -82,7 +82,13 @@ def build(name: str, folder: Path) -> Firmware:
         _run([*compiler, "-c", str(source), "-o", str(target)])
     sizes = objects.pop(folder / "sizes.c")
     elf = folder / "firmware.elf"
-    options = [*PROCESSOR, "-nostdlib", "-Wl,--gc-sections", "-Wl,--wrap=block_sample", f"-T{link.FIRMWARE / 'cortex_m.ld'}"]
+    options = [
+        *PROCESSOR,
+        "-nostdlib",
+        "-Wl,--gc-sections",
+        "-Wl,--wrap=block_sample",
+        f"-T{link.FIRMWARE / 'cortex_m.ld'}",
+    ]
     _run([compiler[0], *options, *map(str, objects.values()), "-lgcc", "-o", str(elf)])
     code = sum(_size(objects[p])[0] for p in flight)
     graphs = [target.with_suffix(".ci").read_text() for target in objects.values()]
