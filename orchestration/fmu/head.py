@@ -62,7 +62,8 @@ def read_head(path: Path) -> Head:
         )
     marked: set[str] = set()
     stated: dict[str, str] = {}
-    for entry in root.iterfind(f"ModelVariables/*/Annotations/Tool[@name='{ANNOTATION}']/*"):
+    tools = (f"Tool[@name='{ANNOTATION}']", f"Annotation[@type='{ANNOTATION}']")  # of FMI 2.0, of FMI 3.0
+    for entry in (e for tool in tools for e in root.iterfind(f"ModelVariables/*/Annotations/{tool}/*")):
         name = entry.getparent().getparent().getparent().get("name", "")
         if entry.tag == "Optional":
             marked.add(name)

@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 import fmpy
 
 from orchestration.fmu.archive import Fmu, open_fmu
+from orchestration.fmu.head import ANNOTATION
 from orchestration.fmu.model import Element, Model, Variable
 
 from . import fmus
@@ -107,7 +108,10 @@ def _variable(model: Model, v: Variable, tag: str) -> str:
     if v.items:
         attributes["declaredType"] = f"{v.name} items"
     starts = [model.starts[e] for e in v.elements] if v.causality != "output" else []
-    content = "".join(f'<Dimension start="{length}"/>' for length in v.shape)
+    content = (
+        f'<Annotations><Annotation type="{ANNOTATION}"><Optional/></Annotation></Annotations>' if v.optional else ""
+    )
+    content += "".join(f'<Dimension start="{length}"/>' for length in v.shape)
     if v.type == "string":
         content += "".join(f"<Start value={quoteattr(text)}/>" for text in starts)
     elif starts:
