@@ -29,7 +29,8 @@ and `step`, in seconds. Each `[variables.NAME]` has
 `display_unit`, `frame`, `min`, `max`, `description`. The function NAME in the block's module `inputs` works them out.
 
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
-terminals of one name fit each other. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
+terminals of one name fit each other. `[view]` has what a three-dimensional view of a loop takes of this block: the keys of a scenario's
+`view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired attitude is LVLH. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
 
 In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
 `name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that `[groups]`
@@ -116,6 +117,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         limits=tuple(data.get("page", {}).get("limits", ())),
         flavours=_flavours(data["block"], file),
         helpers=_helpers(data.get("helpers", {}), variables, file),
+        view=data.get("view", {}),
     )
 
 

@@ -81,6 +81,8 @@ class Interface:
     """Those that the block has."""
     helpers: dict[str, Variable] = field(default_factory=dict)
     """Inputs of scenarios that stand for start values; no FMU has them."""
+    view: dict[str, Any] = field(default_factory=dict)
+    """What a three-dimensional view of a loop takes of this block, as the file has it."""
 
     def of(self, causality: Causality) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == causality]

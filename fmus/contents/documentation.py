@@ -7,11 +7,9 @@ from pathlib import Path
 
 from ..interface import Interface, Variable, optional_text
 
-_STYLE = (
-    "body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}"
-    "table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #ccc;padding:.3em .6em;"
-    "text-align:left;vertical-align:top}code{white-space:nowrap}.wrap code{white-space:normal}svg{max-width:860px;width:100%}"
-)
+STYLE = Path(__file__).with_name("page.css")
+"""The style that the pages of FMUs, runs, comparisons and campaigns share."""
+_OWN = "svg{display:block;max-width:860px;width:100%;background:#fff;color:#1b1f24;border-radius:.4rem}.icon{width:6rem;background:#fff;border-radius:.4rem}"
 _SOURCE = (
     "Numbers in brackets are those of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
     "Orbit (AIAA 2009-5902). e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
@@ -28,8 +26,10 @@ _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 def index_html(interface: Interface, host: str) -> bytes:
     """A page that lists equations, limits, terminals, and every port and parameter. `host`: what a host must have."""
     parts = [
-        f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><title>{escape(interface.name)}</title>',
-        f"<style>{_STYLE}</style></head>\n<body>\n<img src='icon.svg' alt='' width='96'>",
+        '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><meta name="color-scheme" content="light dark">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{escape(interface.name)}</title>\n<style>{STYLE.read_text('utf-8')}{_OWN}</style></head>",
+        "<body>\n<main>\n<img class='icon' src='icon.svg' alt=''>",
         f"<h1>{escape(interface.name)}</h1>",
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
@@ -40,33 +40,31 @@ def index_html(interface: Interface, host: str) -> bytes:
     ]
     parts.append(f"<h2>Frames</h2>\n{_DRAWING.read_text('utf-8')}<p>{escape(_FRAMES)}</p>")
     if interface.equations:
-        rows = [
-            _row("td", [f"<code>{escape(formula)}</code>", escape(meaning)]) for formula, meaning in interface.equations
-        ]
-        parts.append("<h2>Equations</h2>\n<table class='wrap'>\n" + "\n".join(rows) + "\n</table>")
+        rows = [[f"<code>{escape(formula)}</code>", escape(meaning)] for formula, meaning in interface.equations]
+        parts.append(f"<h2>Equations</h2>\n{_cards(['Equation', 'Meaning'], rows)}")
         parts.append(f"<p>{_SOURCE}</p>")
     if interface.limits:
         items = "\n".join(f"<li>{escape(limit)}</li>" for limit in interface.limits)
         parts.append(f"<h2>Limits</h2>\n<ul>\n{items}\n</ul>")
     if interface.terminals:
-        rows = [_row("th", ["Terminal", "Causality", "Variables"])]
+        rows = []
         for name, members in interface.terminals.items():
             names = ", ".join(f"<code>{escape(member)}</code>" for member in members)
-            rows.append(_row("td", [f"<code>{escape(name)}</code>", interface.variables[members[0]].causality, names]))
+            rows.append([f"<code>{escape(name)}</code>", interface.variables[members[0]].causality, names])
         about = "Ports that are wired together. Terminals of one name on two blocks fit each other."
-        parts.append(f"<h2>Terminals</h2>\n<p>{about}</p>\n<table>\n" + "\n".join(rows) + "\n</table>")
+        parts.append(f"<h2>Terminals</h2>\n<p>{about}</p>\n{_cards(['Terminal', 'Causality', 'Variables'], rows)}")
     for causality, heading in _HEADINGS.items():
         variables = [v for v in interface.variables.values() if v.causality == causality]
         if variables:
             parts.append(f"<h2>{heading}</h2>\n{_table(variables, causality)}")
-    return ("\n".join(parts) + "\n</body>\n</html>\n").encode()
+    return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
 
 
 def _table(variables: list[Variable], causality: str) -> str:
     columns = ["Name", "Shape", "Unit", "Frame"]
     columns += ["Depends directly on"] if causality == "output" else ["Start", "Range"]
     columns += ["Variability", "Description"] if causality == "parameter" else ["Description"]
-    rows = [_row("th", columns)]
+    rows = []
     for v in variables:
         cells = [
             f"<code>{escape(v.name)}</code>",
@@ -80,12 +78,19 @@ def _table(variables: list[Variable], causality: str) -> str:
             cells += [f"{escape(str(v.start))}", escape(_range(v))]
         if causality == "parameter":
             cells.append(v.variability)
-        rows.append(_row("td", [*cells, escape(v.description + (f"; {optional_text(v)}" if v.optional else ""))]))
-    return "<table>\n" + "\n".join(rows) + "\n</table>"
+        about = v.description + (f"; {optional_text(v)}" if v.optional else "")
+        rows.append([*cells, escape(about)])
+    return _cards(columns, rows)
 
 
-def _row(tag: str, cells: list[str]) -> str:
-    return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>"
+def _cards(columns: list[str], rows: list[list[str]]) -> str:
+    """A table whose rows become cards on a narrow screen."""
+    head = "".join(f'<th scope="col">{column}</th>' for column in columns)
+    body = "\n".join(
+        "<tr>" + "".join(f'<td data-label="{c}">{cell}</td>' for c, cell in zip(columns, row, strict=True)) + "</tr>"
+        for row in rows
+    )
+    return f'<div class="scroll"><table class="named">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
 
 
 def _unit(v: Variable) -> str:

@@ -10,8 +10,8 @@ from markupsafe import Markup
 from ..errors import InputError, reason
 from ..quantities import ONE, with_unit
 from ..results.html import Page, each, items, joined, part, pieces, rows, verdict
-from ..results.plots import CURVES, ROWS, Curve, axis, plot
-from ..results.report import figure, public
+from ..results.plots import CURVES, ROWS, Curve, axis, plot, unit_of_values
+from ..results.report import figure, fmu_table
 from . import verdict as words
 from .compare import Comparison, Difference
 from .verdict import DIFFERENCES, colour, meaning, rows_of_differences
@@ -52,7 +52,7 @@ def page(comparison: Comparison) -> str:
         part(_TEMPLATE, "key_figures", rows(_key_figures(comparison))),
         part(_TEMPLATE, "figures", joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)),
         part(_TEMPLATE, "notes", items(theirs.warnings)),
-        part(_TEMPLATE, "fmus", rows(_fmus(comparison))),
+        fmu_table("FMUs compared", "whose", _fmus(comparison)),
     ]
     return made.html("{block} against {fmu}".format(**title), parts)
 
@@ -84,7 +84,11 @@ def _output(comparison: Comparison, difference: Difference, made: Page) -> Marku
     both += [Curve(f"{label}, theirs", factor * theirs[:, i] + offset, i, False, stepped) for i, label in labels]
     apart = [Curve(label, factor * (theirs[:, i] - mine[:, i]), i, False, stepped) for i, label in labels]
     plots = [plot(ours.time[at], axis(name, unit), both, made.arrays, ROWS)]
-    plots += [plot(ours.time[at], axis("theirs - ours", unit), apart, made.arrays, ROWS)]
+    # A difference by rounding alone is a line along zero.
+    least = 1e-9 * float(np.abs(factor * mine + offset).max(initial=0.0))
+    plots += [{**plot(ours.time[at], axis("theirs - ours", unit), apart, made.arrays, ROWS), "least": least}]
+    for shown in plots:
+        shown["unit"] = unit_of_values(unit)
     left = mine.shape[1] - CURVES
     notes = ["ours wide and pale, theirs thin", *([f"{left} more elements are not drawn"] if left > 0 else [])]
     return made.figure(name, plots, variable.description, notes, "n2")
@@ -107,11 +111,6 @@ def _key_figures(comparison: Comparison) -> list[list[object]]:
     ]
 
 
-def _fmus(comparison: Comparison) -> list[list[object]]:
-    found: list[list[object]] = []
-    for whose, result in (("ours", comparison.ours), ("theirs", comparison.theirs)):
-        fmu: dict[str, Any] = result.manifest.get("fmus", {}).get(comparison.block, {})
-        path = Markup('<span class="path">{}</span>').format(public(fmu.get("file", "")))
-        code = Markup("<code>{}</code>").format(str(fmu.get("sha256", ""))[:16])
-        found.append([whose, fmu.get("model", ""), path, code])
-    return found
+def _fmus(comparison: Comparison) -> dict[str, dict[str, Any]]:
+    both = {"ours": comparison.ours, "theirs": comparison.theirs}
+    return {whose: result.manifest.get("fmus", {}).get(comparison.block, {}) for whose, result in both.items()}

@@ -39,6 +39,7 @@ COMMANDS = {
     "scenarios": "orchestration.cli.scenarios",
     "schema": "orchestration.cli.schema",
     "validate": "orchestration.cli.validate",
+    "view": "orchestration.cli.view",
 }
 """The commands, and the modules whose `command` they are; each is imported when it is called, for a quick start."""
 

@@ -66,6 +66,11 @@ def reference(name: str, folder: Path) -> Interface:
     return Interface(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
 
 
+def view(block: str) -> Mapping[str, Any]:
+    """What a three-dimensional view takes of a block with one of the project's own interfaces; nothing of any other."""
+    return load(block).view if block in own() else {}
+
+
 def helpers(block: str) -> dict[str, Helper]:
     """The helper inputs of one of the project's own interfaces; none of any other."""
     declared = load(block).helpers.values() if block in own() else ()

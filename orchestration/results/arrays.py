@@ -26,15 +26,24 @@ Span = tuple[float, float]
 class Arrays:
     """The arrays of a page, each once."""
 
-    items: list[dict[str, str]] = field(default_factory=list)
-    _places: dict[tuple[str, bytes], int] = field(default_factory=dict)
+    items: list[dict[str, Any]] = field(default_factory=list)
+    _places: dict[tuple[str, bytes, float], int] = field(default_factory=dict)
 
     def add(self, values: NDArray[Any]) -> int:
         """The array's place among all."""
-        kind, data = _packed(values)
-        place = self._places.setdefault((kind, data), len(self.items))
+        return self._place(*_packed(values))
+
+    def add_short(self, values: NDArray[Any]) -> int:
+        """The same with two bytes a number, 1/32767 of the largest magnitude apart; rows one after the other."""
+        clean = np.where(np.isfinite(values), values, 0.0).astype(float)
+        scale = float(np.abs(clean).max(initial=0.0)) / 32767 or 1.0
+        return self._place("i2", np.round(clean / scale).astype("<i2").tobytes(), scale)
+
+    def _place(self, kind: str, data: bytes, scale: float = 1.0) -> int:
+        place = self._places.setdefault((kind, data, scale), len(self.items))
         if place == len(self.items):
-            self.items.append({"type": kind, "data": base64.b64encode(data).decode("ascii")})
+            item: dict[str, Any] = {"type": kind, "data": base64.b64encode(data).decode("ascii")}
+            self.items.append({**item, "scale": scale} if kind == "i2" else item)
         return place
 
 

@@ -157,6 +157,7 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         if begin < end:
             axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
             notes.append(_plain(f"red: {sentence(fault)}"))
+    axes.set_yscale(panel.scale)
     axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(

@@ -18,6 +18,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from fmus.contents.documentation import STYLE
+
 from .arrays import Arrays
 from .data import RunData
 from .figures import COLOURS
@@ -96,6 +98,7 @@ class Page:
         """The page of a run with its cycle and faults, or of something else."""
         self.arrays = Arrays()
         self._plots: list[dict[str, Any]] = []
+        self._seen: dict[str, Any] = {}
         cycle = result.scenario.cycle if result is not None else None
         self._data = {
             "colours": COLOURS,
@@ -123,19 +126,27 @@ class Page:
         self._plots.append(plot)
         return pieces("pieces.html")["plot"].format(number=len(self._plots) - 1, name=f"{title}: {plot['label']}")
 
+    def view(self, data: dict[str, Any] | None) -> Markup:
+        """The place of a three-dimensional view with its controls; nothing where there are no data of one."""
+        if data is None:
+            return Markup("")
+        self._seen = {"view": data, "coastlines": json.loads(asset("coastlines.json"))}
+        return pieces("pieces.html")["view"].format(name=data["name"])
+
     def html(self, title: str, parts: Iterable[Markup]) -> str:
         """The whole page."""
         library = asset("uPlot.iife.min.js")
         # A function of its own gives the library a screen of two pixels to the point at least, for the sake of paper.
         wrapped = f"const uPlot = ((devicePixelRatio) => {{\n{library}\nreturn uPlot;\n}})(Math.max(2, window.devicePixelRatio || 1));"
-        script = f"{wrapped}\n{asset('plots.js')}"
+        view = f"{asset('ogl.iife.min.js')}\n{asset('view.js')}" if self._seen else ""
+        script = f"{wrapped}\n{asset('plots.js')}\n{view}"
         digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         return pieces("pieces.html")["page"].format(
             script_hash=digest,
             title=title,
-            style=Markup(f"{asset('uPlot.min.css')}\n{asset('page.css')}"),
+            style=Markup(f"{asset('uPlot.min.css')}\n{STYLE.read_text('utf-8')}\n{asset('page.css')}"),
             body=joined(parts),
-            data=embedded({**self._data, "arrays": self.arrays.items, "plots": self._plots}),
+            data=embedded({**self._data, **self._seen, "arrays": self.arrays.items, "plots": self._plots}),
             script=Markup(script),
         )
 

@@ -62,7 +62,7 @@ def histogram(pace: Pace, arrays: Arrays) -> dict[str, Any]:
     curve = Curve("base steps", np.append(counts, 0.0), 0, stepped=True)
     shown = plot(place, "base steps", [curve], arrays, len(bounds))
     shown["curves"][0]["bare"] = True
-    return {**shown, "xlabel": "lateness", "xname": "from", "items": names, "linked": False}
+    return {**shown, "xlabel": "lateness", "xname": "from", "items": names}
 
 
 def over_time(pace: Pace, arrays: Arrays) -> dict[str, Any]:

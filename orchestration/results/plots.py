@@ -36,6 +36,8 @@ class Curve:
     pale: bool = False
     """Wide and pale, for another curve to be drawn over it."""
     stepped: bool = False
+    layer: int | None = None
+    """Its signal's place where a plot shows several: 0 is wide, and later ones are dashed, so that none hides another."""
 
 
 @dataclass
@@ -58,7 +60,9 @@ def of_panel(
     window = (entry.window[0], entry.window[1]) if entry.window else _whole(result.time)
     drawn: list[Curve] = []
     others: list[Curve] = []
+    variables = list(dict.fromkeys(reference.whole for reference in panel.signals))
     for reference in panel.signals:
+        layer = variables.index(reference.whole) if len(variables) > 1 and over is None else None
         unit, named = curves(result, reference, panel)
         theirs = _padded(over, reference, panel, len(result.time)) if over is not None else []
         for i, (label, values) in enumerate(named):
@@ -66,13 +70,14 @@ def of_panel(
             name = panel.names[place] if place < len(panel.names) else label
             if i < len(theirs):
                 others.append(Curve(f"{name}, theirs", theirs[i], place))
-            drawn.append(Curve(name if over is None else f"{name}, ours", values, place, over is not None))
+            drawn.append(Curve(name if over is None else f"{name}, ours", values, place, over is not None, layer=layer))
     return {
         **plot(result.time, axis(panel.label or panel.signals[0], unit), [*drawn, *others], arrays, ROWS, window),
+        "unit": unit_of_values(unit),
+        "scale": panel.scale,
         "lines": [value_in(line, unit) for line in panel.lines],
         "shade": shaded(result, entry.shade, window) if entry.shade else [],
         "marks": crossings(result, entry)[:MARKS],
-        "linked": entry.window is None,
     }
 
 
@@ -155,6 +160,7 @@ def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Grou
     drawn = [Curve(label, column, i, stepped=stepped) for i, (label, column) in enumerate(named)]
     shown = {
         **plot(result.time, axis(variable.name, unit), drawn, arrays, rows),
+        "unit": unit_of_values(unit),
         "lines": list(dict.fromkeys(lines)),
         "shade": held,
     }
@@ -182,13 +188,13 @@ def plot(
                 "colour": curve.colour,
                 "pale": curve.pale,
                 "stepped": curve.stepped,
+                **({} if curve.layer is None else {"layer": curve.layer}),
             }
             for i, curve in enumerate(drawn)
         ],
         "lines": [],
         "shade": [],
         "marks": [],
-        "linked": True,
         "thinned": len(chosen) < len(time),
     }
 
@@ -217,6 +223,11 @@ def _constant(variable: Variable, values: Floats, unit: Unit) -> str:
     return axis(text if len(values) == 1 else f"[{text}]", unit, " ")
 
 
+def unit_of_values(unit: Unit) -> str:
+    """What stands behind a value: its unit, if there is one."""
+    return "" if unit.name in ("", "1") else str(unit)
+
+
 def axis(text: str, unit: Unit, between: str = ", ") -> str:
     """The label of an axis: what it shows, and the unit if there is one."""
-    return text if unit.name in ("", "1") else f"{text}{between}{unit}"
+    return f"{text}{between}{unit}" if unit_of_values(unit) else text

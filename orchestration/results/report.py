@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,9 @@ from ..quantities import with_unit
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry
 from . import lateness, plots
+from . import view as seen
 from .data import RunData, json_text
-from .html import Page, items, joined, key, part, pieces, rows, verdict
+from .html import Page, cards, items, joined, key, part, pieces, rows, verdict
 
 _CROSSINGS = 6
 """Crossings that a caption lists one by one."""
@@ -23,26 +25,27 @@ _pieces = partial(pieces, "report.html")
 
 
 def write(result: RunData, path: Path) -> None:
-    """Writes the page of a run."""
-    path.write_text(page(result), "utf-8", errors="replace", newline="\n")
+    """Writes the page of a run, with links to the files beside it."""
+    there = {name.name for name in path.parent.glob("signals.*")} | {"expectations.json", "manifest.json"}
+    path.write_text(page(result, sorted(there, reverse=True)), "utf-8", errors="replace", newline="\n")
 
 
-def page(result: RunData) -> str:
-    """The page of a run."""
+def page(result: RunData, files: Sequence[str] = ()) -> str:
+    """The page of a run; `files` are those beside it that it links to."""
     made = Page(result)
+    figures = [figure(result, entry, made) for entry in result.scenario.figures] if len(result.time) else []
+    view = made.view(seen.view(result, made.arrays))
     parts = [
         _header(result),
+        _part("first", joined([view, *figures[:1]]), kind=" both" if view and figures else ""),
+        _facts(result, files),
         _part("expectations", rows(_expectations(result), _CLAIMS)),
         _part("columns", _events(result)),
         _part("notes", items(result.warnings)),
         _realtime(result, made),
-        *(
-            [_part("figures", _figures(result, made), hint=_hint()), *_signals(result, made)]
-            if len(result.time)
-            else []
-        ),
-        _part("fmus", rows(_fmus(result))),
-        _part("manifest", json_text(public(result.manifest)) if result.manifest else ""),
+        *([_part("figures", joined(figures[1:]), hint=_hint()), *_signals(result, made)] if len(result.time) else []),
+        fmu_table("Blocks", "block", result.manifest.get("fmus", {})),
+        manifest_fold("manifest.json", "the scenario as resolved, parameters, versions, platform", public(result.manifest)),
     ]
     return made.html(f"{result.scenario.name}: {_outcome(result)[1]}", parts)
 
@@ -72,23 +75,31 @@ def _outcome(result: RunData) -> tuple[str, str]:
 
 
 def _header(result: RunData) -> Markup:
-    scenario, manifest = result.scenario, result.manifest
+    scenario = result.scenario
     badges = [_outcome(result)]
     badges += [("warn", f"{hold.name} latched") for hold in result.holds if hold.latched]
     if n := len(scenario.faults):
         badges.append(("warn", f"{n} fault{'s' * (n > 1)} injected"))
-    speed = f", {result.steps / result.wall:,.0f} steps/s" if result.wall else ""
     return _pieces()["header"].format(
         name=scenario.name,
         description=scenario.description,
         badges=joined(_pieces()["badge"].format(kind=kind, text=text) for kind, text in badges),
         failure=result.failure or "",
+    )
+
+
+def _facts(result: RunData, files: Sequence[str]) -> Markup:
+    scenario, manifest = result.scenario, result.manifest
+    speed = f", {result.steps / result.wall:,.0f} steps/s" if result.wall else ""
+    links = (Markup('<a href="{}">{}</a>').format(name, name) for name in files)
+    return _pieces()["facts"].format(
         simulated=f"{result.reached:.10g} s" if len(result.time) else "nothing",
         steps=f"{result.steps} of {scenario.step:.6g} s, {scenario.exchange}",
         wall=f"{result.wall:.2f} s{speed}",
         recorded=f"{len(result.columns)} signals, {len(result.time)} samples",
         scenario=public(manifest.get("scenario_file") or ""),
-        options=", ".join(map(str, manifest.get("options", ()))),
+        options=", ".join(str(public(option)) for option in manifest.get("options", ())),
+        files=Markup(", ").join(links),
         finished=str(manifest.get("finished", "")).replace("T", " ").replace("+00:00", " UTC"),
     )
 
@@ -137,10 +148,6 @@ def _realtime(result: RunData, made: Page) -> Markup:
         late=_part("late", items(late.text for late in pace.listed)),
         figure=made.figure("Lateness of the base steps", panels, kind="n2"),
     )
-
-
-def _figures(result: RunData, made: Page) -> Markup:
-    return joined(figure(result, entry, made) for entry in result.scenario.figures)
 
 
 def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None = None) -> Markup:
@@ -196,9 +203,11 @@ def _group(group: plots.Group, made: Page, kind: str = "") -> Markup:
     return made.figure(group.name, [group.plot], group.description, [*notes, *filter(None, [group.note])], kind)
 
 
-def _fmus(result: RunData) -> list[list[object]]:
+def fmu_table(heading: str, first: str, fmus: Mapping[str, Mapping[str, Any]]) -> Markup:
+    """The FMUs of a manifest; `first` is the name of the column with their keys."""
     path, code = Markup('<span class="path">{}</span>'), Markup("<code>{}</code>")
-    return [
+    piece = pieces("pieces.html")["fmus"]
+    cells = [
         [
             name,
             fmu.get("model") or "",
@@ -207,8 +216,15 @@ def _fmus(result: RunData) -> list[list[object]]:
             fmu.get("isolation") or "",
             code.format(str(fmu.get("sha256", ""))[:12]),
         ]
-        for name, fmu in result.manifest.get("fmus", {}).items()
+        for name, fmu in fmus.items()
     ]
+    return piece.format(heading=heading, first=first, content=cards(piece, cells)) if cells else Markup("")
+
+
+def manifest_fold(file: str, about: str, data: object) -> Markup:
+    """A manifest, folded; nothing where there is none."""
+    text = json_text(data) if data else ""
+    return part("pieces.html", "manifest", text, file=file, about=about)
 
 
 def public(data: Any) -> Any:

@@ -13,7 +13,7 @@ from ..expectations.holds import Look
 from ..fmu.model import Model
 from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
-from ..system import agreement, order, panels, signals, starts, wiring
+from ..system import agreement, order, panels, signals, starts, view, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
@@ -43,17 +43,18 @@ class Plan:
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
     """Checks a scenario against what its blocks offer. Raises InputError; the errors of several checks come together."""
-    (times, remarks), values, (wired, sequence, faults), recorded, (checked, more), drawn, held = _together(
+    (times, remarks), values, (wired, sequence, faults), recorded, (checked, more), drawn, seen, held = _together(
         lambda: clock(scenario),
         lambda: starts.resolve(scenario, models),
         lambda: _wired(scenario, models, feedthrough),
         lambda: signals.recorded(scenario, models),
         lambda: checks.prepare(scenario, models),
         lambda: panels.check(scenario, models),
+        lambda: view.check(scenario, models),
         lambda: holds.prepare(scenario, models),
     )
     needed = [node for look in (*checked, *held) for node in look.needed]
-    columns = list(dict.fromkeys([*recorded, *needed, *drawn, *signals.flags(models)]))
+    columns = list(dict.fromkeys([*recorded, *needed, *drawn, *seen, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
     notes = [
         *remarks,

@@ -25,6 +25,8 @@ class Panel(Model):
     """Names of the curves in the legend; default: those of the signals."""
     lines: list[Quantity] = []
     """Limits, drawn across."""
+    scale: Literal["linear", "log"] = "linear"
+    """The scale of the axis; a logarithmic one leaves out what is not positive."""
 
 
 class FigureEntry(Model):

@@ -18,6 +18,7 @@ from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
 from .types import Bytes, Flavour, Isolation, Model, Period, Value
+from .view import ViewEntry
 
 
 class BlockEntry(Model):
@@ -123,6 +124,8 @@ class Scenario(Model):
     """Figures that `--figures` draws."""
     cycle: Cycle | None = None
     """A second axis of time in the figures."""
+    view: ViewEntry | None = None
+    """The report's three-dimensional view. Default: what the interfaces of the project's own blocks say, if one has an attitude."""
 
     @field_validator("extends")
     @classmethod

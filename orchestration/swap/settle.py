@@ -159,6 +159,13 @@ def _references(scenario: Scenario) -> Iterator[tuple[Key, Reference, Key]]:
             for k, signal in enumerate(panel.signals):
                 key = ("figures", i, "panels", j, "signals", k)
                 yield key, signal, key
+    if (view := scenario.view) is not None:
+        yield ("view", "attitude"), view.attitude, ("view",)
+        for key, reference in _given(("view",), view, "desired", "position", "sun", "phase"):
+            if isinstance(reference, Reference):
+                yield key, reference, key
+        for i, arrow in enumerate(view.vectors):
+            yield ("view", "vectors", i, "signal"), arrow.signal, ("view", "vectors", i)
 
 
 def _given(key: Key, entry: Any, *fields: str) -> Iterator[tuple[Key, Reference]]:
@@ -177,4 +184,6 @@ def _entry(scenario: Scenario, key: Key) -> str:
         part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
         what = "a panel of " if "panels" in key and not part else ""
         return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
+    if key[0] == "view":
+        return "a part of the view" if len(key) > 1 else "the view"
     return "a recorded signal" if len(key) > 2 else "all signals to be recorded, so all outputs are"

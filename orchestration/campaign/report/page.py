@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from ...results.data import json_text
+from ...results.report import manifest_fold
 from ...results.html import Page, cards, joined, part, pieces
 from ..flying.rows import Rows
 from ..statistics.sensitivity import RANKED
@@ -69,7 +69,7 @@ def page(folder: Path) -> str:
             ),
             _part("expectations", _rows("expectations", _expectations(runs))),
         ]
-    parts.append(_part("manifest", json_text(manifest)))
+    parts.append(manifest_fold("campaign.json", "the campaign as resolved, FMUs, versions, platform", manifest))
     return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
 
 

@@ -72,7 +72,7 @@ def plain(label: str, xlabel: str, xname: str, x: Floats, span: tuple[float, flo
     low, high = span if span[0] < span[1] else (span[0] - 0.5, span[0] + 0.5)
     return {
         "label": label, "xlabel": xlabel, "xname": xname, "range": [low, high], "x": arrays.add(x), "curves": [],
-        "lines": [], "shade": [], "marks": [], "linked": False, "thinned": False,
+        "lines": [], "shade": [], "marks": [], "thinned": False,
     }  # fmt: skip
 
 

@@ -1,5 +1,15 @@
 "use strict";
 // Draws the plots of a page from the JSON in its element #data.
+
+// What plots and the three-dimensional view share: the instant that is looked at, and who wants to know of it.
+const timeline = {
+  at: null,
+  followers: [],
+  set(at, from) {
+    this.at = at;
+    for (const follow of this.followers) if (follow !== from) follow(at);
+  },
+};
 (() => {
   const page = JSON.parse(document.getElementById("data").textContent);
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -12,11 +22,11 @@
   const unpacked = new Map();
   function array(place) {
     if (!unpacked.has(place)) {
-      const { type, data } = page.arrays[place];
+      const { type, data, scale } = page.arrays[place];
       const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
       const view = new DataView(bytes.buffer);
-      const size = { u1: 1, f4: 4, f8: 8 }[type];
-      const read = { u1: (i) => view.getUint8(i), f4: (i) => view.getFloat32(i, true), f8: (i) => view.getFloat64(i, true) }[type];
+      const size = { u1: 1, i2: 2, f4: 4, f8: 8 }[type];
+      const read = { u1: (i) => view.getUint8(i), i2: (i) => view.getInt16(i, true) * scale, f4: (i) => view.getFloat32(i, true), f8: (i) => view.getFloat64(i, true) }[type];
       const values = Array.from({ length: bytes.length / size }, (_, i) => read(i * size));
       unpacked.set(place, values.map((v) => (Number.isFinite(v) ? v : null))); // null is a gap
     }
@@ -53,7 +63,110 @@
     return found;
   }
 
+  Object.assign(timeline, { page, array, figures });
+
   // ---------------------------------------------------------------- a plot
+
+  let span = null; // the times to which the linked plots are zoomed
+  let passing = false; // whether a plot is told what another one did
+  const visible = new Set();
+  const within = (range) => (span && span[0] < range[1] && span[1] > range[0] ? [Math.max(span[0], range[0]), Math.min(span[1], range[1])] : range);
+  function zoom(low, high, from) { // one plot's zoom, which the others follow as far as they reach
+    const [first, last] = from.ends, [from0, to0] = within(from.ends);
+    if (low === from0 && high === to0) return; // it follows itself
+    span = high - low < (last - first) * (1 - 1e-6) ? [low, high] : null;
+    for (const other of drawn.values()) {
+      if (other === from || !other.linked) continue;
+      const [min, max] = within(other.ends);
+      other.setScale("x", { min, max });
+    }
+  }
+  function limit(u, low, high) { // a span of that width within the plot's ends
+    const [first, last] = u.ends, width = Math.min(high - low, last - first);
+    const from = Math.min(Math.max(low, first), last - width);
+    u.setScale("x", { min: from, max: from + width });
+  }
+  const scaled = (u, factor, at) => {
+    const { min, max } = u.scales.x;
+    limit(u, at - (at - min) * factor, at + (max - at) * factor);
+  };
+  const shifted = (u, by) => limit(u, u.scales.x.min + by, u.scales.x.max + by);
+  const whole = (u) => u.setScale("x", { min: u.ends[0], max: u.ends[1] });
+  function point(u, at) { // the cursor at an instant; none where the plot does not show it
+    const { min, max } = u.scales.x;
+    u.setCursor(at === null || at < min || at > max ? { left: -10, top: -10 } : { left: u.valToPos(at, "x"), top: 4 });
+  }
+  function follow(at, from) {
+    passing = true;
+    for (const [place, u] of drawn) if (u !== from && u.linked && visible.has(place)) point(u, at);
+    passing = false;
+  }
+  timeline.followers.push(follow);
+  function told(u, plot, curves) { // the values under the cursor, with units
+    const { idx, left } = u.cursor, box = u.readout;
+    box.hidden = idx == null || left < 0;
+    if (box.hidden) return;
+    const rows = u.series.flatMap((s, i) => (i && !s.show ? [] : [[i ? curves[i - 1] : "", s.label, i ? s.value(u, u.data[i][idx], i, idx) : s.value(u, u.data[0][idx], i, idx)]]));
+    box.replaceChildren(...rows.map(([swatch, name, value]) => {
+      const row = document.createElement("div"), mark = document.createElement("i"), cell = document.createElement("b");
+      mark.style.background = swatch || "none";
+      cell.textContent = value;
+      row.append(mark, `${name} `, cell);
+      return row;
+    }));
+    box.classList.toggle("left", left > u.over.clientWidth / 2);
+  }
+  function handled(u, plot) { // mouse, fingers and keys beyond what uPlot does itself
+    const { over } = u, fingers = new Map();
+    let held = null;
+    const at = (event) => u.posToVal(event.clientX - over.getBoundingClientRect().left, "x");
+    over.addEventListener("pointerdown", (event) => {
+      if (event.pointerType !== "mouse") fingers.set(event.pointerId, event.clientX);
+      else if (event.shiftKey) held = event.clientX;
+      if (held !== null) over.setPointerCapture(event.pointerId);
+    });
+    over.addEventListener("pointermove", (event) => {
+      const perPixel = (u.scales.x.max - u.scales.x.min) / over.clientWidth;
+      if (held !== null) {
+        shifted(u, (held - event.clientX) * perPixel);
+        held = event.clientX;
+      } else if (fingers.size === 1 && fingers.has(event.pointerId)) {
+        point(u, at(event));
+      } else if (fingers.size === 2 && fingers.has(event.pointerId)) {
+        const [a, b] = [...fingers.values()];
+        fingers.set(event.pointerId, event.clientX);
+        const [c, d] = [...fingers.values()];
+        const factor = Math.abs(a - b) / Math.max(20, Math.abs(c - d));
+        const box = over.getBoundingClientRect().left;
+        scaled(u, factor, u.posToVal((c + d) / 2 - box, "x"));
+        shifted(u, ((a + b) / 2 - (c + d) / 2) * perPixel);
+      }
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      over.addEventListener(name, (event) => { held = null; fingers.delete(event.pointerId); });
+    }
+    over.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey) return;
+      event.preventDefault();
+      scaled(u, event.deltaY > 0 ? 1.25 : 0.8, at(event));
+    }, { passive: false });
+    over.addEventListener("dblclick", () => whole(u));
+    over.tabIndex = 0;
+    over.setAttribute("role", "application");
+    over.setAttribute("aria-label", `${plot.label} over ${plot.xlabel || "time"}: arrow keys move the cursor, with Shift the plot, + and - zoom, 0 shows all`);
+    over.addEventListener("keydown", (event) => {
+      const { min, max } = u.scales.x, step = (max - min) / 100;
+      const now = u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : min;
+      const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (way && event.shiftKey) shifted(u, 10 * way * step);
+      else if (way) point(u, Math.min(max, Math.max(min, now + way * step)));
+      else if (event.key === "+") scaled(u, 0.8, now);
+      else if (event.key === "-") scaled(u, 1.25, now);
+      else if (event.key === "0" || event.key === "Escape") whole(u);
+      else return;
+      event.preventDefault();
+    });
+  }
 
   function theme() {
     const style = getComputedStyle(document.documentElement);
@@ -65,7 +178,7 @@
   const onDark = { "#000000": "#f0f0f0", "#0072b2": "#4aa3df", "#999999": "#b5b5b5" };
   function swatch(curve, colour) { // as the curve is drawn
     const c = colour(curve.colour) + (curve.pale ? "66" : "");
-    return curve.dashed ? `repeating-linear-gradient(90deg, ${c} 0 38%, transparent 38% 62%)` : c;
+    return curve.dashed || curve.layer ? `repeating-linear-gradient(90deg, ${c} 0 38%, transparent 38% 62%)` : c;
   }
   function colour(i) {
     const own = page.colours[i % page.colours.length];
@@ -76,7 +189,8 @@
     const plot = page.plots[place.dataset.plot];
     const before = drawn.get(place);
     const css = theme();
-    const x = array(plot.x), ys = plot.curves.map((curve) => array(curve.y));
+    const log = plot.scale === "log";
+    const x = array(plot.x), ys = plot.curves.map((curve) => (log ? array(curve.y).map((v) => (v > 0 ? v : null)) : array(curve.y)));
     const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
     let view = [first, last]; // what the scale of time is about to show, known before the others are laid out
     const zoomed = () => view[1] - view[0] < (last - first) * (1 - 1e-6);
@@ -96,8 +210,8 @@
     const axes = [
       { ...axis, label: plot.xlabel || "time, s", size: 28, gap: 4, splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1),
         values: (u, at) => (plot.items ? named(at) : labels(at)) },
-      { ...axis, label: plot.label, gap: 4, values: (u, at) => labels(at),
-        splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34)),
+      { ...axis, label: plot.label, gap: 4, ...(log ? { values: powers } : { values: (u, at) => labels(at),
+        splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34)) }),
         size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
     ];
     if (page.cycle && !plot.xlabel) {
@@ -107,14 +221,17 @@
     const time = (u, v) => (v == null ? "\u2013" : `${figures(v, 7)} s` + (page.cycle ? `, ${figures(v / page.cycle.period, 4)} ${page.cycle.name}` : ""));
     const place0 = (u, v, i, at) => (v == null ? "\u2013" : (plot.items ? named([Math.round(v)])[0] : figures(v, 5))
       + (plot.runs && at != null ? `, run ${array(plot.runs)[at]}` : ""));
+    const swatches = plot.curves.map((curve) => swatch(curve, colour));
     const dots = plot.curves.some((curve) => curve.dots);
     const options = {
       width: width(place), height: height(place), axes,
       scales: {
         x: { time: false, range: (u, low, high) => (view = Number.isFinite(low) && low < high ? [low, high] : [first, last]) },
-        y: { range: (u, low, high) => {
+        y: log ? { distr: 3 } : { range: (u, low, high) => {
           if (!Number.isFinite(low)) [low, high] = plot.lines.length && !zoomed() ? [Infinity, -Infinity] : [0, 1];
           if (!zoomed()) for (const line of plot.lines) { low = Math.min(low, line); high = Math.max(high, line); }
+          const least = Math.max(plot.least || 0, 1e-9 * Math.max(Math.abs(low), Math.abs(high))); // rounding is no signal
+          if (low < high && high - low < 2 * least) [low, high] = [(low + high) / 2 - least, (low + high) / 2 + least];
           const pad = low < high ? 0.06 * (high - low) : 0.1 * Math.abs(low) || 1;
           return [low - pad, high + pad];
         } },
@@ -122,17 +239,28 @@
       series: [
         plot.xlabel ? { label: plot.xname || "value", value: place0 } : { label: "time", value: time },
         ...plot.curves.map((curve, i) => ({
-          label: curve.name, stroke: colour(curve.colour), width: curve.pale ? 4 : 1.6, alpha: curve.pale ? 0.4 : 1, pxAlign: 0,
-          dash: curve.pale ? (curve.dashed ? [7, 5] : []) : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
-          value: (u, v) => figures(v, 5), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
+          label: curve.name, stroke: colour(curve.colour), width: curve.pale ? 4 : curve.layer === 0 ? 2.6 : 1.6, alpha: curve.pale ? 0.4 : 1, pxAlign: 0,
+          dash: curve.pale ? (curve.dashed ? [7, 5] : []) : curve.layer ? [6, 4] : DASHES[Math.floor(curve.colour / page.colours.length) % DASHES.length],
+          value: (u, v) => (v == null ? "\u2013" : figures(v, 5) + (plot.unit ? ` ${plot.unit}` : "")), paths: curve.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
           ...(curve.dots ? { paths: () => null, points: { show: true, space: 0, size: 4.5, width: 0.5, fill: colour(curve.colour), stroke: css("--page") } }
             : { points: { show: x.length < 40 && !curve.bare } }), show: before ? before.series[i + 1].show : true,
         })),
       ],
-      legend: { markers: { width: 0, fill: (u, i) => (i ? swatch(plot.curves[i - 1], colour) : "") } },
+      legend: { live: false, show: plot.curves.length > 1, markers: { width: 0, fill: (u, i) => (i ? swatches[i - 1] : "") } },
       cursor: { drag: { x: true, y: false }, points: { size: 7 }, ...(dots ? { dataIdx: (u) => nearest(u, x, ys) } : {}),
-        sync: plot.linked && !printing ? { key: "time", setSeries: false, scales: ["x", null] } : undefined },
-      hooks: { drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)] },
+        bind: { mousedown: (u, target, handler) => (event) => { if (!event.shiftKey) handler(event); }, dblclick: () => null } },
+      hooks: {
+        init: [(u) => Object.assign(u, { ends: [first, last], linked: !plot.xlabel, readout: readout(u) })],
+        drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)],
+        setScale: [(u, key) => { if (key === "x" && u.linked && u.root.isConnected) zoom(u.scales.x.min, u.scales.x.max, u); }],
+        setCursor: [(u) => {
+          told(u, plot, swatches);
+          if (passing || !u.linked) return;
+          const { left } = u.cursor;
+          follow(left < 0 ? null : u.posToVal(left, "x"), u);
+          if (left >= 0) timeline.set(u.posToVal(left, "x"), follow);
+        }],
+      },
     };
     let range = null;
     if (before) {
@@ -140,10 +268,11 @@
       before.destroy();
     }
     const u = new uPlot(options, [x, ...ys], place);
-    u.setScale("x", range || { min: first, max: last });
     drawn.set(place, u);
-    u.over.addEventListener("dblclick", () => u.setScale("x", { min: first, max: last }));
-    u.root.querySelectorAll(".u-series:not(:first-child) th").forEach((th, i) => {
+    const [min, max] = plot.xlabel ? [first, last] : within([first, last]);
+    u.setScale("x", range || { min, max });
+    handled(u, plot);
+    u.root.querySelectorAll(".u-series th").forEach((th, i) => {
       th.tabIndex = 0;
       th.setAttribute("role", "button");
       const say = () => th.setAttribute("aria-pressed", u.series[i + 1].show);
@@ -154,6 +283,15 @@
       say();
     });
   }
+
+  function readout(u) {
+    const box = document.createElement("div");
+    box.className = "readout";
+    box.hidden = true;
+    u.over.append(box);
+    return box;
+  }
+  const powers = (u, at) => at.map((v) => (v && Math.abs(Math.log10(v) % 1) < 1e-9 ? sign(v >= 1e-3 && v < 1e4 ? String(v) : v.toExponential(0)) : ""));
 
   // The dot nearest to the mouse, of all curves.
   function nearest(u, x, ys) {
@@ -218,10 +356,11 @@
   function width(place) {
     return printing ? (single(place) ? PAPER.one : PAPER.many) : Math.max(200, place.clientWidth);
   }
-  const height = (place) => (printing ? 205 : single(place) ? 320 : 280);
-  const visible = (place) => !place.closest("details:not([open])"); // what is folded has a size all the same
+  const beside = (place) => place.closest(".first.both");
+  const height = (place) => (printing ? 205 : beside(place) ? Math.max(190, Math.min(300, 430 / place.parentElement.children.length)) : single(place) ? 320 : 280);
+  const open = (place) => !place.closest("details:not([open])"); // what is folded has a size all the same
   function show(place) {
-    if (drawn.has(place) || !visible(place)) return;
+    if (drawn.has(place) || !open(place)) return;
     try {
       draw(place);
     } catch (error) {
@@ -235,7 +374,7 @@
     if (printing) return;
     for (const { target } of entries) {
       const u = drawn.get(target);
-      if (u && visible(target) && u.width !== width(target)) u.setSize({ width: width(target), height: height(target) });
+      if (u && open(target) && u.width !== width(target)) u.setSize({ width: width(target), height: height(target) });
     }
   });
   const all = () => places.forEach(show);
@@ -257,6 +396,9 @@
     again();
   });
   all();
-  places.forEach((place) => resized.observe(place));
+  const seen = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) visible[isIntersecting ? "add" : "delete"](target);
+  });
+  places.forEach((place) => { resized.observe(place); seen.observe(place); });
   document.documentElement.dataset.drawn = drawn.size;
 })();
