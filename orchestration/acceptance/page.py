@@ -85,7 +85,7 @@ def _output(comparison: Comparison, difference: Difference, made: Page) -> Marku
     apart = [Curve(label, factor * (theirs[:, i] - mine[:, i]), i, False, stepped) for i, label in labels]
     plots = [plot(ours.time[at], axis(name, unit), both, made.arrays, ROWS)]
     # A difference by rounding alone is a line along zero.
-    least = 1e-9 * float(np.abs(factor * mine + offset).max(initial=0.0))
+    least = 1e-9 * float(abs(factor * mine).max(initial=0.0))
     plots += [{**plot(ours.time[at], axis("theirs - ours", unit), apart, made.arrays, ROWS), "least": least}]
     for shown in plots:
         shown["unit"] = unit_of_values(unit)

@@ -45,7 +45,9 @@ def page(result: RunData, files: Sequence[str] = ()) -> str:
         _realtime(result, made),
         *([_part("figures", joined(figures[1:]), hint=_hint()), *_signals(result, made)] if len(result.time) else []),
         fmu_table("Blocks", "block", result.manifest.get("fmus", {})),
-        manifest_fold("manifest.json", "the scenario as resolved, parameters, versions, platform", public(result.manifest)),
+        manifest_fold(
+            "manifest.json", "the scenario as resolved, parameters, versions, platform", public(result.manifest)
+        ),
     ]
     return made.html(f"{result.scenario.name}: {_outcome(result)[1]}", parts)
 

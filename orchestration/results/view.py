@@ -177,7 +177,7 @@ def _phases(result: RunData, entry: ViewEntry) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = []
     if entry.phase is not None:
         values = result[entry.phase].astype(int).ravel()
-        names = dict((number, item) for item, number in result.variable(entry.phase).items)
+        names = {number: item for item, number in result.variable(entry.phase).items}
         names |= dict(enumerate(entry.phases, start=1))
         begins = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist()]
         ends = [*begins[1:], len(values) - 1]

@@ -30,12 +30,12 @@ class Arrow(Model):
 class Prism(Model):
     """The body: a regular prism. Lengths are in the units of the port, or numbers of any one unit."""
 
-    length: Reference | float = Field(1.0)
-    width: Reference | float = Field(1.0)
+    length: Reference | float = 1.0
+    width: Reference | float = 1.0
     """Across its flats."""
     axis: Reference | Literal["x", "y", "z"] = "x"
     """The body axis along it."""
-    sides: int = Field(4, strict=True, ge=3, le=64)
+    sides: Annotated[int, Field(strict=True, ge=3, le=64)] = 4
 
 
 class ViewEntry(Model):

@@ -22,12 +22,12 @@ def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[browser.Browser]:
+def chromium() -> Iterator[browser.Tab]:
     """A browser with one page."""
     path = browser.executable()
     if path is None:
         if os.environ.get("CI"):
             pytest.fail("no Chromium; .ci/run installs it")
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    with browser.Browser(path) as found:
-        yield found
+    with browser.launched(path) as tab:
+        yield tab

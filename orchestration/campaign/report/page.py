@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from ...results.report import manifest_fold
 from ...results.html import Page, cards, joined, part, pieces
+from ...results.report import manifest_fold
 from ..flying.rows import Rows
 from ..statistics.sensitivity import RANKED
 from ..statistics.verdicts import probability, quantile, share

@@ -11,7 +11,7 @@ from orchestration.acceptance import page as pages
 from orchestration.acceptance.compare import Comparison, Difference
 from orchestration.acceptance.playback import Played
 
-from ..results.browser import Browser, pixels
+from ..results.browser import Tab, pixels
 from ..results.swing import EVIL, Reader, data_of, swing, unpacked
 
 
@@ -72,16 +72,11 @@ def test_no_text_of_a_scenario_becomes_html_or_script():
 
 @pytest.mark.parametrize("width", [1366, 390])
 def test_a_browser_draws_it_without_a_complaint_and_nothing_stands_out_at_the_side(
-    chromium: Browser, tmp_path: Path, width: int
+    chromium: Tab, tmp_path: Path, width: int
 ):
-    chromium.complaints.clear()
-    chromium.call(
-        "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=width < 500
-    )
-    chromium.open(pages.write(compared(EVIL), tmp_path))
-    chromium.settle()
-    assert chromium.evaluate("document.querySelectorAll('.plot canvas').length") == 6
+    chromium.open(pages.write(compared(EVIL), tmp_path), width)
+    assert chromium.page.locator(".plot canvas").count() == 6
     assert pixels(chromium, "#0072b2") > 200
-    assert chromium.evaluate("typeof window.hacked") == "undefined"
-    assert chromium.evaluate("document.documentElement.scrollWidth") == width
+    assert chromium.page.evaluate("typeof window.hacked") == "undefined"
+    assert chromium.page.evaluate("document.documentElement.scrollWidth") == width
     assert chromium.complaints == []

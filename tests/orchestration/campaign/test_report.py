@@ -14,7 +14,7 @@ from orchestration.campaign.report import page as report
 from orchestration.campaign.statistics import sensitivity
 from orchestration.cli.campaign_summary import summary
 
-from ..results.browser import Browser, box, pixels, values
+from ..results.browser import Tab, box, pixels, values
 from ..results.swing import Reader, data_of, unpacked
 from . import synthetic
 from .analytic import Analytic
@@ -127,19 +127,14 @@ def test_thinned_out_plots_say_so_and_keep_the_worst_runs(tmp_path):
     )
 
 
-def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Browser, folder):
-    chromium.call("Emulation.setEmulatedMedia", features=[])
-    chromium.call("Emulation.clearDeviceMetricsOverride")
-    chromium.complaints.clear()
-    chromium.requests.clear()
+def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
     chromium.open(folder / "campaign.html")
-    chromium.settle()
     assert pixels(chromium, "#0072b2", 0) > 500
     plot = 6  # the first scatter plot, behind three distributions of two plots each
     assert pixels(chromium, "#0072b2", plot) > 500
     assert pixels(chromium, "#d55e00", plot) > 5
     x, y, w, h = box(chromium, ".plot .u-over", plot)
-    chromium.mouse("mouseMoved", x + w / 2, y + h / 2)
+    chromium.page.mouse.move(x + w / 2, y + h / 2)
     chromium.settle()
     told = values(chromium, plot)
     run = int(re.search(r"run (\d+)$", told[0])[1])
@@ -148,20 +143,20 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Browser, folder):
         rows.numbers("plant.Q0.q0")[run], rel=1e-3
     )
     assert float(told[1]) == pytest.approx(rows.numbers("settle")[run], rel=1e-3)
-    swatches = "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => getComputedStyle(m).background).slice(1)"
-    assert len(set(chromium.evaluate(swatches))) == 3  # lower bound, upper bound, share
-    chromium.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
+    swatches = "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => getComputedStyle(m).background)"
+    assert len(set(chromium.page.evaluate(swatches))) == 3  # lower bound, upper bound, share
+    chromium.page.set_viewport_size({"width": 390, "height": 800})
     cut = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth > s.clientWidth).length"
-    assert chromium.evaluate(cut) == 0  # each row is a card
+    assert chromium.page.evaluate(cut) == 0  # each row is a card
     second = "getComputedStyle(document.querySelector('.named td:nth-child(2)'), '::before').content"
-    assert "half of the runs" in chromium.evaluate(
+    assert "half of the runs" in chromium.page.evaluate(
         "[...document.querySelectorAll('.named td:nth-child(2)')].map(c => c.dataset.label)"
     )
-    assert chromium.evaluate(second) != "none"
+    assert chromium.page.evaluate(second) != "none"
     chromium.settle()
-    assert chromium.evaluate("document.documentElement.scrollWidth") <= 390
+    assert chromium.page.evaluate("document.documentElement.scrollWidth") <= 390
     assert chromium.complaints == []
-    assert [r for r in chromium.requests if not r.startswith("data:") and not r.endswith("/campaign.html")] == []
+    assert chromium.foreign == []
 
 
 def test_the_console_shows_the_verdicts_in_80_columns(folder, capsys):

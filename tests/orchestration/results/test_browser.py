@@ -8,104 +8,152 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .browser import Browser, box, pixels, values
+from .browser import Tab, box, pixels, values
+from .flown import flown
 from .swing import EVIL, swing
 
 
-@pytest.fixture
-def page(chromium: Browser, tmp_path: Path) -> Browser:
-    """The page of a run with a scenario that means harm, opened."""
-    chromium.call("Emulation.setEmulatedMedia", features=[])
-    chromium.call("Emulation.clearDeviceMetricsOverride")
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a run with a scenario that means harm."""
     result = swing(note=EVIL)
     result.manifest = {"evil": EVIL}
-    chromium.complaints.clear()
-    chromium.requests.clear()
-    chromium.open(result.save(tmp_path) / "report.html")
-    chromium.settle()
+    return result.save(tmp_path_factory.mktemp("swing")) / "report.html"
+
+
+@pytest.fixture
+def tab(chromium: Tab, place: Path) -> Tab:
+    """The page, opened."""
+    chromium.open(place)
     return chromium
 
 
-def test_the_plots_are_drawn_without_a_complaint_or_a_request(page):
-    assert page.evaluate("document.querySelectorAll('.plot canvas').length") == 2  # others are in a fold
-    assert pixels(page, "#0072b2", 0) > 500
-    assert pixels(page, "#d55e00", 0) > 500
-    assert pixels(page, "#0072b2", 1) > 500
-    page.evaluate("document.querySelector('details.signals').open = true")
-    page.evaluate("new Promise(done => setTimeout(done, 100))")
-    page.settle()
-    assert pixels(page, "#0072b2", 2) > 200
-    assert page.complaints == []
-    assert [r for r in page.requests if not r.startswith("data:") and not r.endswith("/report.html")] == []
+@pytest.fixture(scope="module")
+def motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a body that turns on its orbit."""
+    return flown().save(tmp_path_factory.mktemp("flown")) / "report.html"
 
 
-def test_no_text_of_the_scenario_runs(page):
-    assert page.evaluate("typeof window.hacked") == "undefined"
-    assert EVIL in page.evaluate("document.body.innerText")
+def test_the_plots_are_drawn_without_a_complaint_or_a_request_and_no_text_of_the_scenario_runs(tab):
+    assert tab.page.locator(".plot canvas").count() == 2  # others are in a fold
+    assert pixels(tab, "#0072b2", 0) > 500
+    assert pixels(tab, "#d55e00", 0) > 500
+    assert pixels(tab, "#0072b2", 1) > 500
+    tab.page.evaluate("document.querySelector('details.signals').open = true")
+    tab.until("document.querySelectorAll('.plot canvas').length > 2")
+    tab.settle()
+    assert pixels(tab, "#0072b2", 2) > 200
+    assert (tab.complaints, tab.foreign) == ([], [])
+    assert tab.page.evaluate("typeof window.hacked") == "undefined"
+    assert EVIL in tab.page.inner_text("body")
 
 
-def test_a_click_on_a_name_hides_its_curve_and_another_brings_it_back(page):
-    before = pixels(page, "#d55e00")
-    x, y, w, h = box(page, ".plot .u-series th", 2)
+def test_a_click_on_a_name_hides_its_curve_and_another_brings_it_back(tab):
+    before = pixels(tab, "#d55e00")
+    name = tab.page.locator(".plot").first.locator(".u-series th").nth(1)
     for gone in (True, False):
-        page.mouse("mousePressed", x + w / 2, y + h / 2, 1)
-        page.mouse("mouseReleased", x + w / 2, y + h / 2)
-        page.settle()
-        assert (pixels(page, "#d55e00") < before / 20) == gone
-        pressed = page.evaluate("document.querySelectorAll('.plot .u-series th')[2].getAttribute('aria-pressed')")
-        assert pressed == ("false" if gone else "true")
+        name.click()
+        tab.settle()
+        assert (pixels(tab, "#d55e00") < before / 20) == gone
+        assert name.get_attribute("aria-pressed") == ("false" if gone else "true")
 
 
-def test_the_values_under_the_mouse_are_told_with_the_time_in_cycles(page):
-    x, y, w, h = box(page, ".u-over")
-    page.mouse("mouseMoved", x + w / 2, y + h / 2)
-    page.settle()
-    time, first, second = values(page)
+def test_the_values_under_the_mouse_are_told_with_units_and_the_time_in_cycles(tab):
+    assert values(tab) == []  # quiet until used
+    x, y, w, h = box(tab, ".u-over")
+    tab.page.mouse.move(x + w / 2, y + h / 2)
+    tab.settle()
+    time, first, second = values(tab)
     assert re.fullmatch(r"(19\.9|20|20\.1) s, 3\.\d+ swings", time)
     t = float(time.split()[0])
     for told, curve in ((first, np.cos), (second, np.sin)):
-        assert float(told.replace("\u2212", "-")) == pytest.approx(np.degrees(np.exp(-t / 20) * curve(t)), rel=1e-3)
-    assert values(page, 1)[0] == time  # the plots move together
+        number, unit = told.replace("\u2212", "-").split()
+        assert float(number) == pytest.approx(np.degrees(np.exp(-t / 20) * curve(t)), rel=1e-3)
+        assert unit == "deg"
+    assert values(tab, 1)[0] == time  # the plots move together
 
 
-def test_dragging_zooms_and_a_double_click_shows_all_again(page):
-    def reach() -> float:
-        x, y, w, h = box(page, ".u-over")
-        page.mouse("mouseMoved", x + w - 1, y + h / 2)
-        page.settle()
-        return float(values(page)[0].split()[0])
+def test_dragging_and_keys_zoom_and_move_all_plots_until_a_double_click(tab):
+    def reach(plot: int = 0) -> float:
+        x, y, w, h = box(tab, ".u-over", plot)
+        tab.page.mouse.move(x + w - 1, y + h / 2)
+        tab.settle()
+        return float(values(tab, plot)[0].split()[0])
 
     assert reach() == pytest.approx(40, abs=0.2)
-    x, y, w, h = box(page, ".u-over")
-    page.drag(x + 0.25 * w, x + 0.5 * w, y + h / 2)
-    page.settle()
+    x, y, w, h = box(tab, ".u-over")
+    tab.page.mouse.move(x + 0.25 * w, y + h / 2)
+    tab.page.mouse.down()
+    tab.page.mouse.move(x + 0.5 * w, y + h / 2, steps=3)
+    tab.page.mouse.up()
+    tab.settle()
     assert reach() == pytest.approx(20, abs=0.3)
-    for clicks in (1, 2):
-        page.mouse("mousePressed", x + w / 2, y + h / 2, 1, clicks)
-        page.mouse("mouseReleased", x + w / 2, y + h / 2, 0, clicks)
-    page.settle()
-    assert reach() == pytest.approx(40, abs=0.2)
+    assert reach(1) == pytest.approx(20, abs=0.3)
+    tab.page.locator(".u-over").first.press("Shift+ArrowRight")  # a tenth of what is shown
+    tab.settle()
+    assert reach(1) == pytest.approx(21, abs=0.3)
+    tab.page.locator(".u-over").first.dblclick()
+    tab.settle()
+    assert reach(1) == pytest.approx(40, abs=0.2)
 
 
-def test_it_is_light_on_paper_and_dark_where_that_is_wanted(page, tmp_path):
-    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
-    page.settle()
-    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 23, 27)"
-    assert pixels(page, "#0072b2") < 50 < 500 < pixels(page, "#4aa3df")
-    page.print(tmp_path / "page.pdf")
-    assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF")
-    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-    page.settle()
-    assert pixels(page, "#0072b2") > 500
-    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
-    page.settle()
-    assert pixels(page, "#4aa3df") > 500
-    assert page.complaints == []
+def test_it_is_light_on_paper_and_dark_where_that_is_wanted(tab):
+    tab.page.emulate_media(color_scheme="dark")
+    tab.settle()
+    assert tab.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 23, 27)"
+    assert pixels(tab, "#0072b2") < 50 < 500 < pixels(tab, "#4aa3df")
+    assert tab.page.pdf().startswith(b"%PDF")
+    for event, colour in (("beforeprint", "#0072b2"), ("afterprint", "#4aa3df")):
+        tab.page.evaluate(f"window.dispatchEvent(new Event('{event}'))")
+        tab.settle()
+        assert pixels(tab, colour) > 500
+    assert tab.complaints == []
 
 
-def test_on_a_phone_nothing_stands_out_at_the_side(page):
-    page.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=True)
+# ---------------------------------------------------------------- in three dimensions
+
+SHOWN = "document.querySelector('[data-part=canvas]').toDataURL()"
+
+
+@pytest.mark.parametrize("width", [1400, 800, 390])
+def test_the_view_draws_moves_and_turns_at_every_width(chromium, motion, width):
+    chromium.open(motion, width)
+    page = chromium.page
     page.evaluate("document.querySelectorAll('details').forEach(fold => fold.open = true)")
-    page.settle()
-    assert page.evaluate("document.documentElement.scrollWidth") == 390
-    assert page.evaluate("Math.max(...[...document.querySelectorAll('.plot canvas')].map(c => c.clientWidth))") < 390
+    chromium.settle()
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert page.evaluate("Math.max(...[...document.querySelectorAll('.plot canvas')].map(c => c.clientWidth))") < width
+    assert page.evaluate("document.querySelector('.plot').getBoundingClientRect().top + scrollY") < 900
+    pictures = [page.evaluate(SHOWN)]
+    assert len(pictures[0]) > 4000  # a picture of one colour has less
+    slider = page.locator("[data-part=slider]")
+    slider.fill("50")
+    chromium.settle()
+    pictures.append(page.evaluate(SHOWN))
+    assert page.inner_text("[data-part=words]").startswith("50 s; turning; 25 deg from the desired attitude")
+    assert values(chromium)[0].startswith("50 s")  # the plots' cursor is there, too
+    page.locator("[data-part=canvas]").press("ArrowLeft")
+    chromium.settle()
+    pictures.append(page.evaluate(SHOWN))
+    page.get_by_role("checkbox", name="field").uncheck()
+    chromium.settle()
+    pictures.append(page.evaluate(SHOWN))
+    assert len(set(pictures)) == 4
+    assert (chromium.complaints, chromium.foreign) == ([], [])
+
+
+def test_the_view_plays_and_follows_the_cursor_of_a_plot(chromium, motion):
+    chromium.open(motion)
+    page = chromium.page
+    page.click("[data-part=play]")
+    chromium.until("Number(document.querySelector('[data-part=slider]').value) > 1")
+    page.click("[data-part=play]")
+    x, y, w, h = box(chromium, ".u-over")
+    page.mouse.move(x + w / 4, y + h / 2)
+    chromium.settle()
+    assert float(page.input_value("[data-part=slider]")) == pytest.approx(25, abs=0.5)
+    assert page.locator("[data-part=marks] .phase").all_inner_texts() == ["turning", "resting"]
+    assert page.locator("[data-part=marks] .fault").count() == 1
+    told = page.get_attribute("[data-part=canvas]", "aria-label") or ""
+    at, angle = (float(number) for number in re.findall(r"([\d.]+) (?:s|deg)", told))
+    assert angle == pytest.approx(0.5 * at, abs=0.06)  # half a degree a second

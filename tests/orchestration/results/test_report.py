@@ -147,7 +147,7 @@ def test_what_is_no_number_is_a_gap():
 
 def test_where_the_page_cannot_be_made_the_results_stand(tmp_path, monkeypatch):
     swing().save(tmp_path)
-    monkeypatch.setattr(report, "page", lambda result: 1 / 0)
+    monkeypatch.setattr(report, "page", lambda result, files: 1 / 0)
     result = swing()
     result.save(tmp_path)
     assert {p.name for p in tmp_path.iterdir()} == {"signals.csv", "manifest.json", "expectations.json"}
