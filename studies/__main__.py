@@ -23,6 +23,7 @@ from orchestration.runner.read import read as read_source
 
 from .allocators import make as allocator_runs
 from .allocators import page as allocator_page
+from .estimator import make as estimates
 from .flight import make as flights
 from .flight.tune import search
 from .momentum_bound import balance
@@ -215,6 +216,17 @@ def allocators(jobs: int, fly: bool, page: bool) -> None:
 def flight(jobs: int, cases: int, page: bool) -> None:
     """Make docs/flight.md and its figures from campaigns; one that was interrupted goes on."""
     say(f"written: {flights.publish() if page else flights.make(cases, jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option(
+    "--runs", default=200, show_default=True, type=click.IntRange(2, 10000), help="Tumbles for the consistency."
+)
+def estimator(jobs: int, runs: int) -> None:
+    """The tables of docs/estimation.md, and its figures; half a minute. Needs the package ahrs (pip install ahrs)."""
+    for shown in estimates.make(runs, jobs):
+        Console().print(shown)
 
 
 @main.command("flight-case")

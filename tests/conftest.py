@@ -50,6 +50,7 @@ MARKERS = {
     ),
     "fly": (
         "authorities",
+        "estimator",
         "plant/sensors/test_loop.py",
         "plant/test_gravity_gradient.py",
         "plant/test_invariants.py",
