@@ -29,6 +29,7 @@ from .flight.tune import search
 from .momentum_bound import balance
 from .processor import make as cost
 from .reproduction import make as paper
+from .satellites import make as satellites_flown
 from .sensors import make as sensor_figures
 from .setup import read
 from .sizing import setup_of, study, table
@@ -245,6 +246,15 @@ def flight_case(group: str, run: int) -> None:
 def flight_tune(jobs: int) -> None:
     """Search the gains of law [8] in SI units that docs/flight.md compares with."""
     for line in search(jobs):
+        say(line)
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
+def satellites(jobs: int, cases: int) -> None:
+    """Fly tumbles of satellites from 1U to 500 kg by their data alone, and print the table of docs/satellites.md."""
+    for line in satellites_flown.lines(cases, jobs):
         say(line)
 
 
