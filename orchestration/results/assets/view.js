@@ -199,12 +199,24 @@
       c.strokeStyle = ink.coast;
       c.lineWidth = 1.5;
       let at = 0;
-      for (const length of page.coastlines.rings) {
-        c.beginPath();
-        for (let i = 0; i < length; i++, at += 4) c.lineTo((points.getInt16(at, true) / 36000 + 0.5) * 1024, (0.5 - points.getInt16(at + 2, true) / 18000) * 512);
-        c.closePath();
-        c.fill();
-        c.stroke();
+      for (const length of page.coastlines.rings) { // outlines cross 180 deg: their longitudes go on there, and each is drawn three times
+        const ring = [];
+        for (let i = 0, lon = 0; i < length; i++, at += 4) {
+          const own = points.getInt16(at, true) / 100;
+          lon = i ? own + 360 * Math.round((lon - own) / 360) : own;
+          ring.push([lon, points.getInt16(at + 2, true) / 100]);
+        }
+        const [from, to] = [ring[0][0], ring[length - 1][0]];
+        const round = Math.abs(to - from) > 180; // Antarctica goes round the pole
+        for (const turn of [-360, 0, 360]) {
+          const line = ([lon, lat]) => c.lineTo(((lon + turn) / 360 + 0.5) * 1024, (0.5 - lat / 180) * 512);
+          c.beginPath();
+          ring.forEach(line);
+          if (!round) c.closePath();
+          c.stroke();
+          if (round) [[to, -90], [from, -90]].forEach(line);
+          c.fill();
+        }
       }
     }
     map.image = it;

@@ -51,11 +51,19 @@ def test_the_report_is_opened_in_the_browser_or_its_place_is_said(loop, monkeypa
     monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
     monkeypatch.setenv("DISPLAY", ":0")
     orchestrate(loop.name, "-q", "--open")
-    assert opened == [Path("results/loop/report.html").absolute().as_uri()]
+    orchestrate("view", "results/loop")
+    assert opened == 2 * [Path("results/loop/report.html").absolute().as_uri()]
     monkeypatch.setattr(webbrowser, "open", lambda address: False)
     told = orchestrate(loop.name, "-q", "--open")
     assert told.exit_code == 0
     assert f"there is no browser here; the page is {Path('results/loop/report.html').absolute()}" in told.stderr
+
+
+@pytest.mark.parametrize(("folder", "why"), [("nowhere", "there is no such folder"), (".", "no page in it")])
+def test_view_says_what_it_misses(loop, folder, why):
+    told = orchestrate("view", folder)
+    assert told.exit_code == 2
+    assert f"{folder}: {why}; expected the folder of a run" in told.stderr
 
 
 def test_the_last_of_two_values_counts_and_the_other_is_named(loop):
