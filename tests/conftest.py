@@ -34,6 +34,7 @@ MARKERS = {
         "native",
         "orchestration/acceptance/test_check.py",
         "orchestration/acceptance/test_compare.py",
+        "orchestration/live",
         "orchestration/master/test_compiled.py",
         "packaging",
     ),

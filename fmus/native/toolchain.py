@@ -89,7 +89,7 @@ def compile_library(
     wanted = list(platforms)
     if unknown := [p for p in wanted if p not in PLATFORMS]:
         raise CompilerError(f"platform {unknown[0]!r}: expected {', '.join(PLATFORMS)}")
-    if _zig() is None:
+    if zig() is None:
         return {host_platform(): _with_system_compiler(name, sources, includes, wanted)}
     jobs = [(p, target) for p in wanted for target in PLATFORMS[p].targets]
     one = _hosted if hosted else _freestanding
@@ -98,7 +98,7 @@ def compile_library(
     return {p: universal([slices[p, target] for target in PLATFORMS[p].targets]) for p in wanted}
 
 
-def _zig() -> Path | None:
+def zig() -> Path | None:
     """The compiler of the package ziglang; None where that is not installed."""
     spec = find_spec("ziglang")
     if spec is None or spec.origin is None:
@@ -108,16 +108,16 @@ def _zig() -> Path | None:
 
 def shared_library(name: str, platform_name: str, target: str, arguments: Sequence[str | Path]) -> bytes:
     """The shared library of this file name that zig makes of sources and further options. Raises CompilerError."""
-    zig = _zig()
-    if zig is None:
+    compiler = zig()
+    if compiler is None:
         raise CompilerError(
             f"{name} for {platform_name} needs the compiler of the package ziglang: pip install ziglang"
         )
     link = [argument.format(library=name) for argument in PLATFORMS[platform_name].link]
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder, name)
-        command = [zig, "cc", "-target", target, *FLAGS, "-shared", "-s", *link, *arguments, "-o", library]
-        _run([str(argument) for argument in command], library)
+        command = [compiler, "cc", "-target", target, *FLAGS, "-shared", "-s", *link, *arguments, "-o", library]
+        run([str(argument) for argument in command], library)
         return library.read_bytes()
 
 
@@ -135,11 +135,11 @@ def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], 
 def _hosted(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:
     files, folders, more = list(sources), list(includes), list(PLATFORMS[platform].system)
     if (
-        zig := _zig() if "-nostdlib" in more else None
+        windows := zig() if "-nostdlib" in more else None
     ):  # Windows: its headers, but no C library, which is not a part of it
         files += sorted(FREESTANDING.glob("*.c"))
         folders.append(FREESTANDING)
-        more += ["-isystem", str(zig.parent / "lib" / "libc" / "include" / "any-windows-any")]
+        more += ["-isystem", str(windows.parent / "lib" / "libc" / "include" / "any-windows-any")]
     arguments: list[str | Path] = [*(f"-I{path}" for path in folders), *files, *more]
     return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
 
@@ -164,14 +164,15 @@ def _with_system_compiler(name: str, sources: Sequence[Path], includes: Sequence
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder, name + PLATFORMS[host].suffix)
         paths = [f"-I{path}" for path in includes]
-        _run([_system_compiler(), *FLAGS, *paths, "-shared", *map(str, sources), "-o", str(library), "-lm"], library)
+        run([_system_compiler(), *FLAGS, *paths, "-shared", *map(str, sources), "-o", str(library), "-lm"], library)
         return library.read_bytes()
 
 
-def _run(command: list[str], about: Path) -> None:
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    if run.returncode:
-        raise CompilerError(f"{about.name}: {Path(command[0]).name} failed:\n{' '.join(command)}\n{run.stderr}")
+def run(command: list[str], about: Path) -> None:
+    """Runs a compiler. Raises CompilerError with its words."""
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise CompilerError(f"{about.name}: {Path(command[0]).name} failed:\n{' '.join(command)}\n{done.stderr}")
 
 
 def universal(slices: list[bytes]) -> bytes:

@@ -32,6 +32,7 @@ COMMANDS = {
     "export": "orchestration.cli.export",
     "fmus": "orchestration.cli.fmus",
     "info": "orchestration.cli.info",
+    "live": "orchestration.cli.live",
     "new": "orchestration.cli.new",
     "polarity": "orchestration.cli.polarity",
     "reference": "orchestration.cli.reference",

@@ -90,6 +90,8 @@ class _Loop(c.Structure):
         ("watched_first", c.c_int64),
         ("numerator", c.c_double),
         ("denominator", c.c_double),
+        ("disturbances", _Pointer),
+        ("disturbance_count", _Size),
         ("count", c.c_int64),
         ("begun", c.c_int64),
         ("seat", c.c_int32),
@@ -232,7 +234,7 @@ def _library() -> c.CDLL | None:
 
 def _compiled(folder: Path) -> Path:
     native = Path(places.__file__).with_name("native")
-    sources = _SOURCE, native / "shell" / "fmi2.h", native / "toolchain.py"
+    sources = _SOURCE, _SOURCE.with_suffix(".h"), native / "shell" / "fmi2.h", native / "toolchain.py"
     digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
     if not path.exists():

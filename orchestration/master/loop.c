@@ -3,95 +3,10 @@
  * master.py's loop is the readable one; this does the same calls in the same order on the same arrays, so that
  * both give the same bits. compiled.py fills the structures. Nothing is allocated here and nothing is kept.
  *
- * Longer than 250 lines: structures, exchange and steps are one library without further headers. */
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+ * Longer than 250 lines: both exchanges and the faults of inputs share what is static here. */
+#include "loop.h"
+
 #include <string.h>
-
-#include "fmi2.h"
-
-/* FMI's functions in its versions 2 and 3. Which type a Get or Set exchanges, and whether the values are const, makes no
- * difference to the call; in FMI 3.0 it is told how many values there are, since one reference may be that of an array. */
-typedef union {
-    fmi2Status (*two)(fmi2Component, const fmi2ValueReference[], size_t, void *);
-    int (*three)(void *, const uint32_t[], size_t, void *, size_t);
-} ExchangeFunction;
-typedef union {
-    fmi2Status (*two)(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
-    int (*three)(void *, double, double, bool, bool *, bool *, bool *, double *);
-} StepFunction;
-
-/* How much of an exchange is made, counted from its first. */
-typedef struct {
-    size_t references;
-    size_t values; /* in FMI's buffer */
-    size_t elements;
-} Part;
-
-/* One Get or Set. Element i lies at values[places[i]] and, as a number of `type`, at slot slots[i] of FMI's buffer. */
-typedef struct {
-    ExchangeFunction function;
-    const uint32_t *references;
-    double *values;
-    const int64_t *places; /* NULL where FMI reads or writes the values themselves */
-    const int64_t *slots;
-    void *buffer;
-    double low;    /* a number of the type is at least this */
-    double beyond; /* and below this */
-    Part live;     /* what others need in every step */
-    Part all;
-    int32_t type; /* one of Type */
-} Exchange;
-
-typedef struct {
-    fmi2Component component;
-    StepFunction do_step;
-    int32_t version; /* of FMI: 2 or 3 */
-    int64_t every;
-    double step;
-    const int64_t *sources; /* where its inputs lie on the bus */
-    const double *factors;  /* NULL where no unit changes */
-    const double *offsets;
-    double *inputs;
-    size_t input_count;
-    const Exchange *setters;
-    size_t setter_count;
-    const Exchange *getters;
-    size_t getter_count;
-    const double *outputs; /* its stretch of the bus */
-    size_t output_count;
-} Seat;
-
-typedef struct {
-    const Seat *seats;
-    size_t seat_count;
-    int32_t parallel;
-    double *bus;
-    const int64_t *delayed; /* what is kept of the step before, and where */
-    double *held;
-    size_t delayed_count;
-    const int64_t *columns;
-    size_t column_count;
-    double *rows;
-    int64_t interval;
-    const int64_t *watched; /* what is kept after every base step, */
-    size_t watched_count;
-    double *watched_rows;  /* and where: */
-    int64_t watched_first; /* the base step of the first row */
-    double numerator;      /* of the base step, s */
-    double denominator;
-    /* where the loop stopped */
-    int64_t count; /* whole base steps done */
-    int64_t begun; /* the step in which a call failed began here */
-    int32_t seat;
-    int32_t call; /* one of Call, */
-    int32_t part; /* and which of the setters or getters */
-    int32_t status;
-} Loop;
-
-enum Call { CALL_SET, CALL_STEP, CALL_GET, CALL_CHECK };
-enum { WARNING = 1, BEYOND = -8 }; /* the last status that is no failure; what stands in place of one, as in calls.py */
 
 /* The types of C in which FMI exchanges numbers, in the order of CODES in types.py. */
 #define TYPES(X)                                                                                                               \
@@ -152,6 +67,43 @@ static int exchange(const Seat *seat, const Exchange *it, const Part *part)
     return it->function.three(seat->component, it->references, part->references, it->buffer, part->values);
 }
 
+int set_values(const Seat *seat, const Exchange *it)
+{
+    return it->places != NULL && store(it) ? BEYOND : exchange(seat, it, &it->all);
+}
+
+int get_values(const Seat *seat, const Exchange *it, const Part *part)
+{
+    const int status = exchange(seat, it, part);
+    if (status <= WARNING && it->places != NULL) {
+        fetch(it, part->elements);
+    }
+    return status;
+}
+
+double disturbed(const Disturbance *fault, double value)
+{
+    return fault->kind == FAULT_CUT ? fault->value : fault->kind == FAULT_BIAS ? value + fault->value : value;
+}
+
+/* The inputs of a seat as its faults leave them. */
+static void disturb(Loop *loop, size_t index)
+{
+    for (size_t i = 0; i < loop->disturbance_count; i++) {
+        Disturbance *fault = &loop->disturbances[i];
+        const int64_t now = loop->count + 1 - fault->behind;
+        if ((size_t)fault->seat != index || !fault->acts || now < fault->first || now >= fault->last) {
+            continue;
+        }
+        double *value = &loop->seats[index].inputs[fault->place];
+        if (fault->kind == FAULT_FREEZE && !fault->held) {
+            fault->frozen = *value;
+            fault->held = 1;
+        }
+        *value = fault->kind == FAULT_FREEZE ? fault->frozen : disturbed(fault, *value);
+    }
+}
+
 static int stop(Loop *loop, size_t seat, enum Call call, size_t part, int status, int64_t begun)
 {
     loop->seat = (int32_t)seat;
@@ -171,13 +123,10 @@ static int set_inputs(Loop *loop, size_t index, int64_t begun)
     for (size_t i = 0; seat->factors != NULL && i < seat->input_count; i++) {
         seat->inputs[i] = seat->inputs[i] * seat->factors[i] + seat->offsets[i];
     }
+    disturb(loop, index);
     for (size_t k = 0; k < seat->setter_count; k++) {
-        const Exchange *setter = &seat->setters[k];
-        if (setter->places != NULL && store(setter)) {
-            return stop(loop, index, CALL_SET, k, BEYOND, begun);
-        }
-        const int status = exchange(seat, setter, &setter->all);
-        if (status > WARNING) {
+        const int status = set_values(seat, &seat->setters[k]);
+        if (status > WARNING || status == BEYOND) {
             return stop(loop, index, CALL_SET, k, status, begun);
         }
     }
@@ -211,12 +160,9 @@ static int get_outputs(Loop *loop, size_t index, int64_t begun, int all)
         if (part->references == 0) {
             continue;
         }
-        const int status = exchange(seat, getter, part);
+        const int status = get_values(seat, getter, part);
         if (status > WARNING) {
             return stop(loop, index, CALL_GET, k, status, begun);
-        }
-        if (getter->places != NULL) {
-            fetch(getter, part->elements);
         }
     }
     return 0;
@@ -285,12 +231,6 @@ static int parallel_step(Loop *loop, int64_t count, int recorded)
     return 0;
 }
 
-/* Runs from loop->count to `until` base steps. Returns 0, or 1 with where a call failed or an output is not finite. */
-#if defined(_WIN32)
-__declspec(dllexport)
-#else
-__attribute__((visibility("default")))
-#endif
 int run_loop(Loop *loop, int64_t until)
 {
     while (loop->count < until) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -56,6 +57,11 @@ class RunData(Mapping[str, NDArray[Any]]):
         return [signals.label(node, self.models) for node in self.columns]
 
     @property
+    def sha256(self) -> str:
+        """SHA-256 of the recorded values: row by row, the columns in their order, eight bytes each, least first."""
+        return hashlib.sha256(np.ascontiguousarray(self.samples, "<f8").data).hexdigest()
+
+    @property
     def passed(self) -> bool:
         """Whether the run came to its end and every expectation that could be evaluated is met."""
         return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
@@ -105,11 +111,17 @@ class RunData(Mapping[str, NDArray[Any]]):
             places = self.__dict__["_places"] = {node: i for i, node in enumerate(self.columns)}
         return places
 
+    def places(self, name: str) -> list[int]:
+        """The columns of a signal's elements. Raises KeyError where they were not recorded, and ValueError for no name."""
+        reference = Reference(name)
+        variable, positions = self._find(reference)
+        return [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
+
     def __getitem__(self, name: str) -> NDArray[Any]:
         try:
             reference = Reference(name)
             variable, positions = self._find(reference)
-            places = [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
+            places = self.places(name)
         except (KeyError, ValueError):
             raise KeyError(f"{name!r} was not recorded{hint(name, self)}") from None
         dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)

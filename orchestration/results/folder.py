@@ -36,7 +36,10 @@ def write(result: RunData, folder: Path, format: str = "csv") -> Path:
                 formats.write(result, part, format)
             _json(part / "expectations.json", expected)
             _report(result, part, folder)
-            _json(part / place.MANIFEST, {**result.manifest, "files": place.digests(part)})
+            _json(
+                part / place.MANIFEST,
+                {**result.manifest, "samples_sha256": result.sha256, "files": place.digests(part)},
+            )
     except (OSError, ValueError) as error:  # a value that the format does not take, whatever library says so
         if isinstance(error, InputError):
             raise

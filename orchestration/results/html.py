@@ -11,7 +11,7 @@ import base64
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -133,21 +133,24 @@ class Page:
         self._seen = {"view": data, "coastlines": json.loads(asset("coastlines.json"))}
         return pieces("pieces.html")["view"].format(name=data["name"])
 
-    def html(self, title: str, parts: Iterable[Markup]) -> str:
-        """The whole page."""
+    def html(
+        self, title: str, parts: Iterable[Markup], script: str = "", policy: str = "", more: Mapping[str, object] = {}
+    ) -> str:
+        """The whole page; with a script of its own, what the security policy allows that, and more data for it."""
         library = asset("uPlot.iife.min.js")
         # A function of its own gives the library a screen of two pixels to the point at least, for the sake of paper.
         wrapped = f"const uPlot = ((devicePixelRatio) => {{\n{library}\nreturn uPlot;\n}})(Math.max(2, window.devicePixelRatio || 1));"
         view = f"{asset('ogl.iife.min.js')}\n{asset('view.js')}" if self._seen else ""
-        script = f"{wrapped}\n{asset('plots.js')}\n{view}"
-        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        drawing = f"{wrapped}\n{asset('plots.js')}\n{view}\n{script}"
+        digest = base64.b64encode(hashlib.sha256(drawing.encode()).digest()).decode()
         return pieces("pieces.html")["page"].format(
             script_hash=digest,
+            policy=policy,
             title=title,
             style=Markup(f"{asset('uPlot.min.css')}\n{STYLE.read_text('utf-8')}\n{asset('page.css')}"),
             body=joined(parts),
-            data=embedded({**self._data, **self._seen, "arrays": self.arrays.items, "plots": self._plots}),
-            script=Markup(script),
+            data=embedded({**self._data, **self._seen, "arrays": self.arrays.items, "plots": self._plots, **more}),
+            script=Markup(drawing),
         )
 
 

@@ -13,6 +13,7 @@ from .consistency import Consistency
 from .expectations import Expectation, HoldEntry
 from .faults import Fault
 from .figures import FigureEntry
+from .live import Live
 from .mapping import MapEntry
 from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
@@ -126,6 +127,8 @@ class Scenario(Model):
     """A second axis of time in the figures."""
     view: ViewEntry | None = None
     """The report's three-dimensional view. Default: what the interfaces of the project's own blocks say, if one has an attitude."""
+    live: Live | None = None
+    """What a reader may change in the page that `orchestrate live` makes. A run takes no notice of it."""
 
     @field_validator("extends")
     @classmethod

@@ -190,7 +190,8 @@ const timeline = {
     const before = drawn.get(place);
     const css = theme();
     const log = plot.scale === "log";
-    const x = array(plot.x), ys = plot.curves.map((curve) => (log ? array(curve.y).map((v) => (v > 0 ? v : null)) : array(curve.y)));
+    const positive = (values) => (log ? values.map((v) => (v > 0 ? v : null)) : values);
+    const [x, ...given] = plot.flown || [array(plot.x), ...plot.curves.map((curve) => array(curve.y))], ys = given.map(positive);
     const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
     let view = [first, last]; // what the scale of time is about to show, known before the others are laid out
     const zoomed = () => view[1] - view[0] < (last - first) * (1 - 1e-6);
@@ -381,6 +382,11 @@ const timeline = {
   const again = () => drawn.forEach((_, place) => draw(place));
   document.querySelectorAll("details").forEach((details) => details.addEventListener("toggle", all));
   dark.addEventListener("change", again);
+  document.addEventListener("flown", ({ detail }) => { // a live page has flown again
+    page.faults = detail.faults;
+    page.plots.forEach((plot, i) => Object.assign(plot, detail.plots[i]));
+    again();
+  });
   let opened = [];
   addEventListener("beforeprint", () => {
     if (printing) return;

@@ -1,0 +1,53 @@
+"""`orchestrate live`: a scenario as a page that flies in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..errors import InputError, ResultsError, reason
+from ..fmu.archive import shown
+from ..live.page import page
+from ..live.system import prepare
+from ..runner.run import execute
+from .console import open_page, say
+from .help import examples
+from .options import DURATION, OPEN, STEP
+from .overrides import loaded
+from .paths import PATH
+
+
+@click.command(
+    "live",
+    epilog=examples(
+        "orchestrate live scenarios/paper_no_singularity.yaml --out page.html",
+        "orchestrate live scenarios/flight_tumble.yaml --out tumble.html --duration 1500 --open",
+    ),
+)
+@click.argument("scenario", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, metavar="PAGE.html", help="The page's file.")
+@STEP
+@DURATION
+@OPEN
+def command(scenario: Path, out: Path, step: str | None, duration: str | None, open_: bool) -> None:
+    """Write a page that flies a scenario in the browser.
+
+    The page needs no network. It has the sliders and faults of `live` in SCENARIO, and says the hash of each run, which is that of the native run.
+    """
+    if out.suffix != ".html":
+        raise InputError(f"--out {out}: expected a name that ends in .html")
+    if not out.absolute().parent.is_dir():
+        raise InputError(f"--out {out}: there is no folder {out.parent}")
+    chosen = loaded(scenario, step=step, duration=duration)
+    live = prepare(chosen)
+    native = execute(chosen)
+    if native.failure is not None:
+        raise native.failure
+    try:
+        out.write_text(page(live, native), "utf-8", newline="\n")
+    except OSError as error:
+        raise ResultsError(f"{out}: {reason(error)}") from None
+    say(f"{shown(out)}  {out.stat().st_size / 1000:.0f} kB, of which {len(live.wasm) / 1000:.0f} kB are WebAssembly")
+    if open_:
+        open_page(out)
