@@ -190,7 +190,7 @@ const timeline = {
     const before = drawn.get(place);
     const css = theme();
     const log = plot.scale === "log";
-    const positive = (values) => (log ? values.map((v) => (v > 0 ? v : null)) : values);
+    const positive = (values) => (log ? Array.from(values, (v) => (v > 0 ? v : null)) : values);
     const [x, ...given] = plot.flown || [array(plot.x), ...plot.curves.map((curve) => array(curve.y))], ys = given.map(positive);
     const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
     let view = [first, last]; // what the scale of time is about to show, known before the others are laid out
