@@ -1,0 +1,56 @@
+"""What a page's three-dimensional view is given."""
+
+from __future__ import annotations
+
+import base64
+
+import numpy as np
+import pytest
+
+from orchestration import InputError
+from orchestration.results import report, view
+from orchestration.results.arrays import Arrays
+
+from .flown import RADIUS, flown
+from .swing import data_of, swing
+
+
+def test_the_motion_is_kept_to_the_resolution_of_two_bytes():
+    result, arrays = flown(), Arrays()
+    shown = view.view(result, arrays)
+    assert shown is not None
+    item = arrays.items[shown["attitude"]]
+    kept = np.frombuffer(base64.b64decode(item["data"]), "<i2").reshape(-1, 4) * item["scale"]
+    np.testing.assert_allclose(kept, result["a.q"], atol=1.0 / 32767)
+    assert shown["axes"] == [{"name": "wheel", "kind": "wheel", "direction": [0.0, 0.0, 1.0]}]
+    assert [(v["name"], v["frame"], v["unit"]) for v in shown["vectors"]] == [
+        ("field", "body", "T"),
+        ("momentum", "inertial", "N.m.s"),
+    ]
+    assert shown["vectors"][1]["largest"] == pytest.approx(101.0)  # along a direction whose length does not count
+    assert np.linalg.norm(result["a.r"], axis=1) == pytest.approx(RADIUS)
+
+
+def test_a_scenario_without_an_attitude_has_no_view():
+    assert view.view(swing(), Arrays()) is None
+    assert "view" not in data_of(report.page(swing()))
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"attitude": "a.r"}, "a.r is a real [3]; expected the shape [3, 3] or the shape [4]"),
+        ({"attitude": "a.q", "position": "a.rr"}, "view.position: a has no variable 'rr'"),
+        ({"attitude": "a.q", "epoch": "a.date"}, "there is no a.date; expected a parameter of a block"),
+    ],
+)
+def test_a_view_that_does_not_fit_is_refused_before_the_run(entry, said):
+    with pytest.raises(InputError) as refused:
+        flown(view=entry)
+    assert said in str(refused.value)
+
+
+def test_the_earth_is_turned_by_the_sidereal_time_of_the_almanac():
+    """Greenwich mean sidereal time at 0h UT1 on 10 April 1987, 13h 10m 46.3668s: Meeus, Astronomical Algorithms, example 12.a."""
+    turned = view._earth_angle("1987-04-10T00:00:00Z")
+    assert turned == pytest.approx(np.radians(15.0 * (13 + 10 / 60 + 46.3668 / 3600)), abs=1e-5)
