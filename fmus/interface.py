@@ -63,7 +63,7 @@ __all__ += ["element_name", "load", "optional_text", "package_of", "parse"]
 
 BLOCKS = (
     *("plant", "controller", "allocator", "allocator_bounded"),
-    *("plant_sensors", "plant_judge", "controller_planned", "estimator"),
+    *("plant_sensors", "plant_judge", "controller_planned", "estimator", "supervisor"),
 )
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 INTERFACES = Path(__file__).parent / "interfaces"

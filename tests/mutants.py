@@ -48,7 +48,7 @@ pytest_add_cli_args = ["-p", "no:randomly", "-p", "no:xdist", "-p", "no:cachepro
 pytest_add_cli_args_test_selection = {tests}
 also_copy = {others}
 """
-_PACKAGES = ("allocator", "controller", "fmus", "orchestration", "plant")
+_PACKAGES = ("allocator", "controller", "fmus", "orchestration", "plant", "supervisor")
 
 
 @click.command()

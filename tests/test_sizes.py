@@ -7,7 +7,18 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("allocator", "controller", "docs", "examples", "fmus", "orchestration", "plant", "release", "studies")
+PACKAGES = (
+    "allocator",
+    "controller",
+    "docs",
+    "examples",
+    "fmus",
+    "orchestration",
+    "plant",
+    "release",
+    "studies",
+    "supervisor",
+)
 LINES_MAX, HEAD = 250, 20
 LONG = {
     path.relative_to(ROOT).as_posix(): lines

@@ -29,7 +29,7 @@ SHOWN = (
     "scenarios/*.yaml",
     "scenarios/campaigns/*.yaml",
 )
-API = ("orchestration", "plant", "estimator", "controller", "allocator", "fmus")
+API = ("orchestration", "plant", "estimator", "controller", "allocator", "supervisor", "fmus")
 # A fenced block or code, which stays as it is; a displayed equation; an equation in a line.
 _EQUATION = re.compile(r"(^```.*?^```|`[^`\n]+`)|\$\$(.+?)\$\$|\$([^$\n]+?)\$", re.DOTALL | re.MULTILINE)
 

@@ -88,6 +88,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     if _no_attitude(x, u):
         return Outputs(attitude_error=math.pi, rate_error_B=u.omega_B, no_attitude=True)
     _require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
+    if not u.R_d.any():
+        return Outputs(attitude_error=math.pi, rate_error_B=u.omega_B, no_attitude=False)
     desired = _reference(x.t, u, p)
     Q = desired.R_d.T @ u.R_NB
     return Outputs(attitude_error=principal_angle(Q), rate_error_B=u.omega_B - Q.T @ desired.Omega_d, no_attitude=False)

@@ -53,7 +53,7 @@ def test_a_path_in_a_page_exists(page):
     for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", text):
         if "gallery" not in target:
             assert ((ROOT / page).parent / target).exists(), target
-    folders = "allocator|controller|docs|examples|fmus|orchestration|plant|scenarios|studies|tests"
+    folders = "allocator|controller|docs|examples|fmus|orchestration|plant|scenarios|studies|supervisor|tests"
     for path in re.findall(rf"`((?:{folders})/[\w./*-]*)`", text):
         assert "a_b" in path or list(ROOT.glob(path.rstrip("/"))), path
 

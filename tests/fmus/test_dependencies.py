@@ -58,6 +58,25 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"b_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
         "h_w": 1e-3,
     },
+    **{
+        f"supervisor, {command}": {
+            **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
+            **{f"R_goal[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0.T)},
+            "sun_N[1]": 0.6,
+            "sun_N[2]": -0.48,
+            "sun_N[3]": 0.64,
+            "sunlight": 1.0,
+            "target_latitude": 0.5,
+            "target_longitude": 0.4,
+            "target_height": 300.0,
+            "rate_time": 0.0,
+            "settled_time": 0.0,
+            "settled_angle": 4.0,
+            "settled_rate": 10.0,
+            "command": command,
+        }
+        for command in (3, 4, 6, 7)
+    },
     "plant_sensors": {
         **{f"R_NB[{i + 1},{j + 1}]": v for (i, j), v in np.ndenumerate(Q0)},
         **{f"omega_B[{i}]": 0.01 * i for i in (1, 2, 3)},
@@ -191,6 +210,7 @@ UNSEEN = {
     },
     "allocator": {("dipole_cmd", "tau_cmd_B[1]"): CAUTION, ("", "omega_B[1]"): CAUTION},
     "allocator_bounded": {("", "omega_B[1]"): CAUTION},
+    "supervisor": {("R_ref", f"v_N[{i}]"): "its Z axis follows the velocity in slews only" for i in (1, 2, 3)},
     "plant_sensors": {
         **{
             (output, element_name("R_NB", (i, j))): BORDER
@@ -220,13 +240,13 @@ def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(block
         assert any(element == e and output in (o, "") for o, e in known), f"{element} is seen: take it off the list"
 
 
-POINTS = {"controller_planned": 48, "allocator": 80, "estimator": 12}
+POINTS = {"controller_planned": 48, "allocator": 80, "estimator": 12, "supervisor": 10}
 
 
 @pytest.mark.parametrize(
     ("block", "parameters", "at_one_state", "at_many"),
     [
-        ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 68, 387),
+        ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 69, 387),
         ("controller_planned", next(settings("controller_planned")), 157, 242),
     ],
 )

@@ -309,7 +309,50 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Few parameters of time, so that five steps of 0.1 s see several modes."""
+    goals = np.random.default_rng(rng.integers(2))  # one of two, so that it stays now and then
+    attitude, goal = _rotation(rng), _rotation(goals)
+    given = {
+        "target_latitude": goals.uniform(-1.0, 1.0),
+        "target_longitude": 1.0,
+        "target_height": 500.0,
+        "R_goal": goal,
+        "sun_N": _unit(rng),
+        "sunlight": float(rng.integers(2)),
+    }
+    u = inputs(
+        "supervisor",
+        R_NB=attitude * rng.choice([0.0, 1.0], p=[0.1, 0.9]),
+        omega_B=rng.normal(scale=rng.choice([1e-4, 1e-2, 1e-1], p=[0.6, 0.3, 0.1]), size=3),
+        r_N=_unit(rng) * rng.uniform(6.6e6, 8e6),
+        v_N=rng.normal(scale=5e3, size=3),
+        attitude_valid=bool(rng.integers(8)),
+        command=int(rng.choice([-1, 0, 1, 3, 4, 6, 7], p=[0.1, 0.1, 0.05, 0.2, 0.2, 0.2, 0.15])),
+        **given,
+    )
+    p = parameters(
+        "supervisor",
+        J_B=inertia(rng),
+        slew_rate_max=rng.choice([1e-3, 10.0]),
+        slew_torque_max=rng.choice([1e-5, 1e3]),
+        first_mode=str(rng.choice(["nadir", "inertial", "target", "sun"])),
+        rate_time=rng.choice([0.0, 0.15]),
+        settled_angle=rng.choice([1e-3, 4.0]),
+        settled_rate=rng.choice([1e-3, 4.0]),
+        settled_time=rng.choice([0.0, 0.15]),
+        angle_lost=rng.choice([0.1, 4.0]),
+        angle_time=rng.choice([0.0, 0.15]),
+        attitude_time=rng.choice([0.0, 0.25]),
+        target_yaw=str(rng.choice(["steered", "free"])),
+        target_yaw_angle=rng.uniform(-3.0, 3.0),
+        sun_axis_B=_unit(rng),
+    )
+    return p, u
+
+
 CASES = {
+    "supervisor": supervisor_case,
     "controller": controller_case,
     "controller, given reference": controller_with_reference_case,
     "allocator": allocator_case,
@@ -420,6 +463,20 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"r_N_measured": [6971.0, 0.0, 0.0]},
         ],
         "plant": [{"rod_period": 5e-4}],
+        "supervisor": [
+            {"J_B": np.diag([1.0, 1.0, 2.1])},
+            {"rate_lost": 1e-3},
+            {"sun_axis_B": [1.0, 1.0, 0.0]},
+            {"epoch": "tomorrow"},
+            {"command": 5},
+            {"R_NB": np.diag([1.0, 1.0, 1.001])},
+            {"R_goal": np.diag([1.0, 1.0, -1.0]), "command": 4},
+            {"R_goal": np.full((3, 3), 1e9), "command": 4},
+            {"target_latitude": 1e9, "command": 6},
+            {"sun_N": [1e9, 1e9, 1e9], "command": 7},
+            {"sun_N": [0.0, 0.0, 0.0], "command": 7, "rate_time": 0.0},
+            {"v_N": [1.0, 0.0, 0.0], "rate_time": 0.0},
+        ],
         "plant_sensors": [{"sample_period": 5e-7}],
         "plant_judge": [
             {"R_d0": np.diag([1.0, 1.0, -1.0])},
@@ -468,6 +525,8 @@ _FLOOR = {
     "h_w": 1e-17,  # next to standstill
     "wheel_speed": 1e-12,
     "tau_gg_B": 1e-21,  # J r_hat next to r_hat
+    "Omega_ref": 1e-16,  # a difference of rates next to each other
+    "dOmega_ref": 1e-18,
 }
 """Absolute parts, SI, where an output is a difference of nearly equal numbers."""
 

@@ -75,6 +75,7 @@ static void extrapolate(const ControllerPlannedInputs *u, Ahead *ahead)
     ahead->target_kind = still ? ONBOARD_TARGET_WITH_LVLH : ONBOARD_TARGET_TURNING;
     ahead->R_d0 = still ? Q : R;
     ahead->Omega_d0 = Omega;
+    ahead->dOmega_d0 = vector(u->dOmega_ref);
 }
 
 Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,

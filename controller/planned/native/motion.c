@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-static const double BIAS_FADES = 600.0; /* s, over which the measured bias of the field loses its say */
+static const double BIAS_FADES = 600.0;   /* s, over which the measured bias of the field loses its say */
+static const double CHANGE_LASTS = 200.0; /* s, for which a given rate goes on changing as it does now */
 
 Around controller_planned_around_at(const Ahead *ahead, double t)
 {
@@ -20,8 +21,9 @@ Target controller_planned_target_at(const Ahead *ahead, double t)
         return (Target){ahead->R_d0, {0.0, 0.0, 0.0}};
     }
     if (ahead->target_kind == ONBOARD_TARGET_TURNING) {
-        const Matrix turn = rotation_exp(scale(t - ahead->orbit.t, ahead->Omega_d0));
-        return (Target){multiply(ahead->R_d0, turn), ahead->Omega_d0};
+        const double s = t - ahead->orbit.t, with_change = clip(s, 0.0, CHANGE_LASTS);
+        const Vector turn = add(scale(s, ahead->Omega_d0), scale(with_change * (s - 0.5 * with_change), ahead->dOmega_d0));
+        return (Target){multiply(ahead->R_d0, rotation_exp(turn)), add(ahead->Omega_d0, scale(with_change, ahead->dOmega_d0))};
     }
     Vector r_N, v_N;
     controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);

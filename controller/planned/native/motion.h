@@ -41,7 +41,8 @@ typedef struct {
     double bias_t; /* when it was measured, s */
     int target_kind;
     Matrix R_d0;     /* at rest; or relative to LVLH; or at orbit.t, turning with Omega_d0 */
-    Vector Omega_d0; /* rad/s */
+    Vector Omega_d0; /* rad/s, and its derivative, rad/s2 */
+    Vector dOmega_d0;
 } Ahead;
 
 typedef double Square[ERRORS][ERRORS];

@@ -60,7 +60,15 @@ bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, con
         store(vector(u->omega_B), y->rate_error_B);
         return true;
     }
-    if (!is_attitude(R, f) || !desired(law, x->t, u, &reference, f)) {
+    if (!is_attitude(R, f)) {
+        return false;
+    }
+    if (is_zero_matrix(matrix(u->R_d))) {
+        y->attitude_error = REFERENCE_NO_ATTITUDE;
+        store(vector(u->omega_B), y->rate_error_B);
+        return true;
+    }
+    if (!desired(law, x->t, u, &reference, f)) {
         return false;
     }
     const Matrix Q = multiply(transposed(reference.R_d), R);

@@ -34,7 +34,7 @@ typedef struct {
     /* m/s; frame N; Velocity of the centre of mass, for 'lvlh' */
     double v_N[3];
     /* frame N from desired body; Desired attitude, orthonormal to 1e-4; with Omega_d it takes the place of
-     * the parameter reference; optional; 1e9 means not connected */
+     * the parameter reference. A matrix of zeros: no reference now; optional; 1e9 means not connected */
     double R_d[3][3];
     /* rad/s; frame desired body; Desired body rate; connect both R_d and Omega_d, or none of them; optional;
      * 1e9 means not connected */

@@ -122,7 +122,7 @@ static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
     const double none[3] = {0.0, 0.0, 0.0};
     onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
     const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
-    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0), {0.0, 0.0, 0.0}};
+    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 }
 
 int probe_days(const char *text, double *days)

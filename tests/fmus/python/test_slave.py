@@ -121,7 +121,7 @@ def _drive(host: Host, block: str, k: int, count: int) -> None:
         if block == "plant":
             host.set("dipole_cmd", [wave, 0.3, -wave])
             host.set("wheel_torque_cmd", 1e-4 * wave)
-        elif block in ("controller", "plant_judge"):
+        elif block in ("controller", "plant_judge", "supervisor"):
             host.set("omega_B", [0.02 * wave, 0.01, 0.003])
         elif block.startswith("allocator"):
             host.set("tau_cmd_B", [2e-3 * wave, 1e-3 * math.cos(i), 3e-4])

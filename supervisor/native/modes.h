@@ -1,0 +1,17 @@
+/* Modes: the reference of the present one, and what comes next. */
+#ifndef SUPERVISOR_MODES_H
+#define SUPERVISOR_MODES_H
+
+#include "supervisor.h"
+
+/* Of Greenwich at x->t, rad. */
+double supervisor_angle_of_earth(const SupervisorLaw *law, const SupervisorState *x);
+
+/* The reference at x->t; zeros in the mode safe. */
+bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *now,
+                              Fault *f);
+
+/* The state h later; x is of no use after a fault. */
+bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, double h, SupervisorState *x, Fault *f);
+
+#endif

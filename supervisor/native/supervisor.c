@@ -1,0 +1,109 @@
+#include "supervisor.h"
+
+#include "modes.h"
+
+#include <string.h>
+
+static const double HALF_PI = 1.57079632679489661923; /* rad */
+
+bool supervisor_check(const SupervisorParameters *p, Fault *f)
+{
+    const Named positive[] = {
+        {"slew_rate_max", p->slew_rate_max}, {"slew_torque_max", p->slew_torque_max},
+        {"rate_acquire", p->rate_acquire},   {"rate_lost", p->rate_lost},
+        {"settled_angle", p->settled_angle}, {"settled_rate", p->settled_rate},
+        {"angle_lost", p->angle_lost},       {"gravitational_parameter", p->gravitational_parameter},
+    };
+    const Named not_negative[] = {{"rate_time", p->rate_time},
+                                  {"settled_time", p->settled_time},
+                                  {"angle_time", p->angle_time},
+                                  {"attitude_time", p->attitude_time}};
+    const Named finite = {"target_yaw_angle", p->target_yaw_angle};
+    Epoch epoch;
+    if (!all_positive(positive, COUNT(positive), f) || !all_not_negative(not_negative, COUNT(not_negative), f) ||
+        !all_finite(&finite, 1, f)) {
+        return false;
+    }
+    if (p->first_mode < SUPERVISOR_FIRST_MODE_NADIR || p->first_mode > SUPERVISOR_FIRST_MODE_SUN) {
+        return fault(f, "first_mode", p->first_mode, "1 (nadir), 2 (inertial), 3 (target) or 4 (sun)");
+    }
+    if (p->target_yaw < SUPERVISOR_TARGET_YAW_STEERED || p->target_yaw > SUPERVISOR_TARGET_YAW_FREE) {
+        return fault(f, "target_yaw", p->target_yaw, "1 (steered) or 2 (free)");
+    }
+    if (!(p->rate_acquire <= p->rate_lost)) {
+        return fault(f, "rate_lost", p->rate_lost, "at least rate_acquire");
+    }
+    if (!(fabs(norm(vector(p->sun_axis_B)) - 1.0) <= 1e-6)) {
+        return fault(f, "sun_axis_B", norm(vector(p->sun_axis_B)), "a vector of unit length, to 1e-06");
+    }
+    return is_inertia(matrix(p->J_B), "J_B", f) && is_epoch(p->epoch, &epoch, f);
+}
+
+void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law)
+{
+    Epoch epoch = {0, 0, 0, 0};
+    law->p = *p;
+    (void)epoch_read(p->epoch, &epoch);
+    law->sidereal_angle_0 = supervisor_sidereal_angle(&epoch);
+}
+
+static bool inputs_fit(const SupervisorInputs *u, Fault *f)
+{
+    const Matrix R = matrix(u->R_NB), goal = matrix(u->R_goal);
+    const NamedVector vectors[] = {{"R_NB", R.a},           {"R_NB", R.b},
+                                   {"R_NB", R.c},           {"omega_B", vector(u->omega_B)},
+                                   {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)},
+                                   {"R_goal", goal.a},      {"R_goal", goal.b},
+                                   {"R_goal", goal.c},      {"sun_N", vector(u->sun_N)}};
+    const Named numbers[] = {{"target_latitude", u->target_latitude},
+                             {"target_longitude", u->target_longitude},
+                             {"target_height", u->target_height},
+                             {"sunlight", u->sunlight}};
+    if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
+        return false;
+    }
+    if (u->command == SUPERVISOR_ACQUIRE || u->command == SUPERVISOR_SLEW || u->command > SUPERVISOR_SUN) {
+        return fault(f, "command", u->command, "0 (none), 1 (safe), 3 (nadir), 4 (inertial), 6 (target) or 7 (sun)");
+    }
+    return !u->attitude_valid || is_zero_matrix(R) || is_attitude(R, f);
+}
+
+bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, SupervisorOutputs *y,
+                        Fault *f)
+{
+    Reference now;
+    if (!inputs_fit(u, f) || !supervisor_reference_now(law, x, u, &now, f)) {
+        return false;
+    }
+    store_matrix(now.R_d, y->R_ref);
+    store(now.Omega_d, y->Omega_ref);
+    store(now.dOmega_d, y->dOmega_ref);
+    y->mode = x->mode;
+    y->destination = x->destination;
+    y->slew_remaining = x->mode == SUPERVISOR_SLEW ? larger(x->slew_start + x->slew.duration - x->t, 0.0) : 0.0;
+    y->target_elevation = -HALF_PI;
+    if (supervisor_has_target_latitude(u) && supervisor_has_target_longitude(u) && supervisor_has_target_height(u)) {
+        const Vector point = supervisor_point_on_earth(u->target_latitude, u->target_longitude, u->target_height);
+        y->target_elevation = supervisor_elevation(point, u->target_latitude, u->target_longitude,
+                                                   supervisor_angle_of_earth(law, x), vector(u->r_N));
+    }
+    return true;
+}
+
+bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, SupervisorState *x, Fault *f)
+{
+    memset(x, 0, sizeof *x);
+    x->mode = x->destination = SUPERVISOR_SAFE;
+    return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f);
+}
+
+bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h, SupervisorOutputs *y,
+                     Fault *f)
+{
+    SupervisorState next = *x;
+    if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, &next, f) || !supervisor_outputs(law, &next, u, y, f)) {
+        return false;
+    }
+    *x = next;
+    return true;
+}

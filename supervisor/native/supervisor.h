@@ -1,0 +1,58 @@
+/* Modes of a mission: it gives the controller the reference of the present mode, and slews from one to the next.
+ *
+ * Flight code: plain functions of plain structures, no memory but `SupervisorState`, fixed time, no recursion.
+ * SI units and radians; frames as in ports.h. A function that returns false has noted a fault and changed nothing else. */
+#ifndef SUPERVISOR_H
+#define SUPERVISOR_H
+
+#include "pointing.h"
+#include "ports.h"
+#include "slew.h"
+
+/* As `mode`, `destination` and `command` count them. */
+enum {
+    SUPERVISOR_SAFE = 1,
+    SUPERVISOR_ACQUIRE = 2,
+    SUPERVISOR_NADIR = 3,
+    SUPERVISOR_INERTIAL = 4,
+    SUPERVISOR_SLEW = 5,
+    SUPERVISOR_TARGET = 6,
+    SUPERVISOR_SUN = 7
+};
+
+typedef struct {
+    double t; /* s */
+    int32_t mode;
+    int32_t destination; /* the mode that acquisition or slew leads to; else the mode itself */
+    double aim[9];       /* R_goal, row by row, or latitude, longitude and height; zeros for the other modes */
+    Matrix kept;         /* the attitude of a destination whose turn about its axis is free, at t */
+    double calm, fast;   /* s for which the rate has been below rate_acquire, and above rate_lost */
+    double blind;        /* s without an attitude */
+    double settled, off; /* s for which the errors have been small in acquisition, and the attitude's too large elsewhere */
+    double slew_start;   /* s */
+    Slew slew;
+} SupervisorState;
+
+/* Parameters and what follows from them alone. */
+typedef struct {
+    SupervisorParameters p;
+    double sidereal_angle_0; /* of Greenwich at t = 0, rad */
+} SupervisorLaw;
+
+bool supervisor_check(const SupervisorParameters *p, Fault *f);
+
+/* p must have passed the check. */
+void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law);
+
+/* The state at t = 0: safe, or in acquisition where nothing has to be waited for. */
+bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, SupervisorState *x, Fault *f);
+
+/* The reference at x->t, of the inputs as they stand. */
+bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, SupervisorOutputs *y,
+                        Fault *f);
+
+/* From t to t + h: u are the inputs at t + h. */
+bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h, SupervisorOutputs *y,
+                     Fault *f);
+
+#endif

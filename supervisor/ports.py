@@ -1,0 +1,146 @@
+"""What the supervisor is given, remembers and gives. Units, frames and limits are those of fmus/interfaces/supervisor.toml."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .reference import sidereal_angle
+from .so3 import Array
+
+SAFE, ACQUIRE, NADIR, INERTIAL, SLEW, TARGET, SUN = range(1, 8)
+"""The modes, as `mode`, `destination` and `command` count them."""
+FIRST = {"nadir": NADIR, "inertial": INERTIAL, "target": TARGET, "sun": SUN}
+ABSENT_MIN = 0.999e9
+"""An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    J_B: Array
+    slew_rate_max: float
+    slew_torque_max: float
+    first_mode: str
+    rate_acquire: float
+    rate_lost: float
+    rate_time: float
+    settled_angle: float
+    settled_rate: float
+    settled_time: float
+    angle_lost: float
+    angle_time: float
+    attitude_time: float
+    target_yaw: str
+    target_yaw_angle: float
+    sun_axis_B: Array
+    epoch: str
+    gravitational_parameter: float
+
+    @cached_property
+    def sidereal_angle_0(self) -> float:
+        """Of Greenwich at t = 0, rad."""
+        return sidereal_angle(self.epoch)
+
+
+@dataclass(frozen=True)
+class Inputs:
+    R_NB: Array
+    omega_B: Array
+    r_N: Array
+    v_N: Array
+    attitude_valid: bool
+    command: int
+    R_goal: Array
+    target_latitude: float
+    target_longitude: float
+    target_height: float
+    sun_N: Array
+    sunlight: float
+
+
+@dataclass(frozen=True)
+class State:
+    t: float
+    mode: int = SAFE
+    destination: int = SAFE
+    """The mode that acquisition or slew leads to; the mode itself otherwise."""
+    aim: Array = field(default_factory=lambda: np.zeros(9))
+    """What the destination points at: R_goal, row by row, or latitude, longitude and height; zeros for the others."""
+    kept: Array = field(default_factory=lambda: np.eye(3))
+    """The attitude of a destination whose turn about its axis is free, at t."""
+    calm: float = 0.0
+    """s for which the rate has been below rate_acquire."""
+    fast: float = 0.0
+    """s for which it has been above rate_lost."""
+    blind: float = 0.0
+    """s without an attitude."""
+    settled: float = 0.0
+    """s for which the errors have been small, in acquisition."""
+    off: float = 0.0
+    """s for which the attitude has been too far from the reference."""
+    slew_start: float = 0.0
+    slew_duration: float = 0.0
+    phi0: Array = field(default_factory=lambda: np.zeros(3))
+    dphi0: Array = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Outputs:
+    R_ref: Array
+    Omega_ref: Array
+    dOmega_ref: Array
+    mode: int
+    destination: int
+    slew_remaining: float
+    target_elevation: float
+
+
+def connected(value: Array | float) -> bool:
+    """Whether an optional input is connected."""
+    return not bool((np.abs(value) >= ABSENT_MIN).any())
+
+
+def check(p: Parameters) -> None:
+    """Raises ValueError with name, value and what is expected."""
+    for name in ("slew_rate_max", "slew_torque_max", "rate_acquire", "rate_lost", "settled_angle", "settled_rate"):
+        _positive(name, getattr(p, name))
+    for name in ("angle_lost", "gravitational_parameter"):
+        _positive(name, getattr(p, name))
+    for name in ("rate_time", "settled_time", "angle_time", "attitude_time"):
+        if not 0.0 <= (value := getattr(p, name)) < math.inf:
+            raise ValueError(f"{name}: expected a finite number of at least 0, found {value!r}")
+    if not math.isfinite(p.target_yaw_angle):
+        raise ValueError(f"target_yaw_angle: expected a finite number, found {p.target_yaw_angle!r}")
+    if p.first_mode not in FIRST:
+        raise ValueError(f"first_mode: expected one of {', '.join(FIRST)}, found {p.first_mode!r}")
+    if p.target_yaw not in ("steered", "free"):
+        raise ValueError(f"target_yaw: expected one of steered, free, found {p.target_yaw!r}")
+    if not p.rate_acquire <= p.rate_lost:
+        raise ValueError(f"rate_lost: expected at least rate_acquire, {p.rate_acquire!r}, found {p.rate_lost!r}")
+    if not abs(float(np.linalg.norm(p.sun_axis_B)) - 1.0) <= 1e-6:
+        raise ValueError(f"sun_axis_B: expected a vector of unit length, to 1e-06, found {p.sun_axis_B.tolist()}")
+    _inertia(p.J_B)
+    sidereal_angle(p.epoch)
+
+
+def _positive(name: str, value: float) -> None:
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
+
+
+def _inertia(J: Array) -> None:
+    if not np.isfinite(J).all():
+        raise ValueError(f"J_B: expected finite numbers, found {J.tolist()}")
+    if np.abs(J - J.T).max() > 1e-9 * np.abs(J).max():
+        raise ValueError(f"J_B: expected a symmetric matrix, found {J.tolist()}")
+    smallest, middle, largest = np.linalg.eigvalsh(J).tolist()
+    if not smallest > 0.0:
+        raise ValueError(f"J_B: expected a positive definite matrix, found its least eigenvalue {smallest:g}")
+    if largest > (smallest + middle) * (1.0 + 1e-9):
+        raise ValueError(
+            f"J_B: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"found principal moments {smallest:g}, {middle:g}, {largest:g} kg m2"
+        )
