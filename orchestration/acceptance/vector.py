@@ -45,7 +45,7 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     changes = {
         "duration": min(loaded.duration, ROWS_MAX * step),
         "record": {"interval": step, "signals": [f"{name}.{port}" for port in _ports(loaded, name, block)]},
-        **dict.fromkeys(("expect", "figures", "holds", "faults")),
+        **dict.fromkeys(("expect", "figures", "holds", "faults", "timeline", "phases")),
     }
     for key, value in changes.items():
         source = source.with_entry((key,), value)

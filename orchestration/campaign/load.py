@@ -164,7 +164,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     for number, metric in enumerate(campaign.metrics):
         key: Key = ("metrics", number)
         try:
-            measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario.duration))
+            measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario))
             if metric.python and metric.python.partition(":")[0] not in broken:
                 codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
         except InputError as error:

@@ -16,6 +16,7 @@ from ..results.figures import require
 from ..runner.limits import limits
 from ..runner.open import Opened, open_scenario
 from ..runner.read import read
+from ..scenario import timeline
 from ..scenario.faults import sentence
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
@@ -156,6 +157,7 @@ def _print(opened: Opened, path: Path) -> None:
         ),
         *(("real time", entry.text) for entry in [scenario.realtime] if entry is not None),
         *(("fault", sentence(fault)) for fault in scenario.faults),
+        *(("timeline", timeline.sentence(entry)) for entry in scenario.timeline),
     ]
     for line in table(("", ""), facts)[1:]:
         say(line)

@@ -11,6 +11,7 @@ from ..quantities import ONE, QuantityError
 from ..scenario.expectations import Bound, Expectation
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
+from ..system.phases import Phase, phases
 from ..system.wiring import Node
 from .span import Limits, Sight, limits, sight
 
@@ -39,6 +40,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
     checks: list[Check] = []
     errors: list[str] = []
     notes: list[str] = []
+    known = phases(scenario, models)
     shortened = ("duration",) in scenario.source.options
     first: dict[str, int] = {}
     for number, expectation in enumerate(scenario.expect):
@@ -51,7 +53,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
             notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")
             continue
         try:
-            checks.append(_check(scenario, ("expect", number), expectation, models))
+            checks.append(_check(scenario, ("expect", number), expectation, models, known))
         except InputError as error:
             errors += error.messages
     if errors:
@@ -59,8 +61,10 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
     return checks, notes
 
 
-def _check(scenario: Scenario, key: Key, expectation: Expectation, models: Mapping[str, Model]) -> Check:
-    seen = sight(scenario, key, expectation, expectation.signal, models, scenario.duration)
+def _check(
+    scenario: Scenario, key: Key, expectation: Expectation, models: Mapping[str, Model], known: Mapping[str, Phase]
+) -> Check:
+    seen = sight(scenario, key, expectation, expectation.signal, models, scenario.duration, known)
     if expectation.zeros is not None:
         if len(seen.nodes) != 1 or seen.variable.type == "boolean" or expectation.measure == "norm":
             message = f"zeros are counted of one number; {expectation.signal} is {seen.variable.kind}"

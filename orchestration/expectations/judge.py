@@ -11,6 +11,7 @@ import numpy as np
 from ..fmu.model import Floats
 from ..quantities import with_unit
 from ..scenario.expectations import Expectation
+from ..scenario.timeline import either
 from ..system.wiring import Node
 from .checks import Check, changes_of_sign
 from .span import slack
@@ -168,7 +169,7 @@ class Judge:
     def _outcome(self) -> Outcome:
         check, expectation, samples = self.check, self.check.expectation, self._samples
         if not samples:
-            never = self._inside and f"{expectation.when} is never true"
+            never = self._inside and _never(expectation)
             return _outcome(check, False, None, None, None, 0, never or "no sample lies in this span of time")
         if expectation.zeros is not None:
             if self._sign == 0.0:
@@ -213,6 +214,14 @@ def highlights(judges: Iterable[Judge]) -> list[Highlight]:
         if (highlight := judge.highlight) is not None:
             by_signal.setdefault(highlight.signal, highlight)
     return list(by_signal.values())
+
+
+def _never(expectation: Expectation) -> str:
+    """Why no sample of the window is looked at."""
+    if expectation.during is None:
+        return f"{expectation.when} is never true"
+    condition = f" at which {expectation.when} is true" if expectation.when else ""
+    return f"there is no sample in the phase {either(expectation.during)}{condition}"
 
 
 def _signal(expectation: Expectation) -> str:

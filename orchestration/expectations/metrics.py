@@ -13,10 +13,12 @@ from ..errors import InputError
 from ..fmu.model import Floats, Model
 from ..quantities import ONE, SECOND, QuantityError, Unit, parse_unit
 from ..scenario.metrics import BOUNDS, Metric
+from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
+from ..system.phases import phases
 from ..system.wiring import Node
-from .span import Limits, Sight, limits, one_number, sight
+from .span import Limits, Sight, limits, one_number, sight, window
 
 Function = Callable[[Floats, dict[str, Floats]], float]
 """A metric in Python: of the times (n,) s and the signals by name, (n,) or (n, elements) in the units of their ports."""
@@ -51,7 +53,9 @@ class Measure:
         return Bounded(self) if self.metric.kind in BOUNDS else Statistic(self)
 
 
-def prepare(places: signals.Places, key: Key, metric: Metric, models: Mapping[str, Model], duration: float) -> Measure:
+def prepare(
+    places: signals.Places, key: Key, metric: Metric, models: Mapping[str, Model], scenario: Scenario
+) -> Measure:
     """A metric held against the blocks; `key` is its place in the file. Raises InputError."""
     kind = metric.kind
     if metric.signal is None:
@@ -63,7 +67,7 @@ def prepare(places: signals.Places, key: Key, metric: Metric, models: Mapping[st
         return Measure(
             metric, unit, f"{metric.python} of {', '.join(map(str, metric.signals))}", None, None, tuple(given)
         )
-    seen = sight(places, key, metric, metric.signal, models, duration)
+    seen = sight(places, key, metric, metric.signal, models, scenario.duration, phases(scenario, models))
     if kind in BOUNDS:
         bound = getattr(metric, kind)
         try:
@@ -76,7 +80,7 @@ def prepare(places: signals.Places, key: Key, metric: Metric, models: Mapping[st
                 else (*key, kind, bound.kind)
             )
             raise InputError(places.error(place, str(error))) from None
-        return Measure(metric, unit, f"{_WORDS[kind]} {seen.name} {_is(held)}{_window(metric)}", seen, held)
+        return Measure(metric, unit, f"{_WORDS[kind]} {seen.name} {_is(held)}{window(metric)}", seen, held)
     if seen.variable.type == "enumeration" and kind == "statistic" and metric.statistic not in ("final",):
         message = f"{metric.signal} is {seen.variable.kind} and has no {metric.statistic}; expected share, or statistic: final"
         raise InputError(places.error((*key, "statistic"), message))
@@ -89,7 +93,7 @@ def prepare(places: signals.Places, key: Key, metric: Metric, models: Mapping[st
     except QuantityError as error:
         raise InputError(places.error((*key, "unit"), str(error))) from None
     none = Limits(unit, *own.conversion(unit), -math.inf, math.inf, False, "")
-    return Measure(metric, unit, f"{metric.statistic} of {seen.name}{_window(metric)}", seen, none)
+    return Measure(metric, unit, f"{metric.statistic} of {seen.name}{window(metric)}", seen, none)
 
 
 _WORDS = {"settles": "time from which for good", "reaches": "first time at which", "share": "share of time in which"}
@@ -97,14 +101,6 @@ _WORDS = {"settles": "time from which for good", "reaches": "first time at which
 
 def _is(held: Limits) -> str:
     return held.text if held.number else f"= {held.text}"
-
-
-def _window(metric: Metric) -> str:
-    """Which samples are looked at, in words."""
-    parts = [
-        f"{word} {limit:.10g} s" for word, limit in (("from", metric.after), ("to", metric.before)) if limit is not None
-    ]
-    return "".join(f", {part}" for part in [*parts, *([f"while {metric.when}"] if metric.when else [])])
 
 
 def _unit(name: str | None, own: Unit) -> Unit:

@@ -1,5 +1,5 @@
 """The samples of a signal that are looked at, for expectations and metrics alike: every base step, recorded or not, in the window
-`after` to `before` at which `when` is true.
+`after` to `before` at which `when` is true, in the phases of `during`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from ..quantities import ONE, QuantityError, Unit, parse, real
 from ..scenario.expectations import Bound, Span
 from ..scenario.references import Reference
 from ..scenario.source import Key
+from ..scenario.timeline import either
 from ..system import signals
+from ..system.phases import Phase, during
 from ..system.values import item
 from ..system.wiring import Node
 
@@ -31,11 +33,13 @@ class Sight:
     variable: Variable
     nodes: list[Node]
     when: Node | None
+    during: tuple[Phase, ...]
     span: Span
 
     @property
     def needed(self) -> list[Node]:
-        return [*self.nodes, self.when] if self.when else self.nodes
+        conditions = [self.when, *(phase.signal for phase in self.during)]
+        return [*self.nodes, *(node for node in conditions if node is not None)]
 
     def values(self, columns: Mapping[Node, Floats], factor: float = 1.0, offset: float = 0.0) -> Floats:
         """The signal (n, elements), or (n, 1) for a norm, in another unit by `factor` and `offset`."""
@@ -54,6 +58,8 @@ class Sight:
         inside = bool(chosen.any())
         if self.when is not None:
             chosen &= columns[self.when] != 0.0
+        if self.during:
+            chosen &= np.logical_or.reduce([phase.chosen(time, columns) for phase in self.during])
         return inside, chosen
 
 
@@ -63,9 +69,15 @@ def slack(time: float) -> float:
 
 
 def sight(
-    places: signals.Places, key: Key, span: Span, signal: Reference, models: Mapping[str, Model], duration: float
+    places: signals.Places,
+    key: Key,
+    span: Span,
+    signal: Reference,
+    models: Mapping[str, Model],
+    duration: float,
+    phases: Mapping[str, Phase],
 ) -> Sight:
-    """A signal and its span held against the blocks. Raises InputError."""
+    """A signal and its span held against the blocks; `phases` by their names. Raises InputError."""
     variable, nodes = signals.find(places, (*key, "signal"), signal, models)
     when = None
     if span.when is not None:
@@ -86,7 +98,7 @@ def sight(
     if span.measure == "norm" and variable.type != "real":
         raise InputError(places.error((*key, "measure"), f"{signal} is {variable.type} and has no norm"))
     name = f"|{signal}|" if span.measure == "norm" else str(signal)
-    return Sight(name, variable, nodes, when, span)
+    return Sight(name, variable, nodes, when, during(places, (*key, "during"), span.during, phases), span)
 
 
 @dataclass(frozen=True)
@@ -169,3 +181,12 @@ def _end(end: object, name: str, own: Unit | None) -> tuple[float, Unit | None]:
 def one_number(sight: Sight) -> bool:
     """Whether it gives one number at each instant."""
     return len(sight.nodes) == 1 or sight.span.measure == "norm"
+
+
+def window(span: Span) -> str:
+    """Which samples are looked at, in words."""
+    parts = [
+        f"{word} {limit:.10g} s" for word, limit in (("from", span.after), ("to", span.before)) if limit is not None
+    ]
+    parts += [f"while {span.when}" * bool(span.when), f"during {either(span.during or '')}" * bool(span.during)]
+    return ", ".join(["", *filter(None, parts)])

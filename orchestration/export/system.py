@@ -22,7 +22,7 @@ from ..system.wiring import Node
 
 Scalar = float | int | bool | str
 
-_LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "cycle", "record")
+_LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "timeline", "phases", "cycle", "record")
 """What the step for the values of t = 0 goes without."""
 
 
@@ -83,6 +83,9 @@ def check_plain(scenario: Scenario, what: str, remedy: str = "") -> None:
         raise InputError(scenario.error(("delays",), f"{what} has no delays of single connections{remedies}"))
     if scenario.faults:
         raise InputError(scenario.error(("faults",), f"{what} has no faults{remedies}"))
+    if any(entry.set for entry in scenario.timeline):
+        message = f"{what} has no commands at given times{remedies}"
+        raise InputError(scenario.error(("timeline",), message))
     for name, entry in scenario.blocks.items():
         if entry.every != 1:
             one = "expected 1 (remedy: no 'every', and the slowest block's step for all)"

@@ -27,6 +27,7 @@ from ..instances.slave import Slave
 from ..interrupt import interruptible
 from ..system.clock import EXACT, Clock
 from .bus import Bus
+from .injection import Changes
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite
 
 _SOURCE = Path(__file__).with_name("loop.c")
@@ -175,15 +176,17 @@ class CompiledLoop:
         self._kept.append(whole)
         return whole.ctypes.data
 
-    def run(self, recording: Recording, progress: Progress | None) -> None:
-        """Runs to the end, to Ctrl-C or to a failure, in stretches short enough to report progress."""
+    def run(self, recording: Recording, progress: Progress | None, changes: Changes) -> None:
+        """Runs to the end, to Ctrl-C or to a failure, in stretches short enough to report progress and to make the changes."""
         loop, steps = self._loop, self._clock.steps
         stretch = 16
         begun = reported = perf_counter()
         with interruptible() as interrupted:
             try:
                 while loop.count < steps and not interrupted:
-                    if self._run(c.byref(loop), min(loop.count + stretch, steps, self._room())):
+                    changes.make(loop.count)
+                    until = min(loop.count + stretch, steps, self._room(), changes.next)
+                    if self._run(c.byref(loop), int(until)):
                         self._fail()
                     now = perf_counter()
                     if now - reported < REPORT_EVERY / 2:

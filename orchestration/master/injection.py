@@ -1,4 +1,4 @@
-"""Brings a scenario's faults into the step loop in Python: what a block is set to, and what its inputs are given."""
+"""Brings a scenario's faults and its timeline into the step loops: what a block is set to, and what its inputs are given."""
 
 from __future__ import annotations
 
@@ -44,23 +44,40 @@ def with_faults(
                 acting.append((fault, seat.inputs.elements.index(fault.target.element), int(behind)))
         if acting:
             seat.gather = _gatherer(seat, acting, now)
-    blocks = {seat.block.name: seat.block for seat in bus.seats}
-    changes = [change for s in faults.settings for change in _changes(s, blocks[s.block], every.get(s.block, 1))]
-    changes.sort(key=lambda change: change.due)
+    changes = Changes(faults, bus, every, clock)
     step = advance()
 
     def advance_with_faults(count: int) -> None:
         now.count = count
-        while changes and changes[0].due < count:
-            change = changes.pop(0)
-            try:
-                change.make()
-            except BlockError as error:
-                error.time = clock.time(change.due)
-                raise
+        changes.make(count - 1)
         step(count)
 
     return advance_with_faults
+
+
+class Changes:
+    """The values that blocks are set to between two steps, in the order of their times."""
+
+    def __init__(self, faults: Faults, bus: Bus, every: Mapping[str, int], clock: Clock) -> None:
+        blocks = {seat.block.name: seat.block for seat in bus.seats}
+        changes = [change for s in faults.settings for change in _changes(s, blocks[s.block], every.get(s.block, 1))]
+        self._left = sorted(changes, key=lambda change: change.due)
+        self._clock = clock
+
+    def make(self, count: int) -> None:
+        """Makes those that are due once `count` base steps are done. Raises BlockError."""
+        while self._left and self._left[0].due <= count:
+            change = self._left.pop(0)
+            try:
+                change.make()
+            except BlockError as error:
+                error.time = self._clock.time(change.due)
+                raise
+
+    @property
+    def next(self) -> float:
+        """How many base steps are done when the next one is due."""
+        return self._left[0].due if self._left else math.inf
 
 
 @dataclass

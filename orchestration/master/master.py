@@ -34,7 +34,7 @@ from ..system.starts import Start
 from ..system.wiring import Node, Wiring
 from .bus import Bus, Seat, lay_out
 from .compiled import compiled_loop
-from .injection import at_start, with_faults
+from .injection import Changes, at_start, with_faults
 from .pacing import Pacer
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite, not_finite
 
@@ -80,10 +80,10 @@ class Master:
                 bus.values.take(bus.watched, 0, self.watch.row(0), "clip")
             rows = 1
             loop = None
-            if self.compiled and not self.faults and self.pacer is None:
+            if self.compiled and not self.faults.disturbances and self.pacer is None:
                 loop = compiled_loop(bus, self.clock, self.every, self.parallel, self.watch, recording)
             if loop is not None:
-                loop.run(recording, progress)
+                loop.run(recording, progress, Changes(self.faults, bus, self.every, self.clock))
             else:
                 self._loop(bus, recording, progress)
             self._record_end(bus, recording)

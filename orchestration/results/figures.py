@@ -23,11 +23,14 @@ from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system.panels import unit_of
 from .data import RunData
+from .phases import bands
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
 _PANEL_SIZE = (5.2, 3.4)
 """inches"""
+_LABELLED = 0.02
+"""Share of a panel's width from which a phase has its name in it."""
 _PANELS_MAX = 6
 """Panels of a plot for which no signals are named."""
 
@@ -158,6 +161,7 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
             axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
             notes.append(_plain(f"red: {sentence(fault)}"))
     axes.set_yscale(panel.scale)
+    _draw_bands(axes, result, low, high)
     axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(
@@ -173,6 +177,26 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         above.tick_params(labelsize=7)
     if legend:
         axes.legend(fontsize=8, frameon=False)
+
+
+def _draw_bands(axes: Any, result: RunData, low: float, high: float) -> None:
+    """The phases of the run behind the curves, each with its name where there is room for it."""
+    for band in bands(result):
+        begin, end = max(band.begin, low), min(band.end, high)
+        if begin >= end:
+            continue
+        axes.axvspan(begin, end, color=COLOURS[band.colour % len(COLOURS)], alpha=0.12, linewidth=0.0, zorder=0)
+        if end - begin > _LABELLED * (high - low):
+            axes.annotate(
+                _plain(band.name),
+                (0.5 * (begin + end), 0.98),
+                xycoords=axes.get_xaxis_transform(),
+                rotation=90,
+                fontsize=6,
+                color="0.35",
+                horizontalalignment="center",
+                verticalalignment="top",
+            )
 
 
 def zero_crossings(time: Floats, values: Floats) -> list[float]:

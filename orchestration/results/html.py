@@ -23,6 +23,7 @@ from fmus.contents.documentation import STYLE
 from .arrays import Arrays
 from .data import RunData
 from .figures import COLOURS
+from .phases import bands
 from .plots import faulty
 
 _ASSETS = Path(__file__).parent / "assets"
@@ -104,6 +105,7 @@ class Page:
             "colours": COLOURS,
             "cycle": cycle and {"name": cycle.name, "period": cycle.period},
             "faults": faulty(result) if result is not None and len(result.time) else [],
+            "phases": bands(result) if result is not None else [],
         }
 
     def figure(
@@ -115,6 +117,8 @@ class Page:
             notes.append(key("limit", f"dashed: {', '.join(lines)}"))
         if self._data["faults"]:
             notes.append(key("fault", "red: injected faults"))
+        if self._data["phases"]:
+            notes.append("coloured: phases")
         if any(plot["thinned"] for plot in plots):
             notes.append("samples thinned out; lowest and highest values are kept")
         places = [self._place(plot, title) for plot in plots]

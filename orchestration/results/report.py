@@ -10,6 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from ..quantities import with_unit
+from ..scenario import timeline
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry
 from . import lateness, plots
@@ -131,6 +132,7 @@ def _events(result: RunData) -> Markup:
         [
             _part("holds", items(holds)),
             _part("faults", items(map(sentence, result.scenario.faults))),
+            _part("timeline", items(map(timeline.sentence, result.scenario.timeline))),
             _part("key_figures", rows(figures)),
             _part("flags", items(result.raised)),
         ]

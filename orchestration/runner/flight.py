@@ -108,7 +108,7 @@ class Flight:
             columns = self._nodes[:1]
             master = Master(blocks, plan.wiring, plan.order, self._clock, columns, every, parallel, True, plan.faults)
             # What stands before an instance, and a fault in its exchange, has a state of its own.
-            if not plan.faults and all(blocks[name] is block for name, block in self._instances.items()):
+            if not plan.faults.disturbances and all(blocks[name] is block for name, block in self._instances.items()):
                 self._master = master
         else:
             master = self._master

@@ -14,6 +14,7 @@ from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.result import Result
+from ..scenario import timeline
 from ..scenario.faults import sentence
 from ..scenario.source import copied
 from ..system import signals
@@ -27,6 +28,7 @@ _ENTRIES = (
     *(
         "notes",
         "faults",
+        "timeline",
         "fmus",
         "steps",
         "samples",
@@ -53,6 +55,7 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
         "names": RULE,
         "order": plan.order.blocks,
         "faults": [sentence(fault) for fault in scenario.faults],
+        "timeline": [timeline.sentence(entry) for entry in scenario.timeline],
         "fmus": {
             name: {
                 "file": str(fmu.path),

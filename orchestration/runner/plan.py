@@ -17,6 +17,7 @@ from ..system import agreement, order, panels, signals, starts, view, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
+from ..system.phases import phases
 from ..system.starts import Start
 from ..system.wiring import Node, Wiring
 
@@ -54,6 +55,7 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
         lambda: holds.prepare(scenario, models),
     )
     needed = [node for look in (*checked, *held) for node in look.needed]
+    needed += [phase.signal for phase in phases(scenario, models).values() if phase.signal is not None]
     columns = list(dict.fromkeys([*recorded, *needed, *drawn, *seen, *signals.flags(models)]))
     check_size(scenario, times, len(columns))
     notes = [

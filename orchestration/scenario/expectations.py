@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, WithJsonSchema, model_validator
 
 from .references import Reference
+from .timeline import Phase
 from .types import NUMBER_OR_TEXT, Model, Quantity, Time, quantity
 
 
@@ -63,6 +64,8 @@ class Span(Model):
     """Only samples up to this time."""
     when: Reference | None = None
     """Only samples at which this boolean signal is true; there must be one."""
+    during: Phase | list[Phase] | None = None
+    """Only samples in this phase, or in one of these: a phase of the timeline, or of `phases`; there must be one."""
 
 
 class Expectation(Span, _Signal):

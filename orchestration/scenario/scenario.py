@@ -18,6 +18,7 @@ from .mapping import MapEntry
 from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
+from .timeline import Phases, TimelineEntry
 from .types import Bytes, Flavour, Isolation, Model, Period, Value
 from .view import ViewEntry
 
@@ -121,6 +122,10 @@ class Scenario(Model):
     wrong wiring early by them."""
     faults: list[Fault] = []
     """What goes wrong during the run."""
+    timeline: list[TimelineEntry] = []
+    """Commands and set-points at given times, and the phases of the run."""
+    phases: Phases | None = None
+    """Phases by the value of a signal; they are drawn in place of those of the timeline."""
     figures: list[FigureEntry] = []
     """Figures that `--figures` draws."""
     cycle: Cycle | None = None

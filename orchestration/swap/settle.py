@@ -28,16 +28,19 @@ def settle(prepared: Prepared) -> None:
         if _lacks(prepared, output) and ("connections", number) not in unconnected:
             message = f"{connection}: {output.block} lacks the output {output.variable}; remedy: map it, or take out the connection"
             errors.append(scenario.error(("connections", number), message))
-    for number, fault in enumerate(scenario.faults):
-        signal, fitted = fault.target, prepared.fits.get(fault.target.block)
-        key: Key = ("faults", number, fault.kind)
+    acted_on: list[tuple[Key, Reference, str]] = [
+        *((("faults", i, fault.kind), fault.target, "fault") for i, fault in enumerate(scenario.faults)),
+        *((("timeline", i, "set", name), name, "entry") for i, e in enumerate(scenario.timeline) for name in e.set),
+    ]
+    for key, signal, what in acted_on:
+        fitted = prepared.fits.get(signal.block)
         if fitted is not None and signal.variable in fitted.without:
-            text = f"{signal} is optional and {signal.block} lacks it, so the fault would change nothing; remedy: take out the fault"
+            text = f"{signal} is optional and {signal.block} lacks it, so the {what} would change nothing; remedy: take out the {what}"
             errors.append(scenario.error(key, text))
         if fitted is not None and signal.variable in fitted.ignored:
             text = (
-                f"{signal} is under 'ignore' in the mapping of {signal.block}, so the fault would change nothing; "
-                "remedy: map it, or take out the fault"
+                f"{signal} is under 'ignore' in the mapping of {signal.block}, so the {what} would change nothing; "
+                f"remedy: map it, or take out the {what}"
             )
             errors.append(scenario.error(key, text))
     source = scenario.source.without(gone) if gone else scenario.source
@@ -147,6 +150,8 @@ def _references(scenario: Scenario) -> Iterator[tuple[Key, Reference, Key]]:
     for i, expectation in enumerate(scenario.expect):
         for key, reference in _given(("expect", i), expectation, "signal", "when"):
             yield key, reference, ("expect", i)
+    if scenario.phases is not None:
+        yield ("phases", "signal"), scenario.phases.signal, ("phases",)
     for i, hold in enumerate(scenario.holds):
         for signal in (hold.signal, *hold.keeps):
             yield ("holds", i), signal, ("holds", i)

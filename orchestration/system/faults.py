@@ -1,4 +1,4 @@
-"""What a scenario lets go wrong: parameters set during the run; signals frozen, biased or cut.
+"""What a scenario does to its blocks during the run: values set by the timeline; faults, which set, freeze, bias or cut.
 
 A signal's fault acts on the connection, on what a receiver is given; the block that gives the signal is
 sound, and so is what is recorded of it. A value is at fault where the instant to which it belongs lies
@@ -17,7 +17,7 @@ from ..errors import InputError, as_written, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, parse
 from ..scenario.faults import Fault, sentence
-from ..scenario.references import Assignment, Name, Reference
+from ..scenario.references import Name, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from .values import Scalar, leaves, scalar, values_of
@@ -72,16 +72,37 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
             if span is None:
                 continue
             if fault.set is not None:
-                faults.settings.append(_setting(fault.set, models, wiring, span))
+                faults.settings.append(_setting(fault.set.target, fault.set.value, models, wiring, span))
             else:
                 faults.disturbances += _disturbances(fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
             errors.append(scenario.error((*key, fault.kind), str(error)))
         except InputError as error:
             errors += error.messages
+    for number, entry in enumerate(scenario.timeline):
+        key = ("timeline", number)
+        try:
+            _within(scenario, (*key, "at"), entry.at)
+            first = _count(scenario, (*key, "at"), entry.at, faults.notes)
+        except InputError as error:
+            if ("duration",) not in scenario.source.options:
+                errors += error.messages
+                continue
+            first = math.ceil(entry.at / scenario.step)
+        for name, value in entry.set.items():
+            try:
+                faults.settings.append(_setting(name, value, models, wiring, (first, math.inf)))
+            except (QuantityError, NameUnknown) as error:
+                errors.append(scenario.error((*key, "set", name), str(error)))
     if errors:
         raise InputError(*errors)
     return faults
+
+
+def _within(scenario: Scenario, key: Key, time: float) -> None:
+    if time > scenario.duration:
+        message = f"{time:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
+        raise InputError(scenario.error(key, message))
 
 
 def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span | None:
@@ -90,8 +111,7 @@ def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span 
         if ("duration",) in scenario.source.options:
             notes.append(f"does not happen, since the run ends before: {sentence(fault)}")
             return None
-        message = f"{fault.at:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
-        raise InputError(scenario.error((*key, "at"), message))
+        _within(scenario, (*key, "at"), fault.at)
     first = _count(scenario, (*key, "at"), fault.at, notes)
     return first, math.inf if fault.until is None else _count(scenario, (*key, "until"), fault.until, notes)
 
@@ -117,8 +137,7 @@ def _signal(reference: Reference, models: Mapping[str, Model]) -> tuple[str, Var
     return block, *models[block].find(block, reference.variable, reference.indices, of)
 
 
-def _setting(assignment: Assignment, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
-    name = assignment.target
+def _setting(name: Reference, value: Any, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
     block, variable, positions = _signal(name, models)
     if variable.causality == "parameter" and variable.variability != "tunable":
         raise QuantityError(
@@ -129,7 +148,7 @@ def _setting(assignment: Assignment, models: Mapping[str, Model], wiring: Wiring
         fed = {node for link in wiring.links for node in link.target}
         if any(Node(block, Element(variable.name, position)) in fed for position in positions):
             raise QuantityError(f"{name} is connected; remedy: 'cut: {name}' with 'to', which takes the signal's place")
-    values = values_of(block, models[block], Name(name.partition(".")[2]), assignment.value)
+    values = values_of(block, models[block], Name(name.partition(".")[2]), value)
     if variable.type == "string" and span[1] < math.inf:
         raise QuantityError(f"{name} is text, which can be set but not be restored; remedy: leave out 'until'")
     return Setting(block, tuple(values.items()), span, name)

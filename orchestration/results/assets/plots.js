@@ -320,6 +320,23 @@ const timeline = {
   }
   function spans(u, plot, css) {
     clipped(u, (ctx, ratio) => {
+      for (const [name, from, to, colour] of plot.xlabel ? [] : page.phases || []) {
+        const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
+        ctx.globalAlpha = 0.12;
+        ctx.fillStyle = page.colours[colour % page.colours.length];
+        ctx.fillRect(a, u.bbox.top, b - a, u.bbox.height);
+        ctx.globalAlpha = 1;
+        const left = Math.max(a, u.bbox.left), right = Math.min(b, u.bbox.left + u.bbox.width);
+        if (right - left < 12 * ratio) continue; // no room for its name
+        ctx.save();
+        ctx.translate((left + right) / 2, u.bbox.top + 4 * ratio);
+        ctx.rotate(Math.PI / 2);
+        ctx.font = `${9 * ratio}px sans-serif`;
+        ctx.textBaseline = "middle";
+        ctx.fillStyle = css("--limit");
+        ctx.fillText(name, 0, 0);
+        ctx.restore();
+      }
       for (const [list, name] of [[plot.xlabel ? [] : page.faults, "--fault"], [plot.shade, "--shade"]]) {
         ctx.fillStyle = css(name);
         for (const [from, to] of list) {

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,8 @@ from orchestration.scenario.source import Source
 from ..mocks import model, real
 
 TIME = np.arange(5000) * 0.01
+WHOLE: Any = SimpleNamespace(duration=TIME[-1], timeline=[], phases=None)
+"""What a metric takes of the scenario."""
 
 
 def measured(values, function=None, on=None, **entry):
@@ -24,7 +28,7 @@ def measured(values, function=None, on=None, **entry):
     models = {"a": model("a", x, real("on", "output", type="boolean"))}
     given = {"signals": ["a.x"]} if function else {"signal": "a.x"}
     metric = Metric.model_validate({"name": "m", **given, **entry})
-    measure = prepare(Source({}), ("metrics", 0), metric, models, TIME[-1])
+    measure = prepare(Source({}), ("metrics", 0), metric, models, WHOLE)
     columns = {node: rows[:, i] for i, node in enumerate(n for n in measure.needed if n.element.variable == "x")}
     columns.update((n, np.asarray(on, float)) for n in measure.needed if n.element.variable == "on")
     found = []

@@ -1,0 +1,185 @@
+"""The timeline: values at given times, phases, and what is expected during a phase."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orchestration import InputError, load, run
+from orchestration.export.system import check_plain
+from orchestration.results.figures import draw
+from orchestration.results.phases import bands
+from orchestration.runner.flight import Flight
+from orchestration.runner.open import open_scenario
+
+BASE: dict[str, Any] = {
+    "name": "timeline",
+    "step": 0.5,
+    "duration": 10.0,
+    "blocks": {
+        "supervisor": {
+            "fmu": "supervisor",
+            "start": {
+                "R_NB": {"axis": [0, 0, 1], "angle": 0},
+                "omega_B": [0, 0, 0],
+                "attitude_valid": True,
+                "r_N": [6971e3, 0, 0],
+                "v_N": [0, -1052.3891, 7488.1109],
+                "rate_time": "2 s",
+                "target_latitude": "10 deg",
+                "target_longitude": "20 deg",
+                "target_height": 0,
+            },
+        },
+    },
+    "record": {"signals": ["supervisor.mode", "supervisor.target_elevation"]},
+}
+
+
+TIMELINE: list[dict[str, Any]] = [
+    {"at": 0.0, "phase": "waiting"},
+    {"at": "5 s", "set": {"supervisor.target_height": "1 km", "supervisor.command": 1}, "phase": "commanded"},
+    {"at": 8.0, "set": {"supervisor.command": 0}, "phase": "waiting"},
+]
+
+
+def flown(compiled: bool = True, **changes: Any) -> Any:
+    return run({**BASE, **changes}, compiled=compiled)
+
+
+def refused(**changes: Any) -> str:
+    with pytest.raises(InputError) as error:
+        flown(**changes)
+    return str(error.value)
+
+
+@pytest.mark.parametrize("exchange", ["sequential", "parallel"])
+@pytest.mark.parametrize("every", [1, 2])
+def test_a_value_is_given_from_its_time_on_and_both_loops_give_the_same_bits(exchange: str, every: int) -> None:
+    blocks = {"supervisor": {**BASE["blocks"]["supervisor"], "every": every}}
+    in_c, in_python = (flown(c, timeline=TIMELINE, exchange=exchange, blocks=blocks) for c in (True, False))
+    for name in in_c:
+        np.testing.assert_array_equal(in_c[name], in_python[name])
+    without = flown(exchange=exchange, blocks=blocks)
+    changed = in_c["supervisor.target_elevation"] != without["supervisor.target_elevation"]
+    seen = 5.0 + 0.5 * every  # the end of the first step that begins with it
+    assert changed[in_c.time >= seen].all()
+    assert not changed[in_c.time < seen].any()
+    mode = in_c["supervisor.mode"]
+    assert mode[in_c.time == 5.0] == 2  # acquisition since 2 s
+    assert (mode[(in_c.time >= seen) & (in_c.time <= 8.0)] == 1).all()
+    assert mode[-1] == 2
+
+
+def test_a_scenario_flown_again_and_again_begins_its_timeline_anew() -> None:
+    """As a campaign flies it: the FMU is reset from run to run, and the values of its timeline with it."""
+    expect = [{"name": "safe", "signal": "supervisor.mode", "during": "commanded", "ever": {"equals": 2}}]
+    flight = Flight(open_scenario(load({**BASE, "timeline": TIMELINE, "expect": expect})))
+    try:
+        seen = [flight.fly({"supervisor.rate_time": value}).outcomes[0].passed for value in ("2 s", "6 s", "2 s")]
+    finally:
+        flight.close()
+    assert seen == [True, False, True]
+
+
+def test_an_expectation_of_a_phase_looks_at_its_samples_alone() -> None:
+    """Of the phase 'commanded' from 5 s on and before 8 s; of a signal while it has the phase's value."""
+    expect = [
+        {"name": "safe", "signal": "supervisor.mode", "during": "commanded", "after": "5.1 s", "always": {"equals": 1}},
+        {"name": "waits", "signal": "supervisor.mode", "during": "waiting", "always": {"within": [1, 2]}},
+        {"name": "either", "signal": "supervisor.mode", "during": ["safe", "acquiring"], "always": {"below": 3}},
+        {"name": "off", "signal": "supervisor.mode", "during": "acquiring", "ever": {"equals": 1}},
+        {"name": "never", "signal": "supervisor.mode", "during": "sun", "always": {"equals": 7}},
+    ]
+    phases = {"signal": "supervisor.mode", "names": {"safe": 1, "acquiring": 2, "sun": 7}}
+    result = flown(timeline=TIMELINE, phases=phases, expect=expect)
+    by_name = {outcome.name: outcome for outcome in result.outcomes}
+    assert [by_name[name].status for name in ("safe", "waits", "either")] == ["met", "met", "met"]
+    assert by_name["safe"].samples == 5
+    assert by_name["waits"].samples == 10 + 5
+    assert by_name["either"].samples == 21
+    assert by_name["off"].status == "failed"
+    assert by_name["never"].status == "not reached"
+    assert by_name["never"].note == "there is no sample in the phase sun"
+
+
+def test_phases_are_drawn_from_the_signal_or_else_from_the_timeline() -> None:
+    found = bands(flown(timeline=TIMELINE))
+    assert [(b.name, b.begin, b.end, b.colour) for b in found] == [
+        ("waiting", 0.0, 5.0, 0),
+        ("commanded", 5.0, 8.0, 1),
+        ("waiting", 8.0, 10.0, 0),
+    ]
+    phases = {"signal": "supervisor.mode", "names": {"safe": 1, "acquiring": 2}}
+    record = {"signals": ["supervisor.target_elevation"]}
+    found = bands(flown(timeline=TIMELINE, phases=phases, record=record))
+    assert [(b.name, b.begin, b.end) for b in found] == [
+        ("safe", 0.0, 2.0),
+        ("acquiring", 2.0, 5.5),
+        ("safe", 5.5, 8.5),
+        ("acquiring", 8.5, 10.0),
+    ]
+
+
+def test_the_manifest_the_figures_and_the_report_tell_of_it(tmp_path: Path) -> None:
+    figures = [{"name": "modes", "panels": [{"signals": ["supervisor.mode"]}]}]
+    result = run({**BASE, "timeline": TIMELINE, "figures": figures}, out=tmp_path / "out")
+    assert result.manifest["timeline"][1] == (
+        "at 5 s: phase 'commanded', supervisor.target_height = 1 km, supervisor.command = 1"
+    )
+    assert result.manifest["scenario"]["timeline"][2]["at"] == 8.0
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert "<h2>Timeline</h2>" in page
+    assert "phase &#39;commanded&#39;" in page
+    assert '"phases":[["waiting",0.0,5.0,0],["commanded",5.0,8.0,1]' in page
+    assert (tmp_path / "out" / "manifest.json").exists()
+    draw(result, tmp_path / "figures")
+    assert (tmp_path / "figures" / "modes.png").stat().st_size > 1000
+
+
+def test_a_start_value_of_an_option_holds_until_the_timeline_sets_another() -> None:
+    result = run({**BASE, "timeline": TIMELINE}, {"supervisor.command": 1})
+    mode = result["supervisor.mode"]
+    assert (mode[result.time <= 8.0] == 1).all()
+    assert mode[-1] == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"timeline": [{"at": 1, "set": {"supervisor.comand": 3}}]}, "timeline[1].set.supervisor.comand: supervisor has no input or output or parameter 'comand'; did you mean 'command'?"),
+        ({"timeline": [{"at": 1, "set": {"super.command": 3}}]}, "timeline[1].set.super.command: there is no block 'super'; did you mean 'supervisor'?"),
+        ({"timeline": [{"at": 1, "set": {"supervisor.target_height": "3 kg"}}]}, "the unit 'kg' does not fit"),
+        ({"timeline": [{"at": 1, "set": {"supervisor.first_mode": "sun"}}]}, "supervisor.first_mode is fixed"),
+        ({"timeline": [{"at": 1, "set": {"supervisor.mode": 3}}]}, "supervisor.mode is an output"),
+        ({"timeline": [{"at": 11, "phase": "late"}]}, "timeline[1].at: 11 s lies after the end of the run, 10 s"),
+        ({"timeline": [{"at": -1, "phase": "early"}]}, "at: expected zero or more, found -1 s"),
+        ({"timeline": [{"at": 1}]}, "expected set, phase or both, found neither"),
+        ({"expect": [{"name": "a", "signal": "supervisor.mode", "during": "slew", "always": {"below": 9}}]}, "expect[1].during: there is no phase 'slew'; remedy: a 'phase' in the timeline, or 'phases'"),
+        ({"timeline": TIMELINE, "expect": [{"name": "a", "signal": "supervisor.mode", "during": "comanded", "always": {"below": 9}}]}, "expect[1].during: there is no phase 'comanded'; did you mean 'commanded'?"),
+        ({"phases": {"signal": "supervisor.R_ref", "names": {"a": 1}}}, "phases.signal: expected one boolean, whole number or enumeration, but supervisor.R_ref is"),
+        ({"phases": {"signal": "supervisor.mode", "names": {"a": "one"}}}, "phases.names.a: "),
+        ({"timeline": TIMELINE, "phases": {"signal": "supervisor.mode", "names": {"waiting": 1}}}, "phases.names.waiting: is a phase of the timeline, too; expected another name"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused_with_its_place(changes: dict[str, Any], message: str) -> None:
+    assert message in refused(**changes)
+
+
+def test_an_input_that_is_connected_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    chain = Path(__file__).parents[2] / "scenarios" / "paper_no_singularity.yaml"
+    loaded = load(chain)
+    timeline = [{"at": 1.0, "set": {"controller.omega_B": [0, 0, 0]}}]
+    with pytest.raises(
+        InputError, match="controller.omega_B is connected; remedy: 'cut: controller.omega_B' with 'to'"
+    ):
+        run(load(loaded.source.with_entry(("timeline",), timeline)), duration=2.0)
+
+
+def test_an_archive_has_no_timeline_but_in_its_annotation(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="timeline: .*has no commands at given times"):
+        check_plain(load({**BASE, "timeline": TIMELINE}), "an SSP archive")
+    check_plain(load({**BASE, "timeline": TIMELINE[:1]}), "an SSP archive")  # a phase alone changes nothing
