@@ -178,15 +178,13 @@ class CompiledLoop:
 
     def run(self, recording: Recording, progress: Progress | None, changes: Changes) -> None:
         """Runs to the end, to Ctrl-C or to a failure, in stretches short enough to report progress and to make the changes."""
-        loop, steps = self._loop, self._clock.steps
-        stretch = 16
+        loop, steps, stretch = self._loop, self._clock.steps, 16
         begun = reported = perf_counter()
         with interruptible() as interrupted:
             try:
                 while loop.count < steps and not interrupted:
                     changes.make(loop.count)
-                    until = min(loop.count + stretch, steps, self._room(), changes.next)
-                    if self._run(c.byref(loop), int(until)):
+                    if self._run(c.byref(loop), int(min(loop.count + stretch, steps, self._room(), changes.next))):
                         self._fail()
                     now = perf_counter()
                     if now - reported < REPORT_EVERY / 2:
