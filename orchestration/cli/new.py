@@ -53,7 +53,7 @@ from .paths import PATH
 def command(
     block: str, folder: Path | None, lang: str, link_: bool, scenario: Path | None, sets: tuple[str, ...]
 ) -> None:
-    """Write another team's project, or a satellite's file.
+    """Write a project for another team, or a satellite's file.
 
     Its FMU has the block's exact interface. The project contains the build files (C needs only a compiler and make), a README and a test vector.
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the

@@ -20,7 +20,7 @@ _PAGES = ("report.html", "campaign.html", "comparison.html")
 )
 @click.argument("result_dir", type=PATH)
 def command(result_dir: Path) -> None:
-    """Open the page of a run, a campaign or a comparison in the browser.
+    """Open the page of a run, campaign or comparison.
 
     RESULT_DIR is the folder of the results. The page needs no network; a run's shows the motion in three dimensions.
     """
