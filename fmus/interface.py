@@ -66,6 +66,8 @@ BLOCKS = (
     *("plant_sensors", "plant_judge", "controller_planned", "estimator", "supervisor"),
 )
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
+LOOP = ("plant", "controller", "allocator")
+"""Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
 ABSENT = 1e9

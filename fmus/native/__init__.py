@@ -40,7 +40,7 @@ def package(
     `platforms` are FMI's names, or "host" for this machine's. Raises CompilerError.
     """
     chosen = [host_platform()] if platforms == "host" else [platforms] if isinstance(platforms, str) else platforms
-    generated = _generated(folder)
+    generated = generated_sources(folder)
     guid = guid_from(_digest(interface, folder, generated))
     files = {
         "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
@@ -65,7 +65,7 @@ def lay_out(
 ) -> tuple[list[Path], list[Path]]:
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
     files = {"block.h": block_header(interface, guid), "table.c": table(interface)}
-    files |= _generated(folder) if generated is None else generated
+    files |= generated_sources(folder) if generated is None else generated
     written = _written(files, generated_into)
     native = folder / "native"
     compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.glob("*.c")), *written]
@@ -85,7 +85,7 @@ def sources(folder: Path) -> list[Path]:
     return sorted(here) + sorted(path for path in (folder / "native").rglob("*") if path.suffix in (".c", ".h", ".py"))
 
 
-def _generated(folder: Path) -> dict[str, str]:
+def generated_sources(folder: Path) -> dict[str, str]:
     """C from tables, by file name: what `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
     made: dict[str, str] = {}
     if (folder / "native" / "tables.py").exists():

@@ -72,9 +72,11 @@ def record(scenario: Path, block: str, folder: Path) -> int:
 
 
 def scenario_of(block: str) -> Path:
-    """A run of the project in which a block of it has a part: the kits' own, where it has. Raises InputError."""
-    runs = [kit.SCENARIO, *sorted(kit.SCENARIO.parent.glob("*.yaml"))]
-    found = next((run for run in runs if name_of(load(run), block)), None)
+    """A run of the project in which a block of it has a part: the kits' own, where it has, else the shortest. Raises InputError."""
+    if name_of(load(kit.SCENARIO), block):
+        return kit.SCENARIO
+    runs = {run: load(run) for run in sorted(kit.SCENARIO.parent.glob("*.yaml"))}
+    found = min((run for run in runs if name_of(runs[run], block)), key=lambda run: runs[run].duration, default=None)
     if found is None:
         remedy = f"remedy: --scenario FILE with 'fmu: {block}'"
         raise InputError(f"no scenario of the project has the block {block!r}; {remedy}")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fmus.block import start_values
-from fmus.interface import BLOCKS, load
+from fmus.interface import BLOCKS, LOOP, load
 
 from ..errors import InputError, hint
 from ..paths import located
@@ -54,7 +54,7 @@ def reference(name: str, folder: Path) -> Interface:
         ending = hint(name, own())
         raise InputError(f"this project has no interface {name!r}{ending}; the path of a reference FMU ends in .fmu")
     interface = load(name)
-    loop = {block: load(block) for block in own() if block == place(block) != place(name)}
+    loop = {block: load(block) for block in LOOP if block != place(name)}
     taken = {v.name for other in loop.values() for v in other.of("input") if not v.optional}
     needed = frozenset(v.name for v in interface.of("output") if v.name in taken)
     starts = {

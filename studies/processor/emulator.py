@@ -32,7 +32,9 @@ class Emulator:
     def __init__(self, elf: Path) -> None:
         ports = _free_ports(2)
         self.address = f"127.0.0.1:{ports[0]}"
-        serial = [option for port in ports for option in ("-serial", f"tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")]
+        serial = [
+            option for port in ports for option in ("-serial", f"tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")
+        ]
         command = [tool("qemu-system-arm"), "-M", MACHINE, "-display", "none", "-monitor", "none"]
         self._qemu = subprocess.Popen([*command, "-icount", "shift=0", *serial, "-kernel", str(elf)])
         self._bytes = bytearray()

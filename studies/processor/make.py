@@ -52,7 +52,7 @@ def _calls(f: Flight) -> tuple[str, ...]:
     longest = int(f.calls.max())
     numbers = (f.start, int(np.median(f.calls)), int(np.quantile(f.calls, 0.99, method="higher")), longest)
     clock = longest / f.period / 1e6
-    return (f"`{f.block}`", *(_thousands(n) for n in numbers), f"{f.period:g} s", f"{clock:.2g} MHz")
+    return (f"`{f.block}`", *(_thousands(n) for n in numbers), f"{f.period:g} s", f"{clock:.3g} MHz")
 
 
 def _same(f: Flight) -> str:

@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -17,7 +16,8 @@ from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
 from fmus import kit
-from fmus.interface import BLOCKS, load, package_of, parse
+from fmus.interface import BLOCKS, load, parse
+from fmus.native import generated_sources
 from orchestration import load as load_scenario
 from orchestration.acceptance.vector import name_of
 from orchestration.cli.main import main
@@ -88,9 +88,8 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
     for path in (*source.glob("*.c"), *source.glob("*.h")):
         if path.name != "ports.h":  # the kit has its own
             shutil.copy(path, folder)
-    if (source / "tables.py").exists():
-        for name, text in import_module(f"{package_of(block)}.native.tables").generated().items():
-            (folder / name).write_text(text)
+    for name, text in generated_sources(folder_of(block)).items():
+        (folder / name).write_text(text)
     right = make(folder, "vector", "CFLAGS=-O1")
     assert right.returncode == 0, right.stdout + right.stderr
     assert "all outputs are as expected" in right.stdout

@@ -41,6 +41,8 @@ def test_what_is_written_reads_back_as_the_same_data():
 
 def test_both_parsers_give_all_scenarios_the_same_nodes():
     for path in sorted((ROOT / "scenarios").rglob("*.yaml")):
+        if path.parent.parent.name == "templates":
+            continue  # @NAME@ stands for values
         text = path.read_text("utf-8")
         fast, plain = _composed(text, Source(None)), yaml.compose(text, _Plain)
         assert yaml.serialize(fast) == yaml.serialize(plain), path
