@@ -64,7 +64,7 @@ class Span(Model):
     """Only samples up to this time."""
     when: Reference | None = None
     """Only samples at which this boolean signal is true; there must be one."""
-    during: Phase | list[Phase] | None = None
+    during: Phase | Annotated[list[Phase], Field(min_length=1)] | None = None
     """Only samples in this phase, or in one of these: a phase of the timeline, or of `phases`; there must be one."""
 
 
