@@ -217,7 +217,7 @@ def test_what_other_blocks_need_are_the_required_inputs_of_the_loop():
     assert reference("controller", Path()).needed == {"tau_cmd_B"}
     for name in ("allocator", "allocator_bounded"):
         assert reference(name, Path()).needed == {"dipole_cmd", "wheel_torque_cmd"}
-        assert set(reference(name, Path()).others) == {"plant", "estimator", "controller", "supervisor"}
+        assert set(reference(name, Path()).others) == {"plant", "controller"}
     assert reference("plant", Path()).needed == {"R_NB", "omega_B", "r_N", "v_N", "b_B", "h_w"}
 
 
