@@ -38,13 +38,11 @@ def vee(X: Array) -> Array:
 
 
 def exp(x: Array) -> Array:
-    """exp(x^) (3,3), the turn by |x| about x (Rodrigues)."""
-    angle = norm(x)
-    # sin(a)/a and (1 - cos a)/a^2 as squares of sinc: no cancellation, and 1 and 1/2 at a = 0.
-    half_sinc = math.sin(0.5 * angle) / (0.5 * angle) if angle > 0.0 else 1.0
-    sinc = half_sinc * math.cos(0.5 * angle)
+    """exp(x^) (3,3), the turn by |x| about x (Rodrigues), with nothing that cancels at a small angle."""
+    half = 0.5 * norm(x)
+    sinc = math.sin(half) / half if half > 0.0 else 1.0
     skew = hat(x)
-    return np.eye(3) + sinc * skew + 0.5 * half_sinc * half_sinc * (skew @ skew)
+    return np.eye(3) + sinc * math.cos(half) * skew + 0.5 * sinc * sinc * (skew @ skew)
 
 
 def principal_angle(Q: Array) -> float:

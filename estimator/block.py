@@ -15,6 +15,8 @@ from .state import Estimate, Given, Measured, blank
 
 __all__ = ["Inputs", "Outputs", "Parameters", "State", "check", "outputs", "start", "step"]
 
+ATTITUDE_TOLERANCE = 1e-4
+"""max |R^T R - I| of a measured attitude: single precision stays well below it."""
 ABSENT_MIN = 0.999e9
 """An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
 FIELD_MAX = 1e-3
@@ -131,7 +133,7 @@ def _measured(u: Inputs, fresh: Array) -> Measured:
         raise ValueError(f"r_N_measured: expected at least 1000 km from the Earth's centre, found {r}")
     tracker, sun = _connected(u.R_NB_measured), _connected(u.sun_B_measured)
     if tracker := tracker and bool(u.R_NB_measured.any()):
-        require_rotation("R_NB_measured", u.R_NB_measured)
+        require_rotation("R_NB_measured", u.R_NB_measured, ATTITUDE_TOLERANCE)
     rate, field, orbit, attitude, light = fresh
     seen = norm(u.sun_B_measured) if sun else 0.0
     return Measured(

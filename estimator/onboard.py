@@ -24,19 +24,26 @@ _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 _EPOCH = re.compile(r"\d{4}-\d\d-\d\d([T ]([01]\d|2[0-3]):\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d:\d\d)?)?", re.ASCII)
 
 
-def days_of(epoch: str) -> float:
-    """Days of 86400 s from 2000-01-01T12:00 to a UTC date in ISO 8601. Raises ValueError."""
+def parse_epoch(text: str) -> datetime:
+    """A UTC date and time from the extended form of ISO 8601. Raises ValueError.
+
+    2009-08-10, or 2009-08-10T12:00[:00[.5]] and Z, +00:00, -00:00 or nothing. A space may stand for the T and a comma
+    for the point; digits beyond microseconds are dropped. Years 1 to 9999; no leap second.
+    """
     try:
-        if _EPOCH.fullmatch(epoch) is None:
+        if _EPOCH.fullmatch(text) is None:
             raise ValueError
-        date = datetime.fromisoformat(epoch)
+        epoch = datetime.fromisoformat(text)
+        if epoch.utcoffset() not in (None, timedelta(0)):
+            raise ValueError
     except ValueError:
-        raise ValueError(
-            f"epoch {epoch!r} is no date; expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z"
-        ) from None
-    if date.utcoffset() not in (None, timedelta(0)):
-        raise ValueError(f"epoch {epoch!r} is not in UTC; expected an ending Z or +00:00, or none")
-    return (date.replace(tzinfo=UTC) - _J2000) / timedelta(days=1)
+        raise ValueError(f"epoch: expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z, found {text!r}") from None
+    return epoch.replace(tzinfo=UTC)
+
+
+def days_since_j2000(epoch: datetime) -> float:
+    """Days of 86400 s from 2000-01-01 12:00 to `epoch`."""
+    return (epoch - _J2000) / timedelta(days=1)
 
 
 def year_of(days: float) -> float:

@@ -52,7 +52,7 @@ class Parameters:
     @cached_property
     def days(self) -> float:
         """The epoch as days from 2000-01-01T12:00."""
-        return onboard.days_of(self.epoch)
+        return onboard.days_since_j2000(onboard.parse_epoch(self.epoch))
 
     @cached_property
     def field(self) -> OnboardField:

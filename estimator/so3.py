@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ATTITUDE_TOLERANCE = 1e-4
-"""max |R^T R - I| of a measured attitude: single precision stays well below it."""
-
 
 def norm(x: Array) -> float:
     """|x| of x (3,)."""
@@ -40,18 +37,19 @@ def exp(x: Array) -> Array:
 
 
 def log(R: Array) -> Array:
-    """zeta (3,) with R = exp(zeta^), |zeta| at most pi."""
-    twice = np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
-    s, c = 0.5 * norm(twice), 0.5 * (float(np.trace(R)) - 1.0)
+    """x (3,) with R = exp(x^), |x| at most pi; R (3,3)."""
+    (r11, r12, r13), (r21, r22, r23), (r31, r32, r33) = R.tolist()
+    twice = np.array((r32 - r23, r13 - r31, r21 - r12))
+    s, c = 0.5 * norm(twice), 0.5 * (r11 + r22 + r33 - 1.0)
     angle = math.atan2(s, c)
-    if s > 1e-4:  # neither near 0 nor near pi
-        return 0.5 * angle / s * twice
+    if s > 1e-4:
+        return (0.5 * angle / s) * twice
     if c > 0.0:
         return 0.5 * twice
-    # Near a half turn the axis comes from (R + R^T)/2 - c I = (1 - c) axis axis^T, by its largest column.
-    columns = 0.5 * (R + R.T) - c * np.eye(3)
-    axis = columns[:, int(np.argmax(np.sum(columns * columns, axis=0)))]
-    return math.copysign(angle / norm(axis), axis @ twice) * axis
+    # Near a half turn: (R + R^T)/2 - c I = (1 - c) axis axis^T.
+    outer = 0.5 * (R + R.T) - c * np.eye(3)
+    axis = outer[:, int(np.argmax(np.einsum("ij,ij->j", outer, outer)))]
+    return (math.copysign(angle, 1.0 if float(axis @ twice) >= 0.0 else -1.0) / norm(axis)) * axis
 
 
 def right_jacobian(x: Array) -> Array:
@@ -65,13 +63,25 @@ def orthonormalised(R: Array) -> Array:
     return 0.5 * R @ (3.0 * np.eye(3) - R.T @ R)
 
 
-def require_rotation(name: str, R: Array) -> None:
-    """Raises ValueError unless R (3,3) is orthonormal to ATTITUDE_TOLERANCE and right-handed."""
-    deviation = float(np.abs(R.T @ R - np.eye(3)).max())
-    if not deviation <= ATTITUDE_TOLERANCE:
+def require_rotation(name: str, R: Array, tolerance: float) -> None:
+    """Raises ValueError unless R (3,3) is orthonormal to `tolerance`, element by element of R^T R, and right-handed."""
+    (a1, b1, c1), (a2, b2, c2), (a3, b3, c3) = R.tolist()
+    errors = (
+        a1 * a1 + a2 * a2 + a3 * a3 - 1.0,
+        b1 * b1 + b2 * b2 + b3 * b3 - 1.0,
+        c1 * c1 + c2 * c2 + c3 * c3 - 1.0,
+        a1 * b1 + a2 * b2 + a3 * b3,
+        b1 * c1 + b2 * c2 + b3 * c3,
+        c1 * a1 + c2 * a2 + c3 * a3,
+    )
+    deviation = max(max(errors), -min(errors))
+    if not (deviation <= tolerance and math.isfinite(sum(errors))):  # a NaN hides from max
         raise ValueError(
-            f"{name}: expected a rotation matrix, max |{name}^T {name} - I| at most {ATTITUDE_TOLERANCE:g}, "
-            f"found {deviation:.3g}: {R.tolist()}"
+            f"{name}: expected a rotation matrix, max |{name}^T {name} - I| at most {tolerance:g}, "
+            f"found {deviation if math.isfinite(sum(errors)) else math.nan:.3g}: {R.tolist()}"
         )
-    if (determinant := float(np.linalg.det(R))) < 0.0:
-        raise ValueError(f"{name}: expected a rotation matrix, determinant +1, found {determinant:.6g} (a reflection)")
+    determinant = a1 * (b2 * c3 - b3 * c2) + b1 * (c2 * a3 - c3 * a2) + c1 * (a2 * b3 - a3 * b2)
+    if determinant < 0.0:
+        raise ValueError(
+            f"{name}: expected a rotation matrix, determinant +1, found {determinant:.6g} (a reflection): {R.tolist()}"
+        )

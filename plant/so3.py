@@ -13,9 +13,9 @@ IDENTITY = np.eye(3)
 
 
 def hat(x: Array) -> Array:
-    """The skew matrix x^ of x (3,): x^ y = x cross y."""
-    a, b, c = x.tolist()
-    return np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+    """x^ (3,3), the skew matrix with x^ y = x cross y."""
+    x1, x2, x3 = x.tolist()
+    return np.array(((0.0, -x3, x2), (x3, 0.0, -x1), (-x2, x1, 0.0)))
 
 
 def cayley(f: Array) -> Array:
@@ -35,10 +35,10 @@ def solve(A: Array, y: Array) -> Array:
     return np.array(adjugate) / (a * A11 + b * A12 + c * A13)
 
 
-def project(matrix: Array) -> Array:
-    """The rotation nearest to a (3,3) matrix in the Frobenius norm (its polar factor, by SVD)."""
-    u, _, vt = np.linalg.svd(matrix)
-    return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+def project(M: Array) -> Array:
+    """The rotation nearest to M (3,3) in the Frobenius norm: U diag(1, 1, det U V^T) V^T of M = U S V^T."""
+    U, _, Vt = np.linalg.svd(M)
+    return U @ np.diag((1.0, 1.0, np.linalg.det(U @ Vt))) @ Vt
 
 
 def from_quaternion(q: Array) -> Array:

@@ -25,13 +25,11 @@ def parse_epoch(text: str) -> datetime:
         if _EPOCH.fullmatch(text) is None:
             raise ValueError
         epoch = datetime.fromisoformat(text)
+        if epoch.utcoffset() not in (None, timedelta(0)):
+            raise ValueError
     except ValueError:
-        raise ValueError(f"epoch {text!r} is no date; expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z") from None
-    if epoch.tzinfo is None:
-        epoch = epoch.replace(tzinfo=UTC)
-    elif epoch.utcoffset() != timedelta(0):
-        raise ValueError(f"epoch {text!r} is not in UTC; expected an ending Z or +00:00, or none")
-    return epoch
+        raise ValueError(f"epoch: expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z, found {text!r}") from None
+    return epoch.replace(tzinfo=UTC)
 
 
 def days_since_j2000(epoch: datetime) -> float:

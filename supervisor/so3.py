@@ -13,18 +13,18 @@ SMALL = 0.05
 
 
 def norm(x: Array) -> float:
-    """|x|."""
+    """|x| of x (3,)."""
     return math.hypot(*x.tolist())
 
 
 def hat(x: Array) -> Array:
-    """x^ (3,3) with x^ y = x cross y."""
-    a, b, c = x.tolist()
-    return np.array(((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0)))
+    """x^ (3,3), the skew matrix with x^ y = x cross y."""
+    x1, x2, x3 = x.tolist()
+    return np.array(((0.0, -x3, x2), (x3, 0.0, -x1), (-x2, x1, 0.0)))
 
 
 def exp(x: Array) -> Array:
-    """exp(x^) (3,3), the turn by |x| about x (Rodrigues)."""
+    """exp(x^) (3,3), the turn by |x| about x (Rodrigues), with nothing that cancels at a small angle."""
     half = 0.5 * norm(x)
     sinc = math.sin(half) / half if half > 0.0 else 1.0
     skew = hat(x)
@@ -32,7 +32,7 @@ def exp(x: Array) -> Array:
 
 
 def log(R: Array) -> Array:
-    """x (3,) with R = exp(x^), |x| at most pi."""
+    """x (3,) with R = exp(x^), |x| at most pi; R (3,3)."""
     (r11, r12, r13), (r21, r22, r23), (r31, r32, r33) = R.tolist()
     twice = np.array((r32 - r23, r13 - r31, r21 - r12))
     s, c = 0.5 * norm(twice), 0.5 * (r11 + r22 + r33 - 1.0)
@@ -48,9 +48,14 @@ def log(R: Array) -> Array:
 
 
 def principal_angle(Q: Array) -> float:
-    """|zeta| of Q = exp(zeta^), rad in [0, pi], from sine and cosine together."""
+    """|zeta| of Q = exp(zeta^), in [0, pi], rad.
+
+    From sine and cosine together: the arc cosine of the trace alone has half the digits near 0 and near pi.
+    """
     (q11, q12, q13), (q21, q22, q23), (q31, q32, q33) = Q.tolist()
-    return math.atan2(0.5 * math.hypot(q32 - q23, q13 - q31, q21 - q12), 0.5 * (q11 + q22 + q33 - 1.0))
+    sine = 0.5 * math.hypot(q32 - q23, q13 - q31, q21 - q12)
+    cosine = 0.5 * (q11 + q22 + q33 - 1.0)
+    return math.atan2(sine, cosine)
 
 
 def coefficients(angle: float) -> tuple[float, float, float, float]:
@@ -79,11 +84,23 @@ def shortest(a: Array, b: Array) -> Array:
 
 def require_rotation(name: str, R: Array, tolerance: float) -> None:
     """Raises ValueError unless R (3,3) is orthonormal to `tolerance`, element by element of R^T R, and right-handed."""
-    deviation = float(np.abs(R.T @ R - np.eye(3)).max())
-    if not deviation <= tolerance:
+    (a1, b1, c1), (a2, b2, c2), (a3, b3, c3) = R.tolist()
+    errors = (
+        a1 * a1 + a2 * a2 + a3 * a3 - 1.0,
+        b1 * b1 + b2 * b2 + b3 * b3 - 1.0,
+        c1 * c1 + c2 * c2 + c3 * c3 - 1.0,
+        a1 * b1 + a2 * b2 + a3 * b3,
+        b1 * c1 + b2 * c2 + b3 * c3,
+        c1 * a1 + c2 * a2 + c3 * a3,
+    )
+    deviation = max(max(errors), -min(errors))
+    if not (deviation <= tolerance and math.isfinite(sum(errors))):  # a NaN hides from max
         raise ValueError(
             f"{name}: expected a rotation matrix, max |{name}^T {name} - I| at most {tolerance:g}, "
-            f"found {deviation:.3g}: {R.tolist()}"
+            f"found {deviation if math.isfinite(sum(errors)) else math.nan:.3g}: {R.tolist()}"
         )
-    if (determinant := float(np.linalg.det(R))) < 0.0:
-        raise ValueError(f"{name}: expected a rotation matrix, determinant +1, found {determinant:.6g} (a reflection)")
+    determinant = a1 * (b2 * c3 - b3 * c2) + b1 * (c2 * a3 - c3 * a2) + c1 * (a2 * b3 - a3 * b2)
+    if determinant < 0.0:
+        raise ValueError(
+            f"{name}: expected a rotation matrix, determinant +1, found {determinant:.6g} (a reflection): {R.tolist()}"
+        )

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 from pprint import pformat
+from typing import NamedTuple
 
-from .. import link
+from .. import link, native
 from ..interface import Interface, Variable, parse
 from ..link import wire
 from ..native import COMMON
@@ -84,6 +85,27 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
         "wire.h": wire.header(interface),
         "wire.c": wire.source(interface),
     }
+
+
+class Sources(NamedTuple):
+    """The C of a native block as a device, without a board."""
+
+    flight: list[Path]
+    """Of the block alone."""
+    line: list[Path]
+    """The link's."""
+    headers: list[Path]
+    """Folders."""
+
+
+def lay_out(interface: Interface, block: Path, folder: Path) -> Sources:
+    """Writes what is generated for the block in the folder `block` into `folder`."""
+    own, headers = native.lay_out(interface, block, "{0}", folder)
+    for name, text in generated(interface, of_block=True).items():
+        put(folder / name, text)
+    flight = [path for path in own if path.parent != native.SHELL and path.name != "table.c"]
+    line = [folder / "wire.c", link.FIRMWARE / "of_block.c", link.FIRMWARE / "device.c", link.NATIVE / "frame.c"]
+    return Sources(flight, line, [p for p in headers if p != native.SHELL] + [link.FIRMWARE, link.NATIVE])
 
 
 def python_ports(interface: Interface) -> str:

@@ -88,7 +88,7 @@ def play(
     initialization, as in a run. `shared` are the values of the scenario that the block takes. Raises InputError where the block does not fit.
     """
     step = float(f"{(time[-1] - time[0]) / (len(time) - 1):.12g}")
-    start = {**entry.get("start", {}), **{key: _whole(values[0].tolist()) for key, values in inputs.items()}}
+    start = {**entry.get("start", {}), **{key: values[0].tolist() for key, values in inputs.items()}}
     data = {
         "name": "playback",
         "step": step,
@@ -102,13 +102,6 @@ def play(
     opened = open_scenario(load(source))
     rows, played, failure = play_opened(opened, name, inputs, opened.plan.clock)
     return Played(opened.plan.models[name], rows, played, opened.plan.notes, failure)
-
-
-def _whole(value: Any) -> Any:
-    """Whole numbers as such, since a recording has those of integer ports as reals; not -0.0, which would lose its sign."""
-    if isinstance(value, list):
-        return [_whole(entry) for entry in value]
-    return int(value) if isinstance(value, float) and value.is_integer() and str(value) != "-0.0" else value
 
 
 def play_opened(

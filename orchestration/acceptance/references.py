@@ -106,7 +106,7 @@ def run(entry: dict[str, Any], model: Model, time: Floats, stimuli: Table | None
                 between = variable.type == "real" and variable.variability == "continuous"
                 values[:, position] = _at(time, stimuli.time, given[position], between)
         before = np.concatenate([values[:1], values[:-1]]).reshape(len(time), *variable.shape)
-        inputs[variable.name] = before.astype({"boolean": bool, "integer": int}.get(variable.type, float))
+        inputs[variable.name] = before.astype(variable.dtype)
     return playback.play("block", {**entry, "start": start}, ".", time, inputs)
 
 

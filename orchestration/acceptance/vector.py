@@ -105,9 +105,9 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
     columns = columns_of(model, header, folder)
     time = table[:, 0]
     inputs = {
-        name: _shaped(table[:, places], model.variables[name])
-        for name, places in columns.items()
-        if model.variables[name].causality == "input"
+        v.name: table[:, columns[v.name]].reshape(len(table), *v.shape).astype(v.dtype)
+        for v in model.of("input")
+        if v.name in columns
     }
     expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
     entry = {
@@ -164,11 +164,6 @@ def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[
             raise InputError(f"{folder / 'vector.csv'}: {model.name} has no variable {label!r}")
         columns.setdefault(labels[label].variable, {})[labels[label].position] = column
     return {name: [places[p] for p in sorted(places)] for name, places in columns.items()}
-
-
-def _shaped(values: Any, variable: Variable) -> Any:
-    shaped = values.reshape(len(values), *variable.shape)
-    return shaped.astype(bool) if variable.type == "boolean" else shaped
 
 
 def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> dict[str, Any]:

@@ -15,8 +15,7 @@ from ..results import formats
 from ..results.figures import require
 from ..runner.limits import limits
 from ..runner.open import Opened, open_scenario
-from ..runner.read import read
-from ..scenario import timeline
+from ..scenario import text, timeline
 from ..scenario.faults import sentence
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
@@ -83,7 +82,7 @@ def command(
         return
     claims = (
         str(finding)
-        for block in (text.partition("=")[0].strip() for text in swaps)
+        for block in (swap.partition("=")[0].strip() for swap in swaps)
         for finding in own_claims(opened.plan.scenario, block, [v.name for v in opened.plan.models[block].of("output")])
     )
     notes([*opened.plan.notes, *claims])
@@ -92,7 +91,7 @@ def command(
 
 def _is_campaign(path: Path) -> bool:
     """Whether the file names a scenario that it varies, which a scenario does not."""
-    data = None if path.suffix == ".ssp" else read(path).data
+    data = None if path.suffix == ".ssp" else text.read(path).data
     return isinstance(data, dict) and "scenario" in data and "blocks" not in data
 
 

@@ -20,8 +20,15 @@ from .names import unescaped
 from .types import Native, Type
 
 Floats = NDArray[np.float64]
-TYPES = ("real", "integer", "enumeration", "boolean")
-"""The types that are exchanged and recorded, in the order in which a block's `wire` is given them."""
+DTYPES: dict[str, type[np.generic]] = {
+    "real": np.float64,
+    "integer": np.int64,
+    "enumeration": np.int64,
+    "boolean": np.bool_,
+}
+"""The types that are exchanged and recorded, and NumPy's of the values that a result hands out."""
+TYPES = tuple(DTYPES)
+"""In the order in which a block's `wire` is given them."""
 
 
 class Element(NamedTuple):
@@ -69,6 +76,11 @@ class Variable:
     @cached_property
     def size(self) -> int:
         return math.prod(self.shape)
+
+    @property
+    def dtype(self) -> Any:
+        """NumPy's type of its values in a result; records hold all as doubles."""
+        return DTYPES[self.type]
 
     @cached_property
     def elements(self) -> list[Element]:

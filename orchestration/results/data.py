@@ -124,9 +124,8 @@ class RunData(Mapping[str, NDArray[Any]]):
             places = self.places(name)
         except (KeyError, ValueError):
             raise KeyError(f"{name!r} was not recorded{hint(name, self)}") from None
-        dtype = {"boolean": np.bool_, "integer": np.int64, "enumeration": np.int64}.get(variable.type, np.float64)
         shape = variable.shape if len(positions) == variable.size and not reference.indices else ()
-        return self.samples[:, places].astype(dtype).reshape(len(self.time), *shape)
+        return self.samples[:, places].astype(variable.dtype).reshape(len(self.time), *shape)
 
     def __iter__(self) -> Iterator[str]:
         """Names of the variables of which every element was recorded, and of single elements of the others."""

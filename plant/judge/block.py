@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .reference import Array, Reference, exp, lvlh, project
+from .reference import Array, Reference, exp, lvlh, project, require_rotation
 
 REFERENCES = ("lvlh", "inertial", "rate")
 ATTITUDE_TOLERANCE = 1e-4
@@ -70,7 +70,7 @@ def check(p: Parameters) -> None:
     if p.reference not in REFERENCES:
         raise ValueError(f"reference: expected one of {', '.join(REFERENCES)}, found {p.reference!r}")
     _require_finite("Omega_d0", p.Omega_d0)
-    _require_rotation("R_d0", p.R_d0, REFERENCE_TOLERANCE)
+    require_rotation("R_d0", p.R_d0, REFERENCE_TOLERANCE)
 
 
 def start(p: Parameters, u: Inputs) -> State:
@@ -87,7 +87,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         _require_finite(name, getattr(u, name))
     if _no_attitude(x, u):
         return Outputs(attitude_error=math.pi, rate_error_B=u.omega_B, no_attitude=True)
-    _require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
+    require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
     if not u.R_d.any():
         return Outputs(attitude_error=math.pi, rate_error_B=u.omega_B, no_attitude=False)
     desired = _reference(x.t, u, p)
@@ -124,7 +124,7 @@ def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
         )
     if attitude:
         _require_finite("Omega_d", u.Omega_d)
-        _require_rotation("R_d", u.R_d, ATTITUDE_TOLERANCE)
+        require_rotation("R_d", u.R_d, ATTITUDE_TOLERANCE)
         return Reference(u.R_d, u.Omega_d)
     if p.reference == "lvlh":
         return lvlh(u.r_N, u.v_N)
@@ -136,15 +136,3 @@ def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
 def _require_finite(name: str, value: Array) -> None:
     if not np.isfinite(value).all():
         raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
-
-
-def _require_rotation(name: str, R: Array, tolerance: float) -> None:
-    """Raises ValueError unless R (3,3) is orthonormal to `tolerance`, element by element of R^T R, and right-handed."""
-    deviation = float(np.abs(R.T @ R - np.eye(3)).max())
-    if not deviation <= tolerance:
-        raise ValueError(
-            f"{name}: expected a rotation matrix, max |{name}^T {name} - I| at most {tolerance:g}, "
-            f"found {deviation:.3g}: {R.tolist()}"
-        )
-    if (determinant := float(np.linalg.det(R))) < 0.0:
-        raise ValueError(f"{name}: expected a rotation matrix, determinant +1, found {determinant:.6g} (a reflection)")

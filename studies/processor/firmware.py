@@ -12,9 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from fmus import link, native
+from fmus import link
 from fmus.block import Block
-from fmus.kit.linked import generated
+from fmus.kit.linked import lay_out
 from fmus.native.toolchain import FREESTANDING
 from orchestration import InputError
 
@@ -66,17 +66,14 @@ def build(name: str, folder: Path) -> Firmware:
     """The firmware of a block of this project, made in `folder`. Raises InputError."""
     block = Block.named(name)
     folder.mkdir(parents=True, exist_ok=True)
-    sources, includes = native.lay_out(block.interface, block.folder, "{0}", folder)
-    for file, text in generated(block.interface, of_block=True).items():
-        (folder / file).write_text(text, "utf-8")
-    flight = [p for p in sources if p.parent != native.SHELL and p != folder / "table.c"]
-    line = [link.FIRMWARE / f for f in ("main.c", "device.c", "of_block.c", "board_uart.c", "startup_cortex_m.c")]
-    rest = [folder / "wire.c", link.NATIVE / "frame.c", *line, MEASURE, *FREESTANDING.glob("*.c")]
-    headers = [f"-I{p}" for p in (folder, *includes, link.NATIVE, link.FIRMWARE, FREESTANDING) if p != native.SHELL]
+    flight, line, headers = lay_out(block.interface, block.folder, folder)
+    board = [link.FIRMWARE / f for f in ("main.c", "board_uart.c", "startup_cortex_m.c")]
+    rest = [*line, *board, MEASURE, *FREESTANDING.glob("*.c")]
     (folder / "sizes.c").write_text(
         '#include "block.h"\nchar sizes[sizeof(Parameters) + sizeof(Inputs) + sizeof(Outputs) + sizeof(Memory)];\n'
     )
-    compiler = [tool("arm-none-eabi-gcc"), *PROCESSOR, *FLAGS, "-DUART_DIVIDER=16u", *headers]
+    folders = [f"-I{path}" for path in (*headers, FREESTANDING)]
+    compiler = [tool("arm-none-eabi-gcc"), *PROCESSOR, *FLAGS, "-DUART_DIVIDER=16u", *folders]
     objects = {p: folder / f"{p.stem}.o" for p in (*flight, *rest, folder / "sizes.c")}
     for source, target in objects.items():
         _run([*compiler, "-c", str(source), "-o", str(target)])

@@ -59,8 +59,8 @@ REFUSED = {
         "length 0",
         "unit quaternion",
     ),
-    "an epoch that is no date": ({"epoch": "yesterday"}, "epoch", "'yesterday'", "ISO 8601"),
-    "an epoch that is not UTC": ({"epoch": "2009-08-10T00:00:00+02:00"}, "epoch", "+02:00", "UTC"),
+    "an epoch that is no date": ({"epoch": "yesterday"}, "epoch", "ISO 8601", "'yesterday'"),
+    "an epoch that is not UTC": ({"epoch": "2009-08-10T00:00:00+02:00"}, "epoch", "UTC", "+02:00"),
     "an epoch that the field's model does not cover": (
         {"epoch": "1850-01-01T00:00:00Z"},
         "epoch",

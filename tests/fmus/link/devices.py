@@ -27,20 +27,10 @@ ZIG = [sys.executable, "-m", "ziglang", "cc"]
 def program(block: str) -> Path:
     """A device that answers with a native block's own code, and with the arithmetic that its FMU has."""
     with tempfile.TemporaryDirectory() as folder:
-        generated = Path(folder)
-        sources, includes = laid_out(block, generated)
-        made_of = [compiler(), *FLAGS, *sources, *includes, link.FIRMWARE, link.NATIVE, FREESTANDING]
+        flight, line, includes = linked.lay_out(load(block), folder_of(block), Path(folder))
+        sources = [*flight, *line]
+        made_of = [compiler(), *FLAGS, *sources, *includes, FREESTANDING]
         return kept(f"{block}_device", made_of, lambda path: _build(sources, includes, path))
-
-
-def laid_out(block: str, generated: Path) -> tuple[list[Path], list[Path]]:
-    """The C of the block as a device, without a board."""
-    own, folders = native.lay_out(load(block), folder_of(block), "{}", generated)
-    sources = [path for path in own if path.parent != native.SHELL and path.name != "table.c"]
-    for name, text in linked.generated(load(block), of_block=True).items():
-        (generated / name).write_text(text)
-    sources += [generated / "wire.c", link.FIRMWARE / "of_block.c", link.FIRMWARE / "device.c", link.NATIVE / "frame.c"]
-    return sources, [folder for folder in folders if folder != native.SHELL] + [link.FIRMWARE, link.NATIVE]
 
 
 def _build(sources: list[Path], includes: list[Path], path: Path) -> None:
