@@ -6,6 +6,7 @@ import click
 
 from ..quantities import with_unit
 from ..results.result import Result
+from ..scenario import timeline
 from ..scenario.faults import sentence
 from .console import folded, say, table
 
@@ -38,6 +39,9 @@ def summary(result: Result) -> None:
             say("  more of them are in the report and in the manifest", fg="yellow")
     for fault in result.scenario.faults:
         say(f"fault: {sentence(fault)}", fg="yellow")
+    for entry in result.scenario.timeline:
+        if entry.at < result.reached:
+            say(f"timeline: {timeline.sentence(entry)}")
     if result.highlights:
         rows = [(h.signal, with_unit(h.final, h.unit), h.text) for h in result.highlights]
         say()
@@ -61,4 +65,4 @@ def summary(result: Result) -> None:
     for hold in result.holds:
         say(f"{hold.name}: {hold.text}", fg="yellow" if hold.latched else None, bold=hold.latched or None)
     if raised := result.raised:
-        say(f"\nflags raised: {', '.join(raised)}")
+        say(f"\nflags raised: {'; '.join(raised)}")

@@ -96,5 +96,8 @@ def _refuse(scenario: Scenario) -> None:
             where = (*key, "isolation") if entry.isolation else ("isolation",)
             message = f"{name} runs in a process of its own, which a page has not; remedy: isolation: none"
             errors.append(scenario.error(where, message))
+    if any(entry.set for entry in scenario.timeline):
+        message = "a page gives no values at given times; remedy: orchestrate run, or a scenario without them"
+        errors.append(scenario.error(("timeline",), message))
     if errors:
         raise InputError(*dict.fromkeys(errors))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ..errors import BlockError
@@ -59,8 +60,8 @@ class Changes:
     """The values that blocks are set to between two steps, in the order of their times."""
 
     def __init__(self, faults: Faults, bus: Bus, every: Mapping[str, int], clock: Clock) -> None:
-        blocks = {seat.block.name: seat.block for seat in bus.seats}
-        changes = [change for s in faults.settings for change in _changes(s, blocks[s.block], every.get(s.block, 1))]
+        held = {seat.block.name: _Held(seat.block) for seat in bus.seats}
+        changes = [change for s in faults.settings for change in _changes(s, held[s.block], every.get(s.block, 1))]
         self._left = sorted(changes, key=lambda change: change.due)
         self._clock = clock
 
@@ -92,20 +93,46 @@ class _Change:
     make: Callable[[], None]
 
 
-def _changes(setting: Setting, block: Block, every: int) -> Iterable[_Change]:
-    """A setting, and its end; between two steps of the block."""
-    before: list[tuple[Element, Any]] = []
+class _Held:
+    """What a block is set to: the values of the timeline, and over them those of the faults that act, the latest on top."""
+
+    def __init__(self, block: Block) -> None:
+        self._block = block
+        self._below: dict[Element, Any] = {}
+        """The value without fault of each element at fault."""
+        self._faults: dict[Element, dict[Setting, Any]] = {}
+        """The values of the faults that act, in the order in which they began."""
+
+    def give(self, setting: Setting) -> None:
+        """A value of the timeline, which waits for the end of a fault that acts."""
+        self._below |= {element: value for element, value in setting.values if self._faults.get(element)}
+        if free := [pair for pair in setting.values if not self._faults.get(pair[0])]:
+            self._block.set(free)
+
+    def begin(self, setting: Setting) -> None:
+        if setting.span[1] < math.inf:
+            sound = [element for element, _ in setting.values if not self._faults.get(element)]
+            self._below |= zip(sound, self._block.get(sound), strict=True)
+        for element, value in setting.values:
+            self._faults.setdefault(element, {})[setting] = value
+        self._block.set(setting.values)
+
+    def end(self, setting: Setting) -> None:
+        for element, _ in setting.values:
+            del self._faults[element][setting]
+        self._block.set([(element, self._now(element)) for element, _ in setting.values])
+
+    def _now(self, element: Element) -> Any:
+        acting = self._faults[element]
+        return next(reversed(acting.values())) if acting else self._below[element]
+
+
+def _changes(setting: Setting, held: _Held, every: int) -> Iterable[_Change]:
+    """A setting, and the end of a fault; between two steps of the block."""
     begin, end = (math.ceil(count / every) * every if count < math.inf else count for count in setting.span)
-
-    def set_() -> None:
-        if end < math.inf:
-            elements = [element for element, _ in setting.values]
-            before.extend(zip(elements, block.get(elements), strict=True))
-        block.set(setting.values)
-
-    yield _Change(int(begin), set_)
+    yield _Change(int(begin), partial(held.begin if setting.of_fault else held.give, setting))
     if end < math.inf:
-        yield _Change(int(end), lambda: block.set(before))
+        yield _Change(int(end), partial(held.end, setting))
 
 
 def _gatherer(seat: Seat, acting: Sequence[tuple[Disturbance, int, int]], now: _Now) -> Callable[[], None]:

@@ -69,18 +69,26 @@ class RunData(Mapping[str, NDArray[Any]]):
     @property
     def flags(self) -> dict[str, float | None]:
         """When each boolean output was true first, s; None for never. They are recorded whatever was asked for."""
-        found: dict[str, float | None] = {}
-        for node in self.columns if len(self.time) else ():
-            variable = self.models[node.block].variables[node.element.variable]
-            if variable.type == "boolean" and variable.causality == "output":
-                true = np.flatnonzero(self.column(node))
-                found[signals.label(node, self.models)] = float(self.time[true[0]]) if len(true) else None
-        return found
+        return {name: float(when[0]) if len(when) else None for name, when in self._true.items()}
 
     @property
     def raised(self) -> list[str]:
-        """The flags that were raised, and when first."""
-        return [f"{name} first at {since:.5g} s" for name, since in self.flags.items() if since is not None]
+        """The flags that were true at some time, when first and when last."""
+        return [
+            f"{name} from {when[0]:.5g} s to {'the end' if when[-1] == self.time[-1] else f'{when[-1]:.5g} s'}"
+            for name, when in self._true.items()
+            if len(when)
+        ]
+
+    @property
+    def _true(self) -> dict[str, Floats]:
+        """The times, s, at which each boolean output was true."""
+        found: dict[str, Floats] = {}
+        for node in self.columns if len(self.time) else ():
+            variable = self.models[node.block].variables[node.element.variable]
+            if variable.type == "boolean" and variable.causality == "output":
+                found[signals.label(node, self.models)] = self.time[np.flatnonzero(self.column(node))]
+        return found
 
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]

@@ -13,7 +13,7 @@ from ..expectations.holds import Look
 from ..fmu.model import Model
 from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
-from ..system import agreement, order, panels, signals, starts, view, wiring
+from ..system import agreement, order, panels, signals, starts, timeline, view, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
@@ -71,9 +71,13 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
 
 def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None) -> tuple[Wiring, Order, Faults]:
     wired = wiring.connect(scenario, models)
-    sequence, faults = _together(
-        lambda: order.sort(scenario, models, wired, feedthrough), lambda: resolve(scenario, models, wired)
+    sequence, faults, (settings, remarks) = _together(
+        lambda: order.sort(scenario, models, wired, feedthrough),
+        lambda: resolve(scenario, models, wired),
+        lambda: timeline.settings(scenario, models, wired),
     )
+    faults.settings += settings
+    faults.notes += remarks
     return wired, sequence, faults
 
 

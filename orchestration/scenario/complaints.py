@@ -76,7 +76,8 @@ def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
     elif kind in ("too_short", "string_too_short"):
         text = "must not be empty"
     elif kind == "string_pattern_mismatch":
-        dashes = " . -" if context["pattern"].endswith(".-]*$") else ""
+        dashes = " . -" if ".-]" in context["pattern"] else ""
+        dashes += ", and spaces within" if " .-]" in context["pattern"] else ""
         text = f"expected a name of letters, digits and _{dashes}, found {as_written(value)}"
     else:
         text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}"

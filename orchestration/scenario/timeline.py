@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 from .references import Reference
 from .types import Model, Time, Value
 
-Phase = Annotated[str, Field(strict=True, pattern=r"^\S(.*\S)?$")]
-"""Name of a phase: "detumble"."""
+Phase = Annotated[str, Field(strict=True, pattern=r"^\w([\w .-]*[\w.-])?$")]
+"""Name of a phase, "detumble": letters, digits, `_`, and behind the first also spaces, `.` and `-`."""
 
 
 class TimelineEntry(Model):

@@ -1,4 +1,4 @@
-"""What a scenario does to its blocks during the run: values set by the timeline; faults, which set, freeze, bias or cut.
+"""The faults of a scenario, which set, freeze, bias or cut.
 
 A signal's fault acts on the connection, on what a receiver is given; the block that gives the signal is
 sound, and so is what is recorded of it. A value is at fault where the instant to which it belongs lies
@@ -29,12 +29,13 @@ Span = tuple[int, float]
 
 @dataclass(frozen=True)
 class Setting:
-    """Values that a block is given at an instant."""
+    """Values that a block is given at an instant. Those of a fault stand over those of the timeline while its span lasts."""
 
     block: str
     values: tuple[tuple[Element, Scalar], ...]
     span: Span
     name: str
+    of_fault: bool = True
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Disturbance:
 
 @dataclass
 class Faults:
-    """All faults of a run, in the order of the scenario."""
+    """All faults of a run, in the order of the scenario, and behind them the settings of its timeline."""
 
     settings: list[Setting] = field(default_factory=list)
     disturbances: list[Disturbance] = field(default_factory=list)
@@ -72,28 +73,13 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
             if span is None:
                 continue
             if fault.set is not None:
-                faults.settings.append(_setting(fault.set.target, fault.set.value, models, wiring, span))
+                faults.settings.append(setting(fault.set.target, fault.set.value, models, wiring, span))
             else:
                 faults.disturbances += _disturbances(fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
             errors.append(scenario.error((*key, fault.kind), str(error)))
         except InputError as error:
             errors += error.messages
-    for number, entry in enumerate(scenario.timeline):
-        key = ("timeline", number)
-        try:
-            _within(scenario, (*key, "at"), entry.at)
-            first = _count(scenario, (*key, "at"), entry.at, faults.notes)
-        except InputError as error:
-            if ("duration",) not in scenario.source.options:
-                errors += error.messages
-                continue
-            first = math.ceil(entry.at / scenario.step)
-        for name, value in entry.set.items():
-            try:
-                faults.settings.append(_setting(name, value, models, wiring, (first, math.inf)))
-            except (QuantityError, NameUnknown) as error:
-                errors.append(scenario.error((*key, "set", name), str(error)))
     if errors:
         raise InputError(*errors)
     return faults
@@ -112,11 +98,11 @@ def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span 
             notes.append(f"does not happen, since the run ends before: {sentence(fault)}")
             return None
         _within(scenario, (*key, "at"), fault.at)
-    first = _count(scenario, (*key, "at"), fault.at, notes)
-    return first, math.inf if fault.until is None else _count(scenario, (*key, "until"), fault.until, notes)
+    first = count_of(scenario, (*key, "at"), fault.at, notes)
+    return first, math.inf if fault.until is None else count_of(scenario, (*key, "until"), fault.until, notes)
 
 
-def _count(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int:
+def count_of(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int:
     """The first instant at this time or after it, but for rounding."""
     step = Fraction(repr(scenario.step))
     ratio = Fraction(repr(time)) / step
@@ -137,7 +123,8 @@ def _signal(reference: Reference, models: Mapping[str, Model]) -> tuple[str, Var
     return block, *models[block].find(block, reference.variable, reference.indices, of)
 
 
-def _setting(name: Reference, value: Any, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
+def setting(name: Reference, value: Any, models: Mapping[str, Model], wiring: Wiring, span: Span) -> Setting:
+    """Values for an input that is not connected, or a tunable parameter. Raises QuantityError and NameUnknown."""
     block, variable, positions = _signal(name, models)
     if variable.causality == "parameter" and variable.variability != "tunable":
         raise QuantityError(

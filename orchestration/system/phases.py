@@ -60,9 +60,14 @@ def phases(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, Phase]:
             errors.append(scenario.error(place, "is a phase of the timeline, too; expected another name"))
             continue
         try:
-            found[name] = Phase(signal=nodes[0], value=float(scalar(variable, nodes[0].element.position, value)))
+            phase = Phase(signal=nodes[0], value=float(scalar(variable, nodes[0].element.position, value)))
         except QuantityError as error:
             errors.append(scenario.error(place, str(error)))
+            continue
+        if phase in found.values():
+            other = next(known for known, there in found.items() if there == phase)
+            errors.append(scenario.error(place, f"has the value of {other!r}, {value}; expected one name for a value"))
+        found[name] = phase
     if errors:
         raise InputError(*errors)
     return found

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from orchestration import InputError, load, run
+from orchestration.cli.summary import summary
 from orchestration.export.system import check_plain
 from orchestration.results.figures import draw
 from orchestration.results.phases import bands
@@ -155,7 +156,14 @@ def test_a_start_value_of_an_option_holds_until_the_timeline_sets_another() -> N
         ({"timeline": [{"at": 1, "set": {"supervisor.target_height": "3 kg"}}]}, "the unit 'kg' does not fit"),
         ({"timeline": [{"at": 1, "set": {"supervisor.first_mode": "sun"}}]}, "supervisor.first_mode is fixed"),
         ({"timeline": [{"at": 1, "set": {"supervisor.mode": 3}}]}, "supervisor.mode is an output"),
-        ({"timeline": [{"at": 11, "phase": "late"}]}, "timeline[1].at: 11 s lies after the end of the run, 10 s"),
+        ({"timeline": [{"at": 11, "phase": "late"}]}, "timeline[1].at: 11 s lies at or after the end of the run, 10 s; no step sees it"),
+        ({"timeline": [{"at": 10, "phase": "late"}]}, "timeline[1].at: 10 s lies at or after the end of the run, 10 s; no step sees it"),
+        ({"timeline": [{"at": 5, "phase": "b"}, {"at": 3, "phase": "a"}]}, "timeline[2].at: 3 s lies before the entry above, 5 s; expected entries in the order of time"),
+        ({"timeline": [{"at": 5, "phase": "b"}, {"at": 5, "phase": "a"}]}, "timeline[2].phase: 'a' begins at the same time as 'b', 5 s; expected one phase at a time"),
+        ({"timeline": [{"at": 5, "set": {"supervisor.command": 1}}, {"at": 5, "set": {"supervisor.command": 3}}]}, "timeline[2].set.supervisor.command: is set at 5 s by timeline[1].set.supervisor.command, too; expected one value at a time"),
+        ({"timeline": [{"at": 5, "set": {"supervisor.R_goal": {"diagonal": [1, 1, 1]}, "supervisor.R_goal[1,2]": 0.1}}]}, "timeline[1].set.supervisor.R_goal[1,2]: is set at 5 s by timeline[1].set.supervisor.R_goal, too"),
+        ({"timeline": [{"at": 5, "phase": "a/b"}]}, "timeline[1].phase: expected a name of letters, digits and _ . -, and spaces within, found 'a/b'"),
+        ({"phases": {"signal": "supervisor.mode", "names": {"a": 1, "b": 1}}}, "phases.names.b: has the value of 'a', 1; expected one name for a value"),
         ({"timeline": [{"at": -1, "phase": "early"}]}, "at: expected zero or more, found -1 s"),
         ({"timeline": [{"at": 1}]}, "expected set, phase or both, found neither"),
         ({"expect": [{"name": "a", "signal": "supervisor.mode", "during": "slew", "always": {"below": 9}}]}, "expect[1].during: there is no phase 'slew'; remedy: a 'phase' in the timeline, or 'phases'"),
@@ -167,6 +175,42 @@ def test_a_start_value_of_an_option_holds_until_the_timeline_sets_another() -> N
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(changes: dict[str, Any], message: str) -> None:
     assert message in refused(**changes)
+
+
+def test_an_entry_beyond_an_end_that_an_option_brings_forward_is_noted(capsys: pytest.CaptureFixture[str]) -> None:
+    loaded = load({**BASE, "timeline": TIMELINE})
+    result = run(loaded, duration=5.0)
+    late = "does not happen, since the run ends before: at 5 s: phase 'commanded', supervisor.target_height = 1 km"
+    assert any(late in note for note in result.manifest["notes"])
+    summary(result)
+    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith("timeline: at")] == [
+        "timeline: at 0 s: phase 'waiting'"
+    ]
+
+
+def test_a_timeline_whose_phases_are_not_drawn_is_noted() -> None:
+    result = flown(timeline=TIMELINE, phases={"signal": "supervisor.mode", "names": {"safe": 1}})
+    assert any("timeline: its phases are not drawn, since 'phases' is given" in n for n in result.manifest["notes"])
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_fault_stands_over_the_timeline_while_it_acts_and_leaves_the_last_value_behind(compiled: bool) -> None:
+    """Heights of 1, 2 and 3 km by the timeline at 1, 4 and 9 s; 50 km by a fault from 3 to 6 s, 60 km by another from 5 to 7 s."""
+    height = "supervisor.target_height"
+    timeline = [{"at": at, "set": {height: f"{km} km"}} for at, km in ((1.0, 1), (4.0, 2), (9.0, 3))]
+    faults = [
+        {"at": 3.0, "until": 6.0, "set": f"{height} = 50 km"},
+        {"at": 5.0, "until": 7.0, "set": f"{height} = 60 km"},
+    ]
+    seen = flown(compiled, timeline=timeline, faults=faults)
+    levels = {
+        km: flown(blocks={"supervisor": {**BASE["blocks"]["supervisor"], "start": {**BASE["blocks"]["supervisor"]["start"], "target_height": f"{km} km"}}})["supervisor.target_elevation"]
+        for km in (0, 1, 2, 3, 50, 60)
+    }  # fmt: skip
+    spans = [(0.0, 0), (1.0, 1), (3.0, 50), (5.0, 60), (7.0, 2), (9.0, 3)]
+    for i, time in enumerate(seen.time[1:], 1):
+        km = next(km for begin, km in reversed(spans) if begin < time)
+        assert seen["supervisor.target_elevation"][i] == levels[km][i], time
 
 
 def test_an_input_that_is_connected_is_refused_with_the_remedy(tmp_path: Path) -> None:
