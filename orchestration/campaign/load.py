@@ -21,7 +21,6 @@ from ..scenario import complaints, extends
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key, Source
-from ..scenario.text import read as read_text
 from ..swap.option import swapped
 from ..system.starts import resolve
 from .drawing import draws as drawing
@@ -91,7 +90,7 @@ def read_campaign(
 
     `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by name.
     """
-    source = campaign if isinstance(campaign, Source) else read_text(Path(campaign))
+    source = extends.extended(campaign) if isinstance(campaign, Source) else extends.read(Path(campaign))
     if isinstance(source.data, dict):
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")

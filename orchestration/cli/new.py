@@ -13,8 +13,11 @@ from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
 from ..acceptance.vector import record, scenario_of
-from ..errors import InputError, hint, reason
+from ..errors import BlockError, InputError, hint, reason
 from ..fmu.archive import shown
+from ..runner.read import load as load_scenario
+from ..runner.read import read
+from ..runner.run import execute
 from ..scenario import template
 from .console import say
 from .help import examples
@@ -99,16 +102,32 @@ def command(
 
 
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
-    """Writes the files of a template; none that is there already."""
+    """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
     files = {folder / name: text for name, text in found.filled(given).items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
+    new = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, text in files.items():
             path.write_text(text, "utf-8")
     except OSError as error:
         raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
+    try:
+        whole = read(folder / found.flown)
+        loop = load_scenario(whole)
+        sample = loop.step * max(entry.every for entry in loop.blocks.values())
+        for key, value in {"duration": sample, **dict.fromkeys(("record", "expect", "figures"))}.items():
+            whole = whole.with_entry((key,), value)
+        first = execute(load_scenario(whole))
+        if first.failure is not None:
+            raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
+    except (InputError, BlockError):
+        for path in files:
+            path.unlink()
+        if new:
+            folder.rmdir()
+        raise
     say(f"{folder}: {found.about}")
     for path in files:
         say(f"  {path}")

@@ -15,7 +15,8 @@ from ..results import formats
 from ..results.figures import require
 from ..runner.limits import limits
 from ..runner.open import Opened, open_scenario
-from ..scenario import text, timeline
+from ..runner.read import read
+from ..scenario import timeline
 from ..scenario.faults import sentence
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
@@ -91,7 +92,7 @@ def command(
 
 def _is_campaign(path: Path) -> bool:
     """Whether the file names a scenario that it varies, which a scenario does not."""
-    data = None if path.suffix == ".ssp" else text.read(path).data
+    data = None if path.suffix == ".ssp" else read(path).data
     return isinstance(data, dict) and "scenario" in data and "blocks" not in data
 
 

@@ -1,9 +1,9 @@
-"""A scenario that extends other files: theirs below, its own above; mappings merge, lists and values replace."""
+"""A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values replace."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from .text import read as read_text
 
 
 def read(path: Path) -> Source:
-    """A scenario file, laid over the files that it extends. Raises InputError."""
+    """A file, laid over the files that it extends. Raises InputError."""
     return extended(read_text(path), (path.resolve(),))
 
 
@@ -54,18 +54,38 @@ def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Sour
 
 def _anchor(part: Source, folder: Path) -> None:
     """Makes the relative paths of a part start at the folder of the file that extends it."""
-    blocks = part.data.get("blocks")
-    for entry in blocks.values() if isinstance(blocks, dict) and part.folder != folder else ():
+    if part.folder == folder:
+        return
+    for holder, key in _paths(part.data):
+        path = part.folder / Path(holder[key]).expanduser()
+        try:
+            holder[key] = Path(os.path.relpath(path, folder)).as_posix()
+        except ValueError:  # on another drive of Windows
+            holder[key] = str(path)
+        if "/" not in holder[key] and not holder[key].endswith(".fmu"):
+            holder[key] = f"./{holder[key]}"
+
+
+def _paths(data: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
+    """Where a path stands in a scenario or campaign: what holds it, and its key there."""
+    blocks = data.get("blocks")
+    for entry in blocks.values() if isinstance(blocks, dict) else ():
         for key in ("fmu", "interface", "map") if isinstance(entry, dict) else ():
             text = entry.get(key)
             if isinstance(text, str) and "://" not in text and (key == "map" or _is_path(text)):
-                path = part.folder / Path(text).expanduser()
-                try:
-                    entry[key] = Path(os.path.relpath(path, folder)).as_posix()
-                except ValueError:  # on another drive of Windows
-                    entry[key] = str(path)
-                if "/" not in entry[key] and not entry[key].endswith(".fmu"):
-                    entry[key] = f"./{entry[key]}"
+                yield entry, key
+    flown = data.get("scenario")
+    if isinstance(flown, str):
+        yield data, "scenario"
+    elif isinstance(flown, dict):
+        yield from _paths(flown)
+        if isinstance(flown.get("extends"), str):
+            yield flown, "extends"
+        elif isinstance(flown.get("extends"), list):
+            yield from ((flown["extends"], i) for i, text in enumerate(flown["extends"]) if isinstance(text, str))
+    for name in ("swap", "map"):
+        if isinstance(data.get(name), dict):
+            yield from ((data[name], block) for block, text in data[name].items() if isinstance(text, str))
 
 
 def _is_path(text: str) -> bool:
@@ -93,10 +113,10 @@ def _lay_under(
             inherited = name in data
             if inherited:
                 _forget(below, place)
-            data.pop(name, None)
             if value is None and inherited:
+                del data[name]
                 continue
-            data[name] = copied(value)
+            data[name] = copied(value)  # in its place: what a campaign draws depends on the order
         below.lines.update(part)
         below.files.update((p, file) for p in part if (file := above.files.get(p, above.file)))
 
@@ -109,7 +129,9 @@ def _forget(source: Source, key: Key) -> None:
 
 
 def _is_value(place: Key) -> bool:
-    """Whether a start value stands here, which is replaced as a whole also where it is written as names with values."""
-    return (len(place) == 2 and place[0] == "shared") or (
+    """Whether a value or a distribution stands here, which is replaced as a whole also where it is written as names with values."""
+    if place[:1] == ("scenario",):
+        place = place[1:]
+    return (len(place) == 2 and place[0] in ("shared", "set", "draw", "vary")) or (
         len(place) == 4 and place[0] == "blocks" and place[2] == "start"
     )

@@ -5,9 +5,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, PrivateAttr, field_validator
+from pydantic import Field, PrivateAttr, field_validator
 
 from .consistency import Consistency
 from .expectations import Expectation, HoldEntry
@@ -19,7 +19,7 @@ from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
 from .timeline import Phases, TimelineEntry
-from .types import Bytes, Flavour, Isolation, Model, Period, Value
+from .types import Bytes, Extending, Flavour, Isolation, Model, Period, Value
 from .view import ViewEntry
 
 
@@ -74,23 +74,13 @@ class Cycle(Model):
     """How long one lasts."""
 
 
-def _whole_or_extending(schema: dict[str, Any]) -> None:
-    """A file that extends others may leave to them what a scenario needs."""
-    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
-
-
-class Scenario(Model):
+class Scenario(Extending):
     """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
-
-    model_config = ConfigDict(json_schema_extra=_whole_or_extending)
 
     name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
     """Its name, and that of the results' folder: letters, digits, `.`, `_` and `-`."""
     description: str = ""
     """What the scenario shows."""
-    extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
-    """Files that this one extends, relative to it: each is a scenario, or a part of one such as a satellite's values. Mappings
-    are merged, lists and values replaced, a null takes an entry out; later files go before earlier ones, this one before all."""
     step: Period
     """The base communication step, in seconds or as text with a unit."""
     duration: Period
@@ -134,13 +124,6 @@ class Scenario(Model):
     """The report's three-dimensional view. Default: what the interfaces of the project's own blocks say, if one has an attitude."""
     live: Live | None = None
     """What a reader may change in the page that `orchestrate live` makes. A run takes no notice of it."""
-
-    @field_validator("extends")
-    @classmethod
-    def _laid_over(cls, files: Any) -> Any:
-        if files:
-            raise ValueError("only a scenario in YAML, or one given as data, extends others")
-        return files
 
     @field_validator("blocks")
     @classmethod

@@ -24,6 +24,8 @@ VALUES = "values.yaml"
 class Template:
     folder: Path
     about: str
+    flown: str
+    """The file that is a whole scenario."""
     values: dict[str, dict[str, Any]]
     """By name: what it is, and a default or an example."""
 
@@ -31,15 +33,16 @@ class Template:
         """The texts of the files by their names, each @NAME@ as YAML. Raises InputError for a value that is unknown or missing."""
         for name in given:
             if name not in self.values:
-                raise InputError(f"--set {name}: {self.folder.name} has no such value{hint(name, self.values)}")
+                known = hint(name, self.values) or f"; expected one of {', '.join(self.values)}"
+                raise InputError(f"--set {name}: {self.folder.name} has no such value{known}")
         if missing := [name for name in self.values if name not in given and "default" not in self.values[name]]:
             lines = [
                 f'  --set "{name}={self.values[name]["example"]}"   {self.values[name]["what"]}' for name in missing
             ]
             raise InputError("\n".join([f"{self.folder.name}: expected these values, for instance", *lines]))
-        known = {name: given.get(name, entry.get("default")) for name, entry in self.values.items()}
+        chosen = {name: given.get(name, entry.get("default")) for name, entry in self.values.items()}
         return {
-            path.name: re.sub(r"@(\w+)@", lambda match: _flow(known[match[1]]), path.read_text("utf-8"))
+            path.name: re.sub(r"@(\w+)@", lambda match: _flow(chosen[match[1]]), path.read_text("utf-8"))
             for path in sorted(self.folder.glob("*.yaml"))
             if path.name != VALUES
         }
@@ -61,7 +64,7 @@ def read(name: str) -> Template:
     """One of `names`."""
     folder = _root() / name
     data = parse((folder / VALUES).read_text("utf-8"), str(folder / VALUES)).data
-    return Template(folder, data["about"], data["values"])
+    return Template(folder, data["about"], data["flown"], data["values"])
 
 
 def _root() -> Path:

@@ -5,7 +5,16 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
 
 from ..errors import as_written
 from ..quantities import ONE, SECOND, QuantityError, parse, parse_unit, value_in
@@ -88,6 +97,27 @@ Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 class Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def _whole_or_extending(schema: dict[str, Any]) -> None:
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
+
+
+class Extending(Model):
+    """A file that may extend others, and may leave to them what it needs."""
+
+    model_config = ConfigDict(json_schema_extra=_whole_or_extending)
+
+    extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
+    """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's values. Mappings
+    are merged, lists and values replaced, a null takes an entry out; later files go before earlier ones, this one before all."""
+
+    @field_validator("extends")
+    @classmethod
+    def _laid_over(cls, files: Any) -> Any:
+        if files:
+            raise ValueError("only a file in YAML, or one given as data, extends others")
+        return files
 
 
 Flavour = Literal["native", "python"]

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, mod
 from ...scenario.expectations import Bound
 from ...scenario.metrics import Metric
 from ...scenario.references import Name
-from ...scenario.types import NUMBER_OR_TEXT, Counted, Flavour, Model, Quantity, Value
+from ...scenario.types import NUMBER_OR_TEXT, Counted, Extending, Flavour, Model, Quantity, Value
 from .analysis import Search, Sensitivity, metric_problem
 from .distributions import Varied
 
@@ -74,7 +74,7 @@ class Keep(Model):
     """So many of the first that failed."""
 
 
-class Campaign(Model):
+class Campaign(Extending):
     """A scenario flown again and again with values that vary, metrics of each run, and requirements on them."""
 
     name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]

@@ -422,6 +422,19 @@ def test_a_scenario_may_stand_in_the_file_with_what_it_changes(toy):
     assert [row["final"] / row["motor.speed0"] for row in rows()] == pytest.approx([0.9**10] * 2)
 
 
+def test_a_campaign_extends_another_and_replaces_a_distribution_as_a_whole(toy):
+    folder = toy.parent / "deep"
+    folder.mkdir()
+    changed(toy, ("scenario: loop.yaml", "scenario: {extends: loop.yaml, duration: 1 s}"))
+    over = folder / "over.yaml"
+    over.write_text(
+        f"extends: ../{toy.name}\nname: over\nruns: 3\nvary: {{motor.speed0: {{grid: [2, 4, 8]}}}}\nsampling: grid\n"
+    )
+    fly(over, out="over")
+    assert [row["motor.speed0"] for row in rows("over")] == [2.0, 4.0, 8.0]
+    assert [row["final"] / row["motor.speed0"] for row in rows("over")] == pytest.approx([0.9**10] * 3)
+
+
 def test_a_start_value_for_all_runs_comes_from_the_file_or_the_command_line(toy):
     changed(toy, ("runs: 60", "runs: 3\nset: {regulator.gain: -2}"))
     command(toy, "--workers", 0, "--out", "file")

@@ -74,11 +74,20 @@ def test_files_that_are_there_are_kept(tmp_path):
     assert (tmp_path / "satellite.yaml").read_text() == before
 
 
-def test_a_value_of_the_wrong_unit_is_found_by_validate_with_its_line(tmp_path):
-    made(tmp_path, dipole_max="0.3 N.m")
-    result = orchestrate("validate", str(tmp_path / "tumble.yaml"))
-    assert result.exit_code == 2
-    assert "satellite.yaml:6: shared.dipole_max" in result.stderr
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"dipole_max": "0.3 N.m"}, "satellite.yaml:6: shared.dipole_max"),
+        ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: expected"),
+        ({"wheel_axis": [1, 1, 0]}, "wheel_axis: expected"),
+        ({"name": "../cube"}, "name: "),
+    ],
+)
+def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_path, changes, message):
+    result = made(tmp_path / "cube", **changes)
+    assert result.exit_code in (2, 3)
+    assert message in result.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_each_file_uses_values_that_are_declared_and_all_are_used():

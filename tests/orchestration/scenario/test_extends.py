@@ -96,7 +96,7 @@ def test_a_scenario_given_as_data_extends_files_too(loop):
 
 def test_what_is_neither_a_file_nor_data_extends_nothing(loop):
     source = Source({**load("loop.yaml").source.data, "extends": ["secret.yaml"]}, "archive.ssp")
-    with pytest.raises(InputError, match="archive.ssp: extends: only a scenario in YAML"):
+    with pytest.raises(InputError, match="archive.ssp: extends: only a file in YAML"):
         load(source)
 
 
