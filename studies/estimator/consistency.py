@@ -71,7 +71,7 @@ def tumble(index: int, tracker: bool, duration: float = DURATION) -> dict[str, A
         "connections": [f"plant.{name} -> sensors.{name}" for name in truth]
         + [f"sensors.{name} -> estimator.{name}" for name in (*measured, *counts)],
         "record": {
-            "interval": 10.0,
+            "interval": 1.0,
             "signals": ["plant.R_NB", "plant.sunlight"]
             + [f"estimator.{n}" for n in ("R_NB", "rate_bias_B", "covariance", "attitude_sigma_B", "nis")],
         },
