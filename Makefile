@@ -4,21 +4,26 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test lint fmus bench torture mutants coverage figures reproduction flight pil references release format docs site authorities clean
+.PHONY: run check test thorough lint fmus bench torture mutants coverage figures reproduction flight pil references release format docs site authorities clean
 
 run: $(VENV)/run
 	$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
 
-# A test that neither compiles, isolates, flies nor needs other tools has none of these markers (tests/conftest.py).
-QUICK := not (compile or isolate or fly or tools)
+# A test that neither compiles, isolates, flies nor repeats for each block, page or tool has none of these markers (tests/conftest.py).
+QUICK := not (compile or isolate or fly or thorough)
 PYTEST := $(BIN)/pytest -n auto --dist worksteal
 
 # A minute: what to run after each change.
 check: lint
 	$(PYTEST) -m '$(QUICK)'
 
+# Below five minutes on two cores.
 test: lint
-	$(PYTEST)
+	$(PYTEST) -m 'not thorough'
+
+# The rest: the commands of all pages, the site, sanitizers, other tools, the wheel, builds and kits of all blocks. Some minutes.
+thorough: $(VENV)/test
+	$(PYTEST) -m thorough
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .

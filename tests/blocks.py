@@ -6,12 +6,14 @@ u = inputs("controller", omega_B=[0.1, 0.0, 0.0])
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+import pytest
 
 from fmus.build import Block
 from fmus.interface import Variable, load, package_of
@@ -35,6 +37,11 @@ def parameters(block: str, **changes: Any) -> Any:
 def inputs(block: str, **changes: Any) -> Any:
     """The block's `Inputs` from the start values of its interface."""
     return _build(block, "input", "Inputs", changes)
+
+
+def some(blocks: Iterable[str], *quick: str) -> list[Any]:
+    """Blocks as a test's parameters: these in every run, the others in a thorough one."""
+    return [block if block in quick else pytest.param(block, marks=pytest.mark.thorough) for block in blocks]
 
 
 def _build(block: str, causality: Any, record: str, changes: dict[str, Any]) -> Any:

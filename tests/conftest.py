@@ -57,7 +57,12 @@ MARKERS = {
         "plant/test_invariants.py",
         "studies",
     ),
-    "tools": ("tools",),
+    "thorough": (
+        "docs/test_site.py",
+        "native/test_sanitizers.py",
+        "packaging/test_wheel.py",
+        "tools",
+    ),
 }
 """What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""
 

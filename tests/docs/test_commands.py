@@ -25,7 +25,11 @@ NOT_RUN = {
 }
 """Commands that are not run, each with the reason."""
 
-SHOWN = [page for page in PAGES if any(True for _ in commands(page))]
+SHOWN = [
+    page if page == "README.md" else pytest.param(page, marks=pytest.mark.thorough)
+    for page in PAGES
+    if any(True for _ in commands(page))
+]
 
 
 @pytest.mark.compile

@@ -16,7 +16,7 @@ from fmus.build import ensure
 from fmus.interface import BLOCKS, load
 from fmus.native import toolchain
 from fmus.native.generate import ports_header, ports_path
-from tests.blocks import folder
+from tests.blocks import folder, some
 
 from .driver import ROOT
 
@@ -40,6 +40,7 @@ def test_the_structures_in_the_repository_are_those_of_the_interface(block: str)
     assert ports_path(block).read_text("utf-8") == ports_header(load(block)), "run python -m fmus.native"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("block", BLOCKS)
 def test_the_same_sources_give_the_same_bytes(
     block: str, packaged: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -132,7 +133,7 @@ def test_sources_that_do_not_compile_are_refused_with_the_compilers_words(tmp_pa
         toolchain.compile_library("wrong", [wrong], [], ["linux64"])
 
 
-@pytest.mark.parametrize("block", BLOCKS)
+@pytest.mark.parametrize("block", some(BLOCKS, "allocator"))
 def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
     block: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

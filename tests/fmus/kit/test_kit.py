@@ -23,6 +23,7 @@ from orchestration.acceptance.vector import name_of
 from orchestration.cli.main import main
 from orchestration.fmu.interfaces import place
 from tests.blocks import folder as folder_of
+from tests.blocks import some
 from tests.compilers import has_compiler
 
 ROOT = Path(__file__).parents[3]
@@ -56,7 +57,7 @@ def flown(block: str, folder: Path) -> list[str]:
     return ["--scenario", str(path)]
 
 
-@pytest.fixture(scope="module", params=BLOCKS)
+@pytest.fixture(scope="module", params=some(BLOCKS, "plant", "allocator", "supervisor"))
 def c_kit(request, tmp_path_factory) -> tuple[str, Path]:
     folder = tmp_path_factory.mktemp("kits") / request.param
     result = orchestrate("new", request.param, folder, "--lang", "c", *flown(request.param, folder.parent))
