@@ -191,7 +191,9 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
         )
     needed = [Claim(claim.name, claim.probability, claim.confidence) for claim in claims]
     few = hints(needed, made.runs, campaign.stop == "decided") if campaign.sampling != "grid" else []
-    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few])
+    beyond = [str(index) for index in campaign.keep.runs if index >= made.runs]
+    lost = [f"keep.runs: {', '.join(beyond)}: not flown, the last run is {made.runs - 1}"] if beyond else []
+    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few, *lost])
 
 
 def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:

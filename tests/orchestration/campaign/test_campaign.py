@@ -396,6 +396,11 @@ def test_a_wrong_file_is_told_with_its_line(toy, pairs, message):
         read_campaign(changed(toy, *pairs))
 
 
+def test_a_run_to_be_kept_beyond_the_last_is_told(toy):
+    case = read_campaign(changed(toy, ("runs: 60", "runs: 60\nkeep: {runs: [3, 60]}")))
+    assert "keep.runs: 60: not flown, the last run is 59" in case.notes
+
+
 def test_a_replayed_run_is_shown_with_units_and_with_why_it_does_not_meet_its_requirement(toy):
     changed(
         toy,
