@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.table import Table
 
-from orchestration import Result, run
+from orchestration import InputError, Result, run
 
 from ..crew import crew
 from ..paper import ROOT, Array
@@ -21,7 +22,9 @@ HOLD = 2500.0
 
 
 def make(runs: int, jobs: int, folder: Path = ROOT / "docs" / "figures") -> list[Table]:
-    """The tables; the figures go to the folder."""
+    """The tables; the figures go to the folder. Raises InputError where the package ahrs is missing."""
+    if find_spec("ahrs") is None:
+        raise InputError("the package ahrs is not installed; remedy: pip install ahrs")
     with crew(jobs) as hands:
         flown = {
             tracker: hands.each(name, consistency.measured, [(i, tracker) for i in range(runs)])
