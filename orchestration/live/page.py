@@ -8,6 +8,8 @@ from typing import Any
 from markupsafe import Markup
 
 from ..quantities import ONE
+from ..results import phases
+from ..results import view as seen
 from ..results.data import RunData
 from ..results.html import Page, asset, joined, pieces
 from ..results.report import figure
@@ -17,6 +19,7 @@ from ..scenario.live import LiveFault
 from ..scenario.references import Reference
 from ..system.panels import unit_of
 from ..system.wiring import Node
+from .motion import columns, motion
 from .sliders import Control
 from .system import Live
 
@@ -28,9 +31,10 @@ _PLOTS = 6
 def page(live: Live, native: RunData) -> str:
     """The page; `native` is the run of the scenario as it stands."""
     parts, entries = pieces("live.html"), _entries(native)
-    made = Page(native)
-    figures = joined(figure(native, entry, made) for entry in entries)
+    made = Page(native, live=True, faults=bool(live.faults))
+    figures = [figure(native, entry, made) for entry in entries]
     scenario = live.scenario
+    shown = seen.view(native, made.arrays)
     sliders = [
         parts["slider"].format(
             label=control.slider.label or control.slider.start,
@@ -49,13 +53,24 @@ def page(live: Live, native: RunData) -> str:
     body = [
         Markup("<style>{}</style>").format(Markup(str(parts["style"]).replace("{{", "{").replace("}}", "}"))),
         parts["header"].format(name=scenario.name, description=scenario.description),
-        parts["controls"].format(
-            name=scenario.name, sliders=joined(sliders), faults=joined(buttons), hash=native.sha256, file=_file(live)
+        parts["first"].format(
+            kind=" both" if shown else "",
+            view=made.view(shown),
+            first=figures[0],
+            name=scenario.name,
+            sliders=joined(sliders),
+            faults=joined(buttons),
+            hash=native.sha256,
+            file=_file(live),
         ),
-        parts["figures"].format(hint=pieces("pieces.html")["hint"], content=figures),
+        parts["figures"].format(hint=pieces("pieces.html")["hint"], content=joined(figures[1:])) if figures[1:] else "",
     ]
-    plots = [_plot(native, entry, panel) for entry in entries for panel in entry.panels]
-    data = {"live": {**_data(live, plots), "hash": native.sha256}}
+    flown = {
+        "plots": [_plot(native, entry, panel) for entry in entries for panel in entry.panels],
+        "phases": columns(native, phases.conditions(native)) if scenario.phases else None,
+        "view": shown and motion(native, shown),
+    }
+    data = {"live": {**_data(live, flown), "hash": native.sha256}}
     return made.html(f"{scenario.name}: live", body, asset("live.js"), _POLICY, data)
 
 
@@ -76,7 +91,7 @@ def _file(live: Live) -> str:
     return (live.scenario.source.file or "").replace("\\", "/").rpartition("/")[2]
 
 
-def _data(live: Live, plots: list[dict[str, Any]]) -> dict[str, Any]:
+def _data(live: Live, flown: dict[str, Any]) -> dict[str, Any]:
     clock, scenario = live.opened.plan.clock, live.scenario
     end = clock.time(clock.steps)
     return {
@@ -102,7 +117,7 @@ def _data(live: Live, plots: list[dict[str, Any]]) -> dict[str, Any]:
             "numerator": clock.numerator,
             "denominator": clock.denominator,
             "columns": len(live.opened.plan.columns),
-            "plots": plots,
+            **flown,
         },
     }
 

@@ -27,6 +27,7 @@ from .phases import bands
 from .plots import faulty
 
 _ASSETS = Path(__file__).parent / "assets"
+_VIEW = ("ogl.iife.min.js", "motion.js", "scene.js", "view.js")
 
 
 @cache
@@ -95,9 +96,11 @@ def key(kind: str, text: str) -> Markup:
 class Page:
     """A page in the making: its plots, and the arrays that they draw."""
 
-    def __init__(self, result: RunData | None = None) -> None:
-        """The page of a run with its cycle and faults, or of something else."""
+    def __init__(self, result: RunData | None = None, live: bool = False, faults: bool = False) -> None:
+        """The page of a run with its cycle and faults, or of something else; a live one shows other runs, with `faults` too."""
         self.arrays = Arrays()
+        self.live = live
+        self._faulty = faults
         self._plots: list[dict[str, Any]] = []
         self._seen: dict[str, Any] = {}
         cycle = result.scenario.cycle if result is not None else None
@@ -115,7 +118,7 @@ class Page:
         plots, notes = list(plots), list(notes)
         if lines := list(dict.fromkeys(plot.get("lines_are", "limits") for plot in plots if plot["lines"])):
             notes.append(key("limit", f"dashed: {', '.join(lines)}"))
-        if self._data["faults"]:
+        if self._data["faults"] or self._faulty:
             notes.append(key("fault", "red: injected faults"))
         if self._data["phases"]:
             notes.append("coloured: phases")
@@ -142,9 +145,9 @@ class Page:
     ) -> str:
         """The whole page; with a script of its own, what the security policy allows that, and more data for it."""
         library = asset("uPlot.iife.min.js")
-        # A function of its own gives the library a screen of two pixels to the point at least, for the sake of paper.
-        wrapped = f"const uPlot = ((devicePixelRatio) => {{\n{library}\nreturn uPlot;\n}})(Math.max(2, window.devicePixelRatio || 1));"
-        view = f"{asset('ogl.iife.min.js')}\n{asset('view.js')}" if self._seen else ""
+        # The library takes the pixels to the point from the screen; on paper they are more. So it gets them from the page.
+        wrapped = asset("resolution.js").replace("/* library */", library)
+        view = "\n".join(map(asset, _VIEW)) if self._seen else ""
         drawing = f"{wrapped}\n{asset('plots.js')}\n{view}\n{script}"
         digest = base64.b64encode(hashlib.sha256(drawing.encode()).digest()).decode()
         return pieces("pieces.html")["page"].format(

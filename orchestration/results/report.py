@@ -158,9 +158,11 @@ def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None
     """A figure of the scenario; `over` is a run whose curves are drawn over those of `result`."""
     panels = [plots.of_panel(result, entry, panel, made.arrays, over) for panel in entry.panels]
     notes = []
-    if entry.shade and any(panel["shade"] for panel in panels):
+    if entry.shade and (made.live or any(panel["shade"] for panel in panels)):
         notes.append(key("shade", f"shaded: {entry.shade}"))
-    if times := plots.crossings(result, entry):
+    if entry.mark and made.live:  # whose flights have other times
+        notes.append(key("mark", f"dotted: {entry.mark} = 0"))
+    elif times := plots.crossings(result, entry):
         listed = ", ".join(f"{time:.2f} s" for time in times[:_CROSSINGS])
         more = f" and {len(times) - _CROSSINGS} more" if len(times) > _CROSSINGS else ""
         notes.append(key("mark", f"dotted: {entry.mark} = 0 at {listed}{more}"))

@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fmu.interfaces import view as of_interface
-from ..fmu.model import Floats
-from ..quantities import ONE
+from ..fmu.model import Floats, Variable
+from ..quantities import ONE, Unit
 from ..rotation import matrix, quaternion
 from ..scenario.references import Reference
-from ..scenario.view import ViewEntry
+from ..scenario.view import GHOSTS, ViewEntry
+from . import phases
 from .arrays import Arrays, few
 from .data import RunData
+from .phases import Band, Condition
 
 ROWS = 2000
 """Instants that a view keeps at most, equally far apart; between them the page interpolates."""
@@ -29,28 +31,30 @@ _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
     """What the page's view draws; None where the scenario has no attitude to be seen."""
-    entry = result.scenario.view or _default(result)
+    entry = entry_of(result)
     if entry is None or len(result.time) < 2:
         return None
-    n = len(result.time)
-    rows = np.unique(np.linspace(0, n - 1, min(n, ROWS)).round().astype(int))
+    rows = chosen(result.time)
     parameters = result.manifest.get("parameters", {})
     attitude = _quaternions(result[entry.attitude][rows])
-    desired = entry.desired
     return {
         "name": entry.attitude.block,
         "time": arrays.add(result.time[rows]),
         "attitude": arrays.add_short(attitude),
-        "desired": arrays.add_short(_quaternions(result[desired][rows])) if isinstance(desired, Reference) else desired,
+        **{
+            name: arrays.add_short(_quaternions(result[ghost][rows])) if isinstance(ghost, Reference) else ghost
+            for name in GHOSTS
+            for ghost in [getattr(entry, name)]
+        },
         "position": None if entry.position is None else arrays.add(result[entry.position][rows].astype(float).ravel()),
         "sun": None if entry.sun is None else arrays.add_short(result[entry.sun][rows]),
         "earth": None if entry.epoch is None else _earth_angle(str(_value(entry.epoch, parameters))),
         "body": _body(entry, parameters),
         "axes": [
-            {"name": f"{name} {i + 1}" if len(directions) > 1 else name, "kind": name, "direction": direction}
+            {"name": f"{name} {i + 1}" if len(rows_) > 1 else name, "kind": name, "direction": direction}
             for name, axes in entry.axes.items()
-            for directions in [_directions(axes, parameters)]
-            for i, direction in enumerate(directions)
+            for rows_ in [directions(axes, parameters)]
+            for i, direction in enumerate(rows_)
         ],
         "vectors": [
             {
@@ -63,9 +67,21 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
             }
             for arrow in entry.vectors
             for unit, values in [_vector(result, arrow.signal, arrow.along, parameters)]
+            if values.any()
         ],
-        "phases": _phases(result, entry),
+        "phases": _marks(result, entry),
     }
+
+
+def chosen(time: Floats) -> NDArray[np.intp]:
+    """Which samples a view keeps."""
+    n = len(time)
+    return np.unique(np.linspace(0, n - 1, min(n, ROWS)).round().astype(np.intp))
+
+
+def entry_of(result: RunData) -> ViewEntry | None:
+    """What the scenario says of its view, or else the interfaces of its blocks."""
+    return result.scenario.view or _default(result)
 
 
 def _default(result: RunData) -> ViewEntry | None:
@@ -78,17 +94,14 @@ def _default(result: RunData) -> ViewEntry | None:
         def there(name: str, block: str = block) -> bool:
             return f"{block}.{name}" in result
 
-        for key in ("attitude", "position", "sun", "phase"):
+        for key in ("attitude", "planned", "estimated", "position", "sun", "phase"):
             if key in own and key not in found and there(own[key]):
                 found[key] = f"{block}.{own[key]}"
                 if key == "phase":
                     found["phases"] = own.get("phases", [])
         given = parameters.get(block, {})
-        goal = own.get("desired")
-        if goal == "lvlh" and given.get(own["lvlh_by"]) == "lvlh":
+        if (goal := _goal(result, block, own, given)) is not None:
             found.setdefault("desired", goal)
-        elif goal is not None and there(goal):
-            found["desired"] = f"{block}.{goal}"
         if own.get("epoch") in given:
             found.setdefault("epoch", f"{block}.{own['epoch']}")
         body = {key: f"{block}.{name}" if name in given else name for key, name in own.get("body", {}).items()}
@@ -104,6 +117,15 @@ def _default(result: RunData) -> ViewEntry | None:
     return ViewEntry.model_validate(found) if "attitude" in found else None
 
 
+def _goal(result: RunData, block: str, own: Mapping[str, Any], given: Mapping[str, Any]) -> str | None:
+    """The desired attitude of a controller: what is connected to its input, else what its parameter says."""
+    desired = own.get("desired", {})
+    for connection in result.scenario.connections:
+        if str(connection.target) == f"{block}.{desired.get('input')}":
+            return str(connection.source) if str(connection.source) in result else None
+    return "lvlh" if desired and given.get(desired["parameter"]) == "lvlh" else None
+
+
 def _named(block: str, axes: Any, given: Mapping[str, Any]) -> Any:
     """Axes of an interface as a scenario states them; None where the block has no such parameter."""
     if isinstance(axes, str):
@@ -116,7 +138,7 @@ def _value(value: Any, parameters: Mapping[str, Mapping[str, Any]]) -> Any:
     return parameters[value.block][value.variable] if isinstance(value, Reference) else value
 
 
-def _directions(axes: Any, parameters: Mapping[str, Any]) -> list[list[float]]:
+def directions(axes: Any, parameters: Mapping[str, Any]) -> list[list[float]]:
     """Unit vectors along axes, one a row."""
     rows = np.atleast_2d(np.array(_value(axes, parameters), float))
     length = np.linalg.norm(rows, axis=1, keepdims=True)
@@ -136,14 +158,18 @@ def _body(entry: ViewEntry, parameters: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def unit_of(variable: Variable) -> tuple[Unit, float]:
+    """The unit in which a vector is shown, and what its values are multiplied by."""
+    unit = variable.display_unit or variable.unit or ONE
+    return unit, (variable.unit or ONE).conversion(unit)[0]
+
+
 def _vector(result: RunData, signal: Reference, along: Any, parameters: Mapping[str, Any]) -> tuple[str, Floats]:
     """A vector's unit, and its components (n, 3) in that unit."""
-    variable = result.variable(signal)
-    unit = variable.display_unit or variable.unit or ONE
-    factor, _ = (variable.unit or ONE).conversion(unit)
+    unit, factor = unit_of(result.variable(signal))
     values = factor * result[signal].reshape(len(result.time), -1).astype(float)
     if along is not None:
-        values = values @ np.array(_directions(along, parameters))
+        values = values @ np.array(directions(along, parameters))
     return "" if unit.name in ("", "1") else str(unit), np.where(np.isfinite(values), values, 0.0)
 
 
@@ -171,27 +197,24 @@ def _earth_angle(epoch: str) -> float | None:
     return float(np.radians((280.46061837 + 360.98564736629 * days) % 360.0))
 
 
-def _phases(result: RunData, entry: ViewEntry) -> list[dict[str, Any]]:
+def conditions(result: RunData, entry: ViewEntry) -> list[Condition]:
+    """What is marked on the time slider while a signal has a value: the scenario's phases, else those of `phase`."""
+    if result.scenario.phases is not None:
+        return phases.conditions(result)
+    if entry.phase is None or result.scenario.timeline:
+        return []
+    names = {number: item for item, number in result.variable(entry.phase).items}
+    names |= dict(enumerate(entry.phases, start=1))
+    names |= {value: str(value) for value in np.unique(result[entry.phase].astype(int)).tolist() if value not in names}
+    (node,) = (result.columns[place] for place in result.places(entry.phase))
+    return [Condition(name, node, float(value), i) for i, (value, name) in enumerate(sorted(names.items()))]
+
+
+def _marks(result: RunData, entry: ViewEntry) -> list[Band]:
     """What is marked on the time slider: the phases, and the times of the holds."""
     end = float(result.time[-1])
-    found: list[dict[str, Any]] = []
-    if entry.phase is not None:
-        values = result[entry.phase].astype(int).ravel()
-        names = {number: item for item, number in result.variable(entry.phase).items}
-        names |= dict(enumerate(entry.phases, start=1))
-        begins = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist()]
-        ends = [*begins[1:], len(values) - 1]
-        colours = {value: i for i, value in enumerate(dict.fromkeys(values[begins].tolist()))}
-        found += [
-            {
-                "name": names.get(int(values[a]), str(values[a])),
-                "colour": colours[int(values[a])],
-                "from": float(result.time[a]),
-                "to": float(result.time[b]),
-            }
-            for a, b in zip(begins, ends, strict=True)
-        ]
+    found = phases.bands(result) or phases.lasting(result, conditions(result, entry))
     for hold in result.holds:
         spans = few([(a, end if b is None else b) for a, b in hold.spans])
-        found += [{"name": f"{hold.name} held", "colour": -1, "from": a, "to": b} for a, b in spans]
+        found += [Band(f"{hold.name} held", a, b, -1) for a, b in spans]
     return found

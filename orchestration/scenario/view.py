@@ -13,6 +13,10 @@ Axes = Reference | list[Annotated[list[float], Field(min_length=3, max_length=3)
 """Directions in body axes, one a row: numbers, or a parameter that holds them."""
 
 
+GHOSTS = ("desired", "planned", "estimated")
+"""The attitudes that are drawn as ghosts."""
+
+
 class Arrow(Model):
     """A vector that can be shown and hidden."""
 
@@ -45,6 +49,10 @@ class ViewEntry(Model):
     """A matrix that maps body components to inertial ones, or a unit quaternion that does, scalar first."""
     desired: Reference | Literal["lvlh"] | None = None
     """The desired attitude, drawn as a ghost: such a signal, or the axes of the local vertical and the orbit."""
+    planned: Reference | None = None
+    """An attitude that a controller plans, as a second ghost, hidden at first."""
+    estimated: Reference | None = None
+    """An estimate of the attitude, as a third ghost."""
     position: Reference | None = None
     """Inertial position, m: gives the orbit, the Earth and the LVLH axes."""
     epoch: Reference | None = None

@@ -9,7 +9,7 @@ from ..fmu.model import Model
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from ..scenario.view import ViewEntry
+from ..scenario.view import GHOSTS, ViewEntry
 from . import signals
 from .wiring import Node
 
@@ -43,12 +43,12 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
 def _signals(view: ViewEntry) -> Iterator[tuple[Key, Reference, tuple[tuple[int, ...], ...]]]:
     """Each signal of a view: where it stands, and the shapes that it may have; any where none is listed."""
     yield ("view", "attitude"), view.attitude, ((3, 3), (4,))
-    if isinstance(view.desired, Reference):
-        yield ("view", "desired"), view.desired, ((3, 3), (4,))
-    for name, shape in (("position", (3,)), ("sun", (3,)), ("phase", ())):
+    vectors: tuple[tuple[int, ...], ...] = ((3,),)
+    shapes = {**dict.fromkeys(GHOSTS, ((3, 3), (4,))), "position": vectors, "sun": vectors, "phase": ((),)}
+    for name, allowed in shapes.items():
         reference = getattr(view, name)
-        if reference is not None:
-            yield ("view", name), reference, (shape,)
+        if isinstance(reference, Reference):
+            yield ("view", name), reference, allowed
     for i, arrow in enumerate(view.vectors):
         rows = arrow.along if isinstance(arrow.along, list) else None
         shapes: tuple[tuple[int, ...], ...] = ((3,),) if arrow.along is None else ()

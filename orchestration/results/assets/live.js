@@ -54,12 +54,19 @@
 
   const worker = new Worker(URL.createObjectURL(new Blob([live.worker], { type: "text/javascript" })));
   let number = 0, busy = false, wanted = false;
-  let file = null;
+  let file = null, soon = null;
+  const state = (name) => { document.documentElement.dataset.state = name; }; // dims what is of the flight before
+  function badge(kind, text) {
+    at("verdict").textContent = text;
+    at("verdict").className = `badge ${kind}`;
+  }
   let first = { wasm: Uint8Array.from(atob(live.wasm), (c) => c.charCodeAt(0)), given: live.given };
   function fly() {
     wanted = busy;
     if (busy) return;
     busy = true;
+    state("flying"); // a short flight shows nothing of it
+    soon = setTimeout(() => badge("plain", "flying"), 200);
     const values = starts(), faults = on();
     const text = scenario(values, faults);
     at("scenario").textContent = text;
@@ -70,16 +77,20 @@
   }
   worker.onmessage = ({ data }) => {
     busy = false;
+    clearTimeout(soon);
+    state(data.failure ? "failed" : "shown");
     at("failure").textContent = data.failure || "";
     const own = !moved.size && on().every((acts, i) => Boolean(acts) === live.faults[i].own);
     at("hash").textContent = data.hash || (data.failure ? "none, since the run failed" : "none: this browser gives it over https only");
-    at("same").textContent = own && data.hash ? (data.hash === live.hash ? "the same as of the native run" : "not that of the native run") : "";
-    at("verdict").textContent = data.failure ? `failed${data.reached === undefined ? "" : ` after ${data.reached} s`}` : own ? "the scenario's own values" : "changed";
-    at("verdict").className = `badge ${data.failure ? "bad" : "good"}`;
+    const same = own && data.hash ? data.hash === live.hash : null;
+    at("same").textContent = same === null ? "" : same ? "the same as of the native run" : "not that of the native run";
+    at("same").className = `badge ${same ? "good" : "bad"}`;
+    if (data.failure) badge("bad", `failed${data.reached === undefined ? "" : ` after ${data.reached} s`}; the curves are of the flight before`);
+    else badge(own ? "good" : "warn", own ? "the scenario's own values" : "changed values");
     if (!data.failure) {
       at("speed").textContent = `${live.duration} s flown in ${data.flown.toFixed(0)} ms`;
       const spans = live.faults.filter((_, i) => on()[i]).map((fault) => fault.span);
-      document.dispatchEvent(new CustomEvent("flown", { detail: { plots: data.plots, faults: spans } }));
+      document.dispatchEvent(new CustomEvent("flown", { detail: { plots: data.plots, phases: data.phases, view: data.view, faults: spans } }));
     }
     Object.assign(document.documentElement.dataset, { flown: data.number, hash: data.hash || "", ms: data.flown || "", all: data.all || "" });
     if (wanted) fly();
@@ -100,11 +111,13 @@
     button.setAttribute("aria-pressed", button.getAttribute("aria-pressed") !== "true");
     fly();
   }));
-  at("controls").addEventListener("reset", () => setTimeout(() => {
+  at("reset").addEventListener("click", (event) => {
+    event.preventDefault();
+    for (const input of inputs) input.value = input.defaultValue;
     moved.clear();
     buttons.forEach((button, i) => button.setAttribute("aria-pressed", live.faults[i].own));
     inputs.forEach((_, i) => say(i));
     fly();
-  }));
+  });
   fly();
 })();

@@ -21,13 +21,13 @@ function curve({ columns, norm, factor, offset }, rows, count, width) {
   return values;
 }
 
-// When a flag is true, as spans of time.
-function spans(column, rows, count, width, time) {
+// When something is true of a sample, as spans of time.
+function spans(holds, count, time) {
   const found = [];
   for (let i = 0; i < count; i++) {
-    if (!rows[i * width + column]) continue;
+    if (!holds(i)) continue;
     const first = i;
-    while (i < count && rows[i * width + column]) i++;
+    while (i < count && holds(i)) i++;
     found.push([time[first], time[Math.min(i, count - 1)]]);
   }
   return found;
@@ -43,6 +43,33 @@ function crossings(column, rows, count, width, time, [low, high]) {
   return found;
 }
 
+// The bands of phases: while a column has a value, from when to when.
+function bands(conditions, rows, count, width, time) {
+  const found = conditions.flatMap(({ name, column, value, colour }) =>
+    spans((i) => rows[i * width + column] === value, count, time).filter(([from, to]) => from < to).map(([from, to]) => [name, from, to, colour]));
+  return found.sort((a, b) => a[1] - b[1]);
+}
+
+// What the three-dimensional view shows, at fewer instants: as the report's, but attitudes stay matrices where they are.
+function seen({ rows: chosen, signals, vectors, marks, still }, rows, count, width, time) {
+  const pick = (columns) => Float64Array.from({ length: chosen.length * columns.length },
+    (_, i) => rows[chosen[Math.floor(i / columns.length)] * width + columns[i % columns.length]]);
+  const arrow = ({ columns, factor, along }) => {
+    const axes = along || [[1, 0, 0], [0, 1, 0], [0, 0, 1]], n = columns.length, raw = pick(columns);
+    const values = Float64Array.from({ length: 3 * chosen.length }, (_, i) => {
+      let sum = 0;
+      for (let k = 0; k < n; k++) sum += raw[Math.floor(i / 3) * n + k] * axes[k][i % 3];
+      return factor * sum;
+    });
+    let largest = 0;
+    for (let i = 0; i < values.length; i += 3) largest = Math.max(largest, Math.hypot(values[i], values[i + 1], values[i + 2]));
+    return { values, largest };
+  };
+  const taken = Object.entries(signals).map(([name, columns]) => [name, Array.isArray(columns) ? pick(columns) : columns]);
+  return { ...Object.fromEntries(taken), time: Float64Array.from(chosen, (row) => time[row]), vectors: vectors.map(arrow),
+    phases: [...still, ...bands(marks, rows, count, width, time)] };
+}
+
 async function fly({ starts, faults }) {
   const began = performance.now();
   new Float64Array(wasm.memory.buffer, wasm.starts(), starts.length).set(starts);
@@ -56,13 +83,15 @@ async function fly({ starts, faults }) {
   const time = Float64Array.from({ length: count }, (_, i) => (Math.min(i * given.interval, given.steps) * given.numerator) / given.denominator);
   const plots = given.plots.map((plot) => ({
     flown: [time, ...plot.curves.map((each) => curve(each, rows, count, width))],
-    shade: plot.shade == null ? [] : spans(plot.shade, rows, count, width, time),
+    shade: plot.shade == null ? [] : spans((i) => rows[i * width + plot.shade], count, time),
     marks: plot.mark == null ? [] : crossings(plot.mark, rows, count, width, time, plot.window),
   }));
   // Only a secure context has the hash; a page from a file, from this machine or over https is one.
   const digest = self.crypto.subtle && new Uint8Array(await crypto.subtle.digest("SHA-256", rows));
   const hash = digest && Array.from(digest, (byte) => byte.toString(16).padStart(2, "0")).join("");
-  return { plots, hash, flown, all: performance.now() - began };
+  const phases = given.phases && bands(given.phases, rows, count, width, time);
+  const view = given.view && seen(given.view, rows, count, width, time);
+  return { plots, phases, view, hash, flown, all: performance.now() - began };
 }
 
 onmessage = async ({ data }) => {

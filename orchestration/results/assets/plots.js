@@ -53,17 +53,16 @@ const timeline = {
     const decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(distance) + 1e-9)));
     return ticks.map((v) => sign((Object.is(v, -0) ? 0 : v).toFixed(decimals)));
   }
-  function ticks(low, high, count) {
+  function ticks(low, high, count, least = 1) { // about so many, and `least` at least
     const rough = (high - low) / Math.max(1, count);
     if (!(rough > 0)) return [low];
     const power = 10 ** Math.floor(Math.log10(rough));
     const step = power * [1, 2, 5, 10].find((m) => m * power >= rough * (1 - 1e-9));
     const found = [];
     for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) found.push(i * step);
-    return found;
+    return found.length < least && count < 20 ? ticks(low, high, count + 1, least) : found;
   }
 
-  Object.assign(timeline, { page, array, figures });
 
   // ---------------------------------------------------------------- a plot
 
@@ -185,13 +184,22 @@ const timeline = {
     return (!printing && dark.matches && onDark[own]) || own;
   }
 
+  Object.assign(timeline, { page, array, figures, colour });
+  function columns(plot) { // times and curves; what a logarithmic scale does not show is a gap
+    const [x, ...ys] = plot.flown || [array(plot.x), ...plot.curves.map((curve) => array(curve.y))];
+    return [x, ...(plot.scale === "log" ? ys.map((y) => Array.from(y, (v) => (v > 0 ? v : null))) : ys)];
+  }
+  function renew(place) { // other values in the same plot
+    const u = drawn.get(place), { min, max } = u.scales.x;
+    u.setData(columns(page.plots[place.dataset.plot]), false);
+    u.setScale("x", { min, max });
+  }
   function draw(place) {
     const plot = page.plots[place.dataset.plot];
     const before = drawn.get(place);
     const css = theme();
     const log = plot.scale === "log";
-    const positive = (values) => (log ? Array.from(values, (v) => (v > 0 ? v : null)) : values);
-    const [x, ...given] = plot.flown || [array(plot.x), ...plot.curves.map((curve) => array(curve.y))], ys = given.map(positive);
+    const [x, ...ys] = columns(plot);
     const [first, last] = plot.range[0] < plot.range[1] ? plot.range : [plot.range[0], plot.range[0] + 1];
     let view = [first, last]; // what the scale of time is about to show, known before the others are laid out
     const zoomed = () => view[1] - view[0] < (last - first) * (1 - 1e-6);
@@ -201,7 +209,7 @@ const timeline = {
     // As many ticks of time as have room for their labels.
     const splits = (period) => (u, i, low, high) => {
       const wide = u.bbox.width / uPlot.pxRatio || 400;
-      for (let count = Math.floor(wide / (printing ? 55 : 75)); ; count--) {
+      for (let count = Math.floor(wide / 55); ; count--) {
         const at = ticks(low / period, high / period, count);
         const room = at.length > 1 ? ((at[1] - at[0]) * period * wide) / (high - low) : wide;
         if (count <= 1 || room >= 7 * Math.max(...labels(at).map((t) => t.length)) + 14) return at.map((v) => v * period);
@@ -209,15 +217,15 @@ const timeline = {
     };
     const named = (at) => at.map((v) => plot.items[v] ?? ""); // names in place of numbers
     const axes = [
-      { ...axis, label: plot.xlabel || "time, s", size: 28, gap: 4, splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1),
-        values: (u, at) => (plot.items ? named(at) : labels(at)) },
-      { ...axis, label: plot.label, gap: 4, ...(log ? { values: powers } : { values: (u, at) => labels(at),
-        splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34)) }),
+      { ...axis, ...(above(place) ? {} : { label: plot.xlabel || "time, s" }), size: 28, gap: 4,
+        splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1), values: (u, at) => (plot.items ? named(at) : labels(at)) },
+      { ...axis, gap: 4, ...(log ? { values: powers } : { values: (u, at) => labels(at),
+        splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34), 2) }),
         size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
     ];
     if (page.cycle && !plot.xlabel) {
-      axes.push({ ...axis, side: 0, scale: "x", label: page.cycle.name, size: 30, gap: 6, grid: { show: false },
-        splits: splits(page.cycle.period), values: (u, at) => labels(at.map((t) => t / page.cycle.period)) });
+      axes.push({ ...axis, side: 0, scale: "x", size: 24, gap: 5, grid: { show: false }, splits: splits(page.cycle.period),
+        values: (u, at) => labels(at.map((t) => t / page.cycle.period)).map((text, i) => (i ? text : `${text} ${page.cycle.name}`)) });
     }
     const time = (u, v) => (v == null ? "\u2013" : `${figures(v, 7)} s` + (page.cycle ? `, ${figures(v / page.cycle.period, 4)} ${page.cycle.name}` : ""));
     const place0 = (u, v, i, at) => (v == null ? "\u2013" : (plot.items ? named([Math.round(v)])[0] : figures(v, 5))
@@ -252,7 +260,7 @@ const timeline = {
         bind: { mousedown: (u, target, handler) => (event) => { if (!event.shiftKey) handler(event); }, dblclick: () => null } },
       hooks: {
         init: [(u) => Object.assign(u, { ends: [first, last], linked: !plot.xlabel, readout: readout(u) })],
-        drawClear: [(u) => spans(u, plot, css)], draw: [(u) => lines(u, plot, css)],
+        drawClear: [(u) => spans(u, plot, css)], draw: [(u) => { lines(u, plot, css); names(u, plot, css); }],
         setScale: [(u, key) => { if (key === "x" && u.linked && u.root.isConnected) zoom(u.scales.x.min, u.scales.x.max, u); }],
         setCursor: [(u) => {
           told(u, plot, swatches);
@@ -268,6 +276,7 @@ const timeline = {
       range = { min: before.scales.x.min, max: before.scales.x.max };
       before.destroy();
     }
+    place.style.minHeight = "";
     const u = new uPlot(options, [x, ...ys], place);
     drawn.set(place, u);
     const [min, max] = plot.xlabel ? [first, last] : within([first, last]);
@@ -318,24 +327,37 @@ const timeline = {
     paint(u.ctx, uPlot.pxRatio);
     u.ctx.restore();
   }
-  function spans(u, plot, css) {
+  const phases = (plot) => (plot.xlabel ? [] : page.phases || []);
+  function names(u, plot, css) { // of phases, over grid and curves
     clipped(u, (ctx, ratio) => {
-      for (const [name, from, to, colour] of plot.xlabel ? [] : page.phases || []) {
-        const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
-        ctx.globalAlpha = 0.12;
-        ctx.fillStyle = page.colours[colour % page.colours.length];
-        ctx.fillRect(a, u.bbox.top, b - a, u.bbox.height);
-        ctx.globalAlpha = 1;
-        const left = Math.max(a, u.bbox.left), right = Math.min(b, u.bbox.left + u.bbox.width);
-        if (right - left < 12 * ratio) continue; // no room for its name
+      ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+      ctx.fillStyle = css("--quiet");
+      ctx.strokeStyle = css("--page");
+      ctx.lineWidth = 3 * ratio;
+      ctx.lineJoin = "round";
+      ctx.textBaseline = "middle";
+      for (const [name, from, to] of phases(plot)) {
+        const left = Math.max(u.valToPos(from, "x", true), u.bbox.left), right = Math.min(u.valToPos(to, "x", true), u.bbox.left + u.bbox.width);
+        const wide = right - left, long = ctx.measureText(name).width, across = long + 6 * ratio < wide;
+        if (!across && (wide < 13 * ratio || long + 8 * ratio > u.bbox.height)) continue; // no room for it
         ctx.save();
-        ctx.translate((left + right) / 2, u.bbox.top + 4 * ratio);
-        ctx.rotate(Math.PI / 2);
-        ctx.font = `${9 * ratio}px sans-serif`;
-        ctx.textBaseline = "middle";
-        ctx.fillStyle = css("--limit");
+        ctx.translate((left + right) / 2, u.bbox.top + (across ? 10 : 5) * ratio);
+        if (!across) ctx.rotate(Math.PI / 2);
+        ctx.textAlign = across ? "center" : "left";
+        ctx.strokeText(name, 0, 0);
         ctx.fillText(name, 0, 0);
         ctx.restore();
+      }
+    });
+  }
+  function spans(u, plot, css) {
+    clipped(u, (ctx, ratio) => {
+      for (const [, from, to, place] of phases(plot)) {
+        const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
+        ctx.globalAlpha = 0.12;
+        ctx.fillStyle = colour(place);
+        ctx.fillRect(a, u.bbox.top, b - a, u.bbox.height);
+        ctx.globalAlpha = 1;
       }
       for (const [list, name] of [[plot.xlabel ? [] : page.faults, "--fault"], [plot.shade, "--shade"]]) {
         ctx.fillStyle = css(name);
@@ -375,12 +397,15 @@ const timeline = {
     return printing ? (single(place) ? PAPER.one : PAPER.many) : Math.max(200, place.clientWidth);
   }
   const beside = (place) => place.closest(".first.both");
+  const above = (place) => !printing && Boolean(beside(place)?.matches(":not(.live)")) && place !== place.parentElement.lastElementChild; // another one stands below
   const height = (place) => (printing ? 205 : beside(place) ? Math.max(190, Math.min(300, 430 / place.parentElement.children.length)) : single(place) ? 320 : 280);
   const open = (place) => !place.closest("details:not([open])"); // what is folded has a size all the same
-  function show(place) {
-    if (drawn.has(place) || !open(place)) return;
+  function show(place) { // draws it, or draws it again where a flight has passed over it
+    if (!open(place) || (drawn.has(place) && !stale.has(place))) return;
     try {
-      draw(place);
+      if (drawn.has(place)) renew(place);
+      else draw(place);
+      stale.delete(place);
     } catch (error) {
       place.textContent = `This plot cannot be drawn: ${error.message}`;
       place.classList.add("problem");
@@ -388,6 +413,7 @@ const timeline = {
     }
   }
   const places = [...document.querySelectorAll(".plot")];
+  const stale = new Set();
   const resized = new ResizeObserver((entries) => {
     if (printing) return;
     for (const { target } of entries) {
@@ -395,14 +421,22 @@ const timeline = {
       if (u && open(target) && u.width !== width(target)) u.setSize({ width: width(target), height: height(target) });
     }
   });
-  const all = () => places.forEach(show);
+  // Drawn is what is near the screen; the others when they come near it.
+  const near = (place) => open(place) && place.getBoundingClientRect().top < 1.3 * innerHeight;
+  const seen = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      visible[isIntersecting ? "add" : "delete"](target);
+      if (isIntersecting && !printing) show(target);
+    }
+  }, { rootMargin: "30% 0px" });
   const again = () => drawn.forEach((_, place) => draw(place));
-  document.querySelectorAll("details").forEach((details) => details.addEventListener("toggle", all));
   dark.addEventListener("change", again);
   document.addEventListener("flown", ({ detail }) => { // a live page has flown again
     page.faults = detail.faults;
+    page.phases = detail.phases || page.phases; // those of the timeline stay
     page.plots.forEach((plot, i) => Object.assign(plot, detail.plots[i]));
-    again();
+    drawn.forEach((_, place) => stale.add(place));
+    visible.forEach(show);
   });
   let opened = [];
   addEventListener("beforeprint", () => {
@@ -410,18 +444,26 @@ const timeline = {
     printing = true;
     opened = [...document.querySelectorAll("details.paper:not([open])")];
     opened.forEach((details) => { details.open = true; });
-    all();
-    again();
+    uPlot.resolution(2); // paper shows more than a screen
+    drawn.forEach((_, place) => draw(place));
+    places.forEach(show);
   });
   addEventListener("afterprint", () => {
     printing = false;
     opened.forEach((details) => { details.open = false; });
+    uPlot.resolution(window.devicePixelRatio || 1);
     again();
   });
-  all();
-  const seen = new IntersectionObserver((entries) => {
-    for (const { target, isIntersecting } of entries) visible[isIntersecting ? "add" : "delete"](target);
+  addEventListener("resize", () => { // a change of the browser's magnification, too
+    if (!printing) uPlot.resolution(window.devicePixelRatio || 1);
   });
+  for (const place of places) {
+    place.style.minHeight = `${height(place)}px`; // nothing moves when it is drawn
+    const label = document.createElement("div");
+    label.className = "ylabel";
+    label.textContent = page.plots[place.dataset.plot].label;
+    place.prepend(label);
+  }
+  places.filter(near).forEach(show);
   places.forEach((place) => { resized.observe(place); seen.observe(place); });
-  document.documentElement.dataset.drawn = drawn.size;
 })();

@@ -133,7 +133,7 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
     plot = 6  # the first scatter plot, behind three distributions of two plots each
     assert pixels(chromium, "#0072b2", plot) > 500
     assert pixels(chromium, "#d55e00", plot) > 5
-    x, y, w, h = box(chromium, ".plot .u-over", plot)
+    x, y, w, h = box(chromium, f".plot >> nth={plot} >> .u-over")
     chromium.page.mouse.move(x + w / 2, y + h / 2)
     chromium.settle()
     told = values(chromium, plot)

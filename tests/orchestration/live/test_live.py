@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
-import time
+from collections.abc import Mapping
 from pathlib import Path
-from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -29,6 +29,7 @@ SETS = {
     "a lost command while it turns": ({0: 30.0}, (2,)),
 }
 """Five sets of parameters of V.B: positions of the sliders by number, and the faults that are injected."""
+SHOWN = "document.querySelector('[data-part=canvas]').toDataURL()"
 
 
 @pytest.fixture(scope="module")
@@ -42,64 +43,86 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.fixture
-def page(chromium: Tab, folder: Path) -> Tab:
-    chromium.open(folder / "vb.html")
-    flown(chromium, 1)
+@pytest.fixture(scope="module")
+def opened(chromium: Tab, folder: Path) -> Tab:
+    chromium.open(folder / "vb.html", 1400)
     return chromium
 
 
-def flown(page: Tab, least: int = 0) -> SimpleNamespace:
-    """What the page says of its last flight, once nothing flies and so many have been flown."""
-    for _ in range(200):
-        data = page.page.evaluate("({...document.documentElement.dataset})")
-        if int(data.get("flown", 0)) >= least:
-            return SimpleNamespace(**{**data, "flown": int(data["flown"])})
-        time.sleep(0.05)
-    raise TimeoutError(f"no flight: {page.complaints}")
+@pytest.fixture
+def page(opened: Tab) -> Tab:
+    """The page at the scenario's own values."""
+    opened.page.click("#reset")
+    flown(opened)
+    return opened
+
+
+def flown(page: Tab) -> dict[str, str]:
+    """What the page says of its last flight, once nothing flies."""
+    page.until("document.documentElement.dataset.state !== 'flying'")
+    page.settle()
+    return page.page.evaluate("({...document.documentElement.dataset})")
+
+
+def move(page: Tab, positions: Mapping[int, float]) -> None:
+    """Moves sliders by their numbers, all before the worker answers."""
+    moves = "; ".join(
+        f"it = document.querySelector('[data-control=\"{number}\"]'); it.value = {value}; it.dispatchEvent(new Event('input'))"
+        for number, value in positions.items()
+    )
+    page.page.evaluate(f"(() => {{ let it; {moves} }})()")
 
 
 def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
     seen = set()
     for name, (sliders, faults) in SETS.items():
-        before = flown(page).flown
-        script = "document.getElementById('reset').click();"
-        page.page.evaluate(f"{script} new Promise(done => setTimeout(done, 50))")
-        flown(page, before + 1)
-        before = flown(page).flown
-        for number, value in sliders.items():
-            place = f"document.querySelector('[data-control=\"{number}\"]')"
-            page.page.evaluate(f"{place}.value = {value}; {place}.dispatchEvent(new Event('input'))")
+        page.page.click("#reset")
         for number in faults:
-            page.page.evaluate(f"document.querySelector('[data-fault=\"{number}\"]').click()")
+            page.page.click(f"[data-fault='{number}']")
         if sliders:
-            page.page.evaluate("new Promise(done => setTimeout(done, 400))")
-            flown(page, before + 1)
+            move(page, sliders)
+        own = flown(page)["hash"]
         scenario = folder / "scenarios" / "of_the_page.yaml"
-        scenario.write_text(page.page.evaluate("document.getElementById('scenario').textContent"), "utf-8")
-        assert flown(page).hash == run(scenario).sha256, name
-        seen.add(flown(page).hash)
+        scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
+        assert own == run(scenario).sha256, name
+        seen.add(own)
     assert len(seen) == len(SETS)
     assert page.complaints == []
 
 
-@pytest.mark.parametrize("width", [1400, 800, 390])
-def test_the_page_fits_and_asks_no_network(page, width):
-    page.page.set_viewport_size({"width": width, "height": 900})
+def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_meanwhile(page, folder):
+    before = page.page.evaluate(SHOWN)
+    move(page, {0: 140.0})
+    assert page.page.evaluate("document.documentElement.dataset.state") == "flying"
+    flown(page)
+    # Of the page's own motion; the slider says the same of the start.
+    assert page.page.inner_text("[data-part=words]") == "0 s, 0 orbits; 140 deg from the desired attitude"
+    assert page.page.evaluate(SHOWN) != before
+    page.page.locator("[data-part=slider]").fill("386.1")
     page.settle()
-    assert page.page.evaluate("document.documentElement.scrollWidth") <= width
-    assert page.page.evaluate("document.getElementById('same').textContent") == "the same as of the native run"
+    scenario = folder / "scenarios" / "turned.yaml"
+    scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
+    error = float(np.degrees(run(scenario)["judge.attitude_error"][-1]))
+    assert page.page.inner_text("[data-part=words]").endswith(f"; {error:.3g} deg from the desired attitude")
+    page.page.locator("[data-part=slider]").fill("0")
+
+
+def test_the_page_fits_every_width_and_asks_no_network(page):
+    for width in (390, 800, 1400):
+        page.resize(width)
+        assert page.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.page.text_content("#same") == "the same as of the native run"
     assert page.complaints == []
     assert [url for url in page.foreign if not url.startswith("blob:")] == []
 
 
 def test_a_run_that_fails_says_which_block_refused_what(page):
-    place = "document.querySelector('[data-control=\"4\"]')"
-    before = flown(page).flown
-    page.page.evaluate(f"{place}.min = -1; {place}.value = -1; {place}.dispatchEvent(new Event('input'))")
-    flown(page, before + 1)
-    assert "allocator: " in page.page.evaluate("document.getElementById('failure').textContent")
-    assert "hold_fraction" in page.page.evaluate("document.getElementById('failure').textContent")
+    page.page.evaluate("document.querySelector('[data-control=\"4\"]').min = -1")
+    move(page, {4: -1})
+    assert flown(page)["state"] == "failed"
+    assert "allocator: " in (page.page.text_content("#failure") or "")
+    assert "hold_fraction" in (page.page.text_content("#failure") or "")
+    assert "the curves are of the flight before" in (page.page.text_content("#verdict") or "")
 
 
 def test_the_page_is_small(folder):

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, sync_playwright
 
 FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 """WebGL is drawn by the processor, so that a machine without a graphics card shows the same."""
@@ -19,6 +19,9 @@ def executable() -> str | None:
     return next(
         (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
     )
+
+PATIENCE = 30
+"""For how long a page is waited for, s."""
 
 
 @contextmanager
@@ -59,17 +62,26 @@ class Tab:
         self.page.goto(path.resolve().as_uri())
         self.settle()
 
+    def resize(self, width: int, height: int = 900) -> None:
+        """The same page at another width."""
+        self.page.set_viewport_size({"width": width, "height": height})
+        self.settle()
+
     def settle(self) -> None:
         """Lets the page paint what it has to."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
     def until(self, condition: str) -> None:
         """Waits until an expression is true; Playwright's own way evaluates text in the page, which its policy refuses."""
-        for _ in range(200):
-            if self.page.evaluate(condition):
-                return
-            self.page.wait_for_timeout(50)
-        raise TimeoutError(f"{condition} did not become true")
+        became = self.page.evaluate(
+            f"""new Promise(done => {{
+              const late = performance.now() + {1000 * PATIENCE};
+              const look = () => (({condition}) ? done(true) : performance.now() > late ? done(false) : setTimeout(look, 4));
+              look();
+            }})"""
+        )
+        if not became:
+            raise TimeoutError(f"{condition} did not become true: {self.complaints}")
 
     @property
     def foreign(self) -> list[str]:
@@ -78,11 +90,14 @@ class Tab:
 
 
 def pixels(tab: Tab, colour: str, plot: int = 0) -> int:
-    """How many points of a plot have about this colour."""
+    """How many points of a plot have about this colour; it is brought into view, since it is not drawn before."""
+    see(tab, ".plot", plot)
+    tab.until(f"document.querySelectorAll('.plot')[{plot}].querySelector('canvas')")
+    tab.settle()
     rgb = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return tab.page.evaluate(
         f"""(() => {{
-          const canvas = document.querySelectorAll(".plot canvas")[{plot}], {{ width, height }} = canvas;
+          const canvas = document.querySelectorAll(".plot")[{plot}].querySelector("canvas"), {{ width, height }} = canvas;
           const copy = new OffscreenCanvas(width, height).getContext("2d", {{ willReadFrequently: true }});
           copy.drawImage(canvas, 0, 0);
           const {{ data }} = copy.getImageData(0, 0, width, height);
@@ -94,11 +109,16 @@ def pixels(tab: Tab, colour: str, plot: int = 0) -> int:
     )
 
 
-def box(tab: Tab, selector: str, place: int = 0) -> list[float]:
-    """Left, top, width and height of an element that has been brought into view."""
+def see(tab: Tab, selector: str, place: int = 0) -> Locator:
+    """Brings an element into view."""
     element = tab.page.locator(selector).nth(place)
     element.evaluate("it => it.scrollIntoView({ block: 'center' })")
-    found = element.bounding_box()
+    return element
+
+
+def box(tab: Tab, selector: str, place: int = 0) -> list[float]:
+    """Left, top, width and height of an element that has been brought into view."""
+    found = see(tab, selector, place).bounding_box()
     assert found
     return [found[key] for key in ("x", "y", "width", "height")]
 

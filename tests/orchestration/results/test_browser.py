@@ -40,8 +40,6 @@ def test_the_plots_are_drawn_without_a_complaint_or_a_request_and_no_text_of_the
     assert pixels(tab, "#d55e00", 0) > 500
     assert pixels(tab, "#0072b2", 1) > 500
     tab.page.evaluate("document.querySelector('details.signals').open = true")
-    tab.until("document.querySelectorAll('.plot canvas').length > 2")
-    tab.settle()
     assert pixels(tab, "#0072b2", 2) > 200
     assert (tab.complaints, tab.foreign) == ([], [])
     assert tab.page.evaluate("typeof window.hacked") == "undefined"
@@ -115,31 +113,72 @@ def test_it_is_light_on_paper_and_dark_where_that_is_wanted(tab):
 SHOWN = "document.querySelector('[data-part=canvas]').toDataURL()"
 
 
-@pytest.mark.parametrize("width", [1400, 800, 390])
-def test_the_view_draws_moves_and_turns_at_every_width(chromium, motion, width):
-    chromium.open(motion, width)
+def test_the_view_draws_moves_and_turns_and_fits_every_width(chromium, motion):
+    chromium.open(motion, 1400)
     page = chromium.page
     page.evaluate("document.querySelectorAll('details').forEach(fold => fold.open = true)")
-    chromium.settle()
-    assert page.evaluate("document.documentElement.scrollWidth") == width
-    assert page.evaluate("Math.max(...[...document.querySelectorAll('.plot canvas')].map(c => c.clientWidth))") < width
-    assert page.evaluate("document.querySelector('.plot').getBoundingClientRect().top + scrollY") < 900
-    pictures = [page.evaluate(SHOWN)]
-    assert len(pictures[0]) > 4000  # a picture of one colour has less
-    slider = page.locator("[data-part=slider]")
-    slider.fill("50")
-    chromium.settle()
-    pictures.append(page.evaluate(SHOWN))
-    assert page.inner_text("[data-part=words]").startswith("50 s; turning; 25 deg from the desired attitude")
-    assert values(chromium)[0].startswith("50 s")  # the plots' cursor is there, too
-    page.locator("[data-part=canvas]").press("ArrowLeft")
-    chromium.settle()
-    pictures.append(page.evaluate(SHOWN))
-    page.get_by_role("checkbox", name="field").uncheck()
-    chromium.settle()
-    pictures.append(page.evaluate(SHOWN))
-    assert len(set(pictures)) == 4
+    slider, field = page.locator("[data-part=slider]"), page.get_by_role("checkbox", name="field")
+    for width in (1400, 800, 390):
+        chromium.resize(width)
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+        assert (
+            page.evaluate("Math.max(...[...document.querySelectorAll('.plot canvas')].map(c => c.clientWidth))") < width
+        )
+        assert page.evaluate("document.querySelector('.plot').getBoundingClientRect().top + scrollY") < 900
+        slider.fill("0")
+        field.check()
+        chromium.settle()
+        pictures = [page.evaluate(SHOWN)]
+        assert len(pictures[0]) > 4000  # a picture of one colour has less
+        slider.fill("50")
+        chromium.settle()
+        pictures.append(page.evaluate(SHOWN))
+        assert page.inner_text("[data-part=words]").startswith("50 s; turning; 25 deg from the desired attitude")
+        page.locator("[data-part=canvas]").press("ArrowLeft")
+        chromium.settle()
+        pictures.append(page.evaluate(SHOWN))
+        field.uncheck()
+        chromium.settle()
+        pictures.append(page.evaluate(SHOWN))
+        assert len(set(pictures)) == 4
+        page.locator(".plot").first.evaluate("it => it.scrollIntoView({ block: 'center' })")
+        slider.fill("40")
+        chromium.settle()
+        assert values(chromium)[0].startswith("40 s")  # the plots' cursor is there, too
     assert (chromium.complaints, chromium.foreign) == ([], [])
+
+
+def test_labels_of_the_view_do_not_stand_on_each_other(chromium, motion):
+    """All its vectors are shown at once, at an instant at which some of them point the same way."""
+    chromium.open(motion, 390)
+    page = chromium.page
+    page.evaluate("document.querySelectorAll('[data-part=vectors] input').forEach(box => box.checked || box.click())")
+    page.locator("[data-part=slider]").fill("0")
+    chromium.settle()
+    boxes = page.evaluate(
+        """[...document.querySelectorAll('.tag:not([hidden])')].map(tag => {
+          const { left, right, top, bottom } = tag.getBoundingClientRect();
+          return [left, right, top, bottom];
+        })"""
+    )
+    assert len(boxes) > 5
+    for i, (left, right, top, bottom) in enumerate(boxes):
+        for other in boxes[:i]:
+            assert right <= other[0] or other[1] <= left or bottom <= other[2] + 1 or other[3] <= top + 1
+
+
+def test_plots_are_drawn_when_they_come_near_the_screen_and_all_of_them_on_paper(tab):
+    drawn = "document.querySelectorAll('.plot canvas').length"
+    tab.page.evaluate("document.querySelectorAll('details').forEach(fold => fold.open = true)")
+    tab.resize(1366, 200)
+    tab.page.reload()
+    tab.settle()
+    few, every = tab.page.evaluate(drawn), tab.page.locator(".plot").count()
+    assert 0 < few < every
+    tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert tab.page.evaluate("[...document.querySelectorAll('main > section > details.paper')].length") == 0
+    assert tab.page.evaluate(drawn) == every - tab.page.locator("details:not([open]) .plot").count()
+    tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
 
 
 def test_the_view_plays_and_follows_the_cursor_of_a_plot(chromium, motion):
