@@ -11,7 +11,7 @@ from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
 from ..runner.run import execute
-from .console import open_page, say
+from .console import notes, open_page, say
 from .help import examples
 from .options import DURATION, OPEN, STEP
 from .overrides import loaded
@@ -41,6 +41,7 @@ def command(scenario: Path, out: Path, step: str | None, duration: str | None, o
         raise InputError(f"--out {out}: there is no folder {out.parent}")
     chosen = loaded(scenario, step=step, duration=duration)
     live = prepare(chosen)
+    notes(live.opened.plan.notes)
     native = execute(chosen)
     if native.failure is not None:
         raise native.failure

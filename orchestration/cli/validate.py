@@ -11,6 +11,7 @@ from ..campaign.load import Case, read_campaign
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
+from ..live.system import checked
 from ..results import formats
 from ..results.figures import require
 from ..runner.limits import limits
@@ -78,6 +79,8 @@ def command(
     if figures:
         require(chosen)
     opened = open_scenario(chosen)
+    if chosen.live is not None:
+        checked(chosen)
     formats.check_names(opened.plan.columns, opened.plan.models, format_)
     if quiet:
         return

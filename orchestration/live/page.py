@@ -47,7 +47,13 @@ def page(live: Live, native: RunData) -> str:
     ]
     names = [*(sentence(fault) for fault in scenario.faults), *(f.name for f in _added(live))]
     buttons = [
-        parts["fault"].format(number=i, pressed=str(i < len(scenario.faults)).lower(), text=sentence(fault), name=name)
+        parts["fault"].format(
+            number=i,
+            pressed=str(i < len(scenario.faults)).lower(),
+            state=" disabled" if fault.at > scenario.duration else "",  # of a run that an option shortens
+            text=sentence(fault),
+            name=name,
+        )
         for i, (fault, name) in enumerate(zip(live.faults, names, strict=True))
     ]
     body = [
@@ -63,7 +69,9 @@ def page(live: Live, native: RunData) -> str:
             hash=native.sha256,
             file=_file(live),
         ),
-        parts["figures"].format(hint=pieces("pieces.html")["hint"], content=joined(figures[1:])) if figures[1:] else "",
+        parts["figures"].format(hint=pieces("pieces.html")["hint"], content=joined(figures[1:]))
+        if figures[1:]
+        else Markup(""),
     ]
     flown = {
         "plots": [_plot(native, entry, panel) for entry in entries for panel in entry.panels],

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
-from ..quantities import ONE, QuantityError, parse_unit, value_in
+from ..quantities import ONE, QuantityError, parse_unit, value_in, with_unit
 from ..rotation import about
 from ..runner.plan import Plan
 from ..scenario.live import Slider
@@ -78,13 +78,18 @@ def _control(slider: Slider, scenario: Scenario, plan: Plan) -> Control:
     nodes = [[Node(name, Element(v.name, p)) for p in positions] for name, (v, positions) in ends]
     value = _measured(slider, [float(start_value(plan, node)) for node in nodes[0]])
     least, most = (value_in(end, base) for end in (slider.least, slider.most))
-    if not least < most:
-        raise QuantityError(f"expected 'least' below 'most', found {least:g} and {most:g}")
-    if not least <= value <= most:
-        raise QuantityError(f"expected the scenario's own value, {value:.10g}, between {least:g} and {most:g}")
-    if slider.measure == "element":
-        _within(ends, least, most)
     low, high, now = (factor * v + offset for v in (least, most, value))
+    shown = [with_unit(v, str(unit)) for v in (low, high, now)]
+    if not least < most:
+        raise QuantityError(f"expected 'least' below 'most', found {shown[0]} and {shown[1]}")
+    if slider.measure == "norm" and least < 0.0:
+        raise QuantityError(f"least: expected zero or more, since a norm is never negative; found {shown[0]}")
+    if slider.measure == "rotation" and max(-least, most) > 2.0 * math.pi + _SAME:
+        raise QuantityError(f"expected angles within one turn, -360 deg to 360 deg; found {shown[0]} and {shown[1]}")
+    if not least <= value <= most:
+        raise QuantityError(f"expected the scenario's own value, {shown[2]}, between {shown[0]} and {shown[1]}")
+    if slider.measure == "element":
+        _within(ends, least, most, lambda v: with_unit(factor * v + offset, str(unit)))
     return Control(slider, str(unit), factor, offset, low, high, now, nodes)
 
 
@@ -133,10 +138,13 @@ def _measured(slider: Slider, values: list[float]) -> float:
     return angle
 
 
-def _within(ends: list[tuple[str, tuple[Variable, list[int]]]], least: float, most: float) -> None:
+def _within(
+    ends: list[tuple[str, tuple[Variable, list[int]]]], least: float, most: float, text: Callable[[float], str]
+) -> None:
     for _, (variable, positions) in ends:
         for position in positions:
             low = variable.minima[position] if variable.minima else -math.inf
             high = variable.maxima[position] if variable.maxima else math.inf
             if least < low or most > high:
-                raise QuantityError(f"expected ends within {low:g} and {high:g}, which its FMU allows")
+                found = f"found {text(least)} and {text(most)}"
+                raise QuantityError(f"expected ends within {text(low)} and {text(high)}, which its FMU allows; {found}")

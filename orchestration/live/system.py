@@ -17,7 +17,7 @@ from ..runner.open import Opened, open_scenario
 from ..runner.read import load
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
-from ..system.faults import resolve
+from ..system.faults import Faults, resolve
 from ..system.starts import Start
 from .sliders import Control, controls, start_value
 from .tables import Tables, tables
@@ -42,23 +42,11 @@ class Live:
 def prepare(scenario: Scenario) -> Live:
     """Checks a scenario and compiles it. Raises InputError with everything that a page cannot have."""
     _refuse(scenario)
-    own = scenario.live.faults if scenario.live else []
-    source = scenario.source
-    for number in range(len(own)):
-        data = source.data["live"]["faults"][number]
-        entry = {key: value for key, value in data.items() if key != "name"}
-        source = source.with_item("faults", entry, source.where(("live", "faults", number)))
-    both = load(source) if own else scenario
-    opened = open_scenario(both)
+    both, opened, made, each = checked(scenario)
+    plan = opened.plan
     if changed := sorted({*opened.rates.substeps, *opened.prepared.fits}):
         key = ("blocks", changed[0])
         raise InputError(both.error(key, "a page has no adapter and no steps within a step; remedy: orchestrate run"))
-    plan = opened.plan
-    made = controls(both, plan)
-    each = [resolve(both.model_copy(update={"faults": [fault]}), plan.models, plan.wiring) for fault in both.faults]
-    for number, faults in enumerate(each):
-        if any(isinstance(value, str) for setting in faults.settings for _, value in setting.values):
-            raise InputError(both.error(("faults", number), "a page sets no text during a run"))
     starts = {name: list(plan.starts.get(name, ())) for name in plan.models}
     for node in (node for control in made for nodes in control.nodes for node in nodes):
         if node.element not in {start.element for start in starts[node.block]}:
@@ -66,6 +54,38 @@ def prepare(scenario: Scenario) -> Live:
     code = {name: entry.fmu for name, entry in both.blocks.items()}
     tabled = tables(plan, code, starts, each)
     return Live(scenario, opened, _compiled(scenario, code, tabled), tabled, made, both.faults)
+
+
+def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[Faults]]:
+    """The scenario with the faults of its `live` as its own, its blocks, its sliders, and each fault alone.
+
+    Raises InputError with everything in `live` that does not fit the blocks.
+    """
+    own = scenario.live.faults if scenario.live else []
+    source = scenario.source
+    for number in range(len(own)):
+        data = source.data["live"]["faults"][number]
+        entry = {key: value for key, value in data.items() if key != "name"}
+        source = source.with_item("faults", entry, source.where(("live", "faults", number)))
+    both = load(source) if own else scenario
+    errors: list[str] = []
+    opened = made = None
+    try:
+        opened = open_scenario(both)
+    except InputError as error:
+        errors += error.messages
+    try:
+        made = controls(scenario, open_scenario(scenario).plan)
+    except InputError as error:
+        errors += error.messages
+    if opened is None or made is None:
+        raise InputError(*dict.fromkeys(errors))
+    plan = opened.plan
+    each = [resolve(both.model_copy(update={"faults": [fault]}), plan.models, plan.wiring) for fault in both.faults]
+    for number, faults in enumerate(each):
+        if any(isinstance(value, str) for setting in faults.settings for _, value in setting.values):
+            raise InputError(both.error(("faults", number), "a page sets no text during a run"))
+    return both, opened, made, each
 
 
 def _compiled(scenario: Scenario, code: dict[str, str], tabled: Tables) -> bytes:

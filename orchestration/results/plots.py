@@ -76,6 +76,7 @@ def of_panel(
         "unit": unit_of_values(unit),
         "scale": panel.scale,
         "lines": [value_in(line, unit) for line in panel.lines],
+        "lines_are": panel.lines_are,
         "shade": shaded(result, entry.shade, window) if entry.shade else [],
         "marks": crossings(result, entry)[:MARKS],
     }

@@ -27,8 +27,52 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
         meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
         # A misspelt key is not missing as well.
-        messages = [_message(model, source, d) for d in details if d["type"] != "missing" or _key(d) not in meant]
+        details = [d for d in details if d["type"] != "missing" or _key(d) not in meant]
+        messages = [
+            text for key, group in _grouped(source.data, details) for text in _together(model, source, key, group)
+        ]
         raise InputError(*dict.fromkeys(messages)) from None
+
+
+def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]]:
+    """Each error alone, with None; those of the kinds of value that one place may have together, with the place's key."""
+    groups: list[tuple[Key | None, list[Any]]] = []
+    for detail in details:
+        key = _of_union(data, detail)
+        if key is not None and groups and groups[-1][0] == key:
+            groups[-1][1].append(detail)
+        else:
+            groups.append((key, [detail]))
+    return groups
+
+
+def _of_union(data: Any, detail: Any) -> Key | None:
+    """Where Pydantic's location goes on with the name of a kind of value, which is no key of the data: the key up to there."""
+    location = detail["loc"]
+    for i, part in enumerate(location):
+        if (isinstance(data, dict) and part in data) or (
+            isinstance(data, list) and isinstance(part, int) and part < len(data)
+        ):
+            data = data[part]
+        elif part != "[key]":
+            return None if detail["type"] == "missing" and i == len(location) - 1 else _key(detail)[:i]
+    return None
+
+
+def _together(model: type[BaseModel], source: Source, key: Key | None, group: list[Any]) -> list[str]:
+    """The messages of a group: of a place that may have several kinds of value, those of the kind that it nearly has, or one of all."""
+    if key is None:
+        return [_message(model, source, detail) for detail in group]
+    # Location: the place, the kind, then the way to what is wrong inside a value of this kind.
+    inside = [{**d, "loc": (*key, *d["loc"][len(key) + 1 :])} for d in group if len(d["loc"]) > len(key) + 1]
+    if inside:
+        return [_message(model, source, detail) for detail in inside]
+    beyond = [detail for detail in group if detail["type"] in _LIMITS]  # it is of the right kind
+    texts = [_text(detail) for detail in beyond or group]
+    expected = [text.removeprefix("expected ").partition(", found ")[0] for text in texts]
+    if not all(text.startswith("expected ") and ", found " in text for text in texts):
+        return [source.error(key, text) for text in texts]
+    return [source.error(key, f"expected {' or '.join(expected)}, found {as_written(group[0]['input'])}")]
 
 
 _FIRST = {"Mapping": ("ports", "ignore"), "Campaign": ("scenario", "metrics")}
@@ -38,6 +82,8 @@ _EXPECTED = {
     "int_type": "a whole number",
     "int_from_float": "a whole number",
     "float_type": "a number",
+    "float_parsing": "a number",
+    "finite_number": "a finite number",
     "list_type": "a list",
     "dict_type": "names with values",
     "model_type": "names with values",
@@ -56,8 +102,7 @@ def _match(model: type[BaseModel], detail: Any) -> str | None:
 
 
 def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
-    key = _key(detail)
-    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
+    key, kind = _key(detail), detail["type"]
     if kind == "extra_forbidden":
         known = ", ".join(_model_at(model, key[:-1]).model_fields)
         ending = suggestion(_match(model, detail)) or f"; expected one of {known}"
@@ -65,23 +110,39 @@ def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
     if kind == "missing":
         about = descriptions(_model_at(model, key[:-1])).get(str(key[-1]), "")
         return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
+    return source.error(key, _text(detail))
+
+
+_LIMITS = {
+    "greater_than_equal": ("ge", "{} or more"),
+    "greater_than": ("gt", "more than {}"),
+    "less_than_equal": ("le", "{} or less"),
+    "less_than": ("lt", "less than {}"),
+}
+
+
+def _text(detail: Any) -> str:
+    """What was expected and what was found."""
+    kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "value_error":
-        text = str(context["error"])
-    elif kind in _EXPECTED:
-        text = f"expected {_EXPECTED[kind]}, found {as_written(value)}"
-    elif kind == "literal_error":
-        text = f"expected {context['expected']}, found {as_written(value)}{_item(value, context['expected'])}"
-    elif kind == "greater_than_equal":
-        text = f"expected {context['ge']} or more, found {value}"
-    elif kind in ("too_short", "string_too_short"):
-        text = "must not be empty"
-    elif kind == "string_pattern_mismatch":
+        return str(context["error"])
+    if kind in _EXPECTED:
+        return f"expected {_EXPECTED[kind]}, found {as_written(value)}"
+    if kind == "literal_error":
+        return f"expected {context['expected']}, found {as_written(value)}{_item(value, context['expected'])}"
+    if kind in _LIMITS:
+        name, words = _LIMITS[kind]
+        return f"expected {words.format(f'{context[name]:g}')}, found {value}"
+    if kind == "string_too_short" or (kind == "too_short" and context["min_length"] == 1):
+        return "must not be empty"
+    if kind in ("too_short", "too_long"):
+        least, most = context.get("min_length"), context.get("max_length")
+        return f"expected {f'at least {least}' if most is None else f'at most {most}'} elements, found {len(value)}"
+    if kind == "string_pattern_mismatch":
         dashes = " . -" if ".-]" in context["pattern"] else ""
         dashes += ", and spaces within" if " .-]" in context["pattern"] else ""
-        text = f"expected a name of letters, digits and _{dashes}, found {as_written(value)}"
-    else:
-        text = f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}"
-    return source.error(key, text)
+        return f"expected a name of letters, digits and _{dashes}, found {as_written(value)}"
+    return f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}"
 
 
 def _at(source: Source, key: Key, shown: Key, text: str) -> str:

@@ -24,7 +24,9 @@ class Panel(Model):
     names: list[str] = []
     """Names of the curves in the legend; default: those of the signals."""
     lines: list[Quantity] = []
-    """Limits, drawn across."""
+    """Values that are drawn across, such as limits."""
+    lines_are: str = "limits"
+    """What `lines` are, for the legend."""
     scale: Literal["linear", "log"] = "linear"
     """The scale of the axis; a logarithmic one leaves out what is not positive."""
 

@@ -52,3 +52,10 @@ class Live(Model):
     """Start values that may be changed."""
     faults: list[LiveFault] = []
     """Faults that may be injected, besides those of the scenario, which the page can leave out."""
+
+    @model_validator(mode="after")
+    def _apart(self) -> Live:
+        names = [fault.name for fault in self.faults]
+        if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+            raise ValueError(f"faults: two have the name {twice[0]!r}; expected a name of its own for each button")
+        return self

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..errors import InputError
 from . import complaints
 from .extends import extended
 from .scenario import Scenario
@@ -22,6 +23,11 @@ def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | No
             source = source.with_value(name, value, name)
         else:
             source = source.with_start(name, value)
+    if isinstance(source.data, dict) and "scenario" in source.data and "blocks" not in source.data:
+        message = (
+            "is a campaign, which varies the scenario under 'scenario'; remedy: orchestrate campaign, or that scenario"
+        )
+        raise InputError(source.error((), message))
     loaded = complaints.checked(Scenario, source)
     loaded._source = source
     return loaded

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from .references import Reference
 from .types import Model
 
-Axes = Reference | list[Annotated[list[float], Field(min_length=3, max_length=3)]]
+
+def _direction(row: list[float]) -> list[float]:
+    if not any(row):
+        raise ValueError("expected a vector that is not zero")
+    return row
+
+
+Direction = Annotated[list[float], Field(min_length=3, max_length=3), AfterValidator(_direction)]
+Extent = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Axes = Reference | list[Direction]
 """Directions in body axes, one a row: numbers, or a parameter that holds them."""
 
 
@@ -34,8 +43,8 @@ class Arrow(Model):
 class Prism(Model):
     """The body: a regular prism. Lengths are in the units of the port, or numbers of any one unit."""
 
-    length: Reference | float = 1.0
-    width: Reference | float = 1.0
+    length: Reference | Extent = 1.0
+    width: Reference | Extent = 1.0
     """Across its flats."""
     axis: Reference | Literal["x", "y", "z"] = "x"
     """The body axis along it."""

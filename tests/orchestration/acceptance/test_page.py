@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from orchestration.acceptance import page as pages
 from orchestration.acceptance.compare import Comparison, Difference

@@ -97,3 +97,19 @@ def test_options_of_a_run_are_refused_with_a_campaign(campaign):
     told = orchestrate("validate", campaign.name, "--step", "0.1 s")
     assert told.exit_code == 2
     assert "--step: spread.yaml is a campaign" in told.stderr
+
+
+def test_a_run_of_a_campaign_is_refused_in_one_sentence(campaign):
+    told = orchestrate("run", campaign.name)
+    assert told.exit_code == 2
+    assert told.stderr.count("spread.yaml") == 1
+    assert "is a campaign, which varies the scenario under 'scenario'; remedy: orchestrate campaign" in told.stderr
+
+
+def test_what_is_wrong_with_the_controls_of_a_live_page_is_located(unrun):
+    path = unrun.with_name("page.yaml")
+    controls = "live: {sliders: [{start: motor.inertai, least: 0.1, most: 1}]}\n"
+    path.write_text(unrun.read_text("utf-8") + controls, "utf-8")
+    told = orchestrate("validate", path.name)
+    assert told.exit_code == 2
+    assert "live.sliders[1]: motor.inertai: motor has no parameter or input 'inertai'; did you mean 'inertia'" in told.stderr

@@ -15,7 +15,7 @@ from orchestration import run
 from orchestration.cli.main import main
 from orchestration.errors import InputError
 from orchestration.live.sliders import controls
-from orchestration.live.system import prepare
+from orchestration.live.system import checked, prepare
 from orchestration.runner.open import open_scenario
 from orchestration.runner.read import load
 from tests.orchestration.results.browser import Tab
@@ -171,6 +171,18 @@ def test_what_no_page_can_have_is_refused_by_name(changes, message):
         ),
         ({"start": "plant.omega_B0[1]", "least": "1 m"}, "omega_B0"),
         ({"start": "plant.omega_B0[1]", "least": 2, "most": 1}, "expected 'least' below 'most'"),
+        (
+            {"start": "plant.omega_B0", "measure": "norm"},
+            "expected zero or more, since a norm is never negative; found -",
+        ),
+        (
+            {"start": "plant.Q0", "measure": "rotation", "axis": [1, 0, 0], "most": "9000 deg"},
+            "expected angles within one turn, -360 deg to 360 deg; found -57.3 deg and 9000 deg",
+        ),
+        (
+            {"start": "plant.inclination", "least": "10 deg", "most": "20 deg"},
+            "expected the scenario's own value, 98 deg, between 10 deg and 20 deg",
+        ),
         ({"start": "plant.altitude"}, "is worked out in Python"),
         ({"start": "friction"}, "no block takes such a shared value"),
     ],
@@ -181,3 +193,19 @@ def test_a_slider_that_can_move_nothing_is_refused_where_it_stands(slider, messa
     with pytest.raises(InputError, match=message) as raised:
         controls(scenario, open_scenario(scenario).plan)
     assert "live.sliders[1]" in str(raised.value)
+
+
+def test_faults_of_a_page_are_held_against_the_blocks_with_the_sliders_where_they_stand():
+    faults = [{"name": "late", "set": "plant.rod_gain[1] = 0", "at": "20 s"}]
+    sliders = [{"start": "plant.rod", "least": 0, "most": 1}]
+    with pytest.raises(InputError) as raised:
+        checked(load(minimal(live={"faults": faults, "sliders": sliders})))
+    assert "live.faults[1]" in str(raised.value)
+    assert "20 s lies after the end of the run, 10 s" in str(raised.value)
+    assert "live.sliders[1]: plant.rod: " in str(raised.value)
+
+
+def test_two_faults_with_one_name_are_refused():
+    faults = [{"name": "dead", "set": f"plant.rod_gain[{i}] = 0", "at": "2 s"} for i in (1, 2)]
+    with pytest.raises(InputError, match="live: faults: two have the name 'dead'"):
+        load(minimal(live={"faults": faults}))

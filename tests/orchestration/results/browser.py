@@ -20,6 +20,7 @@ def executable() -> str | None:
         (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
     )
 
+
 PATIENCE = 30
 """For how long a page is waited for, s."""
 

@@ -48,6 +48,7 @@ def flown(steps: int = 200, **more: Any) -> Result:
         real("spin", "output", unit=parse_unit("N.m.s")),
         real("phase", "output", type="integer"),
         real("u", "input", variability="tunable"),
+        real("k", "parameter", variability="fixed"),
     )
     scenario: dict[str, Any] = {
         "step": 0.5,

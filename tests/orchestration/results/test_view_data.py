@@ -41,7 +41,25 @@ def test_a_scenario_without_an_attitude_has_no_view():
     [
         ({"attitude": "a.r"}, "a.r is a real [3]; expected the shape [3, 3] or the shape [4]"),
         ({"attitude": "a.q", "position": "a.rr"}, "view.position: a has no variable 'rr'"),
-        ({"attitude": "a.q", "epoch": "a.date"}, "there is no a.date; expected a parameter of a block"),
+        ({"attitude": "a.q", "epoch": "a.date"}, "there is no parameter a.date; expected a parameter of a block"),
+        ({"attitude": "a.q", "epoch": "a.k"}, "view.epoch: a.k is a real scalar; expected text"),
+        (
+            {"attitude": "a.q", "axes": {"wheel": "a.k"}},
+            "view.axes.wheel: a.k is a real scalar; expected directions, [3] or",
+        ),
+        ({"attitude": "a.q", "axes": {"wheel": [[0, 0, 0]]}}, "view.axes.wheel[1]: expected a vector that is not zero"),
+        ({"attitude": "a.q", "axes": {"wheel": [[1, 0]]}}, "view.axes.wheel[1]: expected at least 3 elements, found 2"),
+        ({"attitude": "a.q", "body": {"length": 0}}, "view.body.length: expected more than 0, found 0"),
+        (
+            {"attitude": "a.q", "body": {"length": "long"}},
+            "view.body.length: expected block.variable or a number, found 'long'",
+        ),
+        (
+            {"attitude": "a.q", "body": {"axis": "w"}},
+            "view.body.axis: expected block.variable or 'x', 'y' or 'z', found 'w'",
+        ),
+        ({"attitude": "a.q", "desired": 5}, "view.desired: expected text or 'lvlh', found 5"),
+        ({"attitude": "a.q", "estimated": "a.r"}, "view.estimated: a.r is a real [3]; expected the shape [3, 3] or"),
     ],
 )
 def test_a_view_that_does_not_fit_is_refused_before_the_run(entry, said):
