@@ -112,4 +112,7 @@ def test_what_is_wrong_with_the_controls_of_a_live_page_is_located(unrun):
     path.write_text(unrun.read_text("utf-8") + controls, "utf-8")
     told = orchestrate("validate", path.name)
     assert told.exit_code == 2
-    assert "live.sliders[1]: motor.inertai: motor has no parameter or input 'inertai'; did you mean 'inertia'" in told.stderr
+    assert (
+        "live.sliders[1]: motor.inertai: motor has no parameter or input 'inertai'; did you mean 'inertia'"
+        in told.stderr
+    )
