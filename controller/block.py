@@ -172,15 +172,19 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
 
 
 def _damping(u: Inputs, p: Parameters, no_attitude: bool) -> Outputs:
-    """tau = -L Omega with |omega(0)| = |Omega| in [10]; the error of attitude is unknown, and given as the largest."""
-    rate = so3.norm(u.omega_B)
+    """tau = -L omega with |omega(0)| = |omega| in [10]; the error of attitude is unknown, and given as the largest.
+
+    omega (3,) rad/s is the rate, less the one that is asked for where only the attitude of the reference is missing.
+    """
+    omega = u.omega_B if u.R_ref.any() else u.omega_B - u.Omega_ref
+    rate = so3.norm(omega)
     scheduled = p.gain_schedule == "error"
     l = gains.rate_scale(p.lambda0, p.c1, p.c2, rate, rate) if scheduled else p.lambda0  # noqa: E741 the paper's letter
     return Outputs(
-        tau_cmd_B=-l * (p.L0 @ u.omega_B),
+        tau_cmd_B=-l * (p.L0 @ omega),
         attitude_error=math.pi,
-        rate_error_B=u.omega_B,
-        lyapunov=law.lyapunov(p.J_B, 0.0, u.omega_B),
+        rate_error_B=omega,
+        lyapunov=law.lyapunov(p.J_B, 0.0, omega),
         gain_k=0.0,
         gain_l=l,
         no_attitude=no_attitude,

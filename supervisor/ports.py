@@ -14,6 +14,13 @@ from .so3 import Array
 SAFE, ACQUIRE, NADIR, INERTIAL, SLEW, TARGET, SUN = range(1, 8)
 """The modes, as `mode`, `destination` and `command` count them."""
 FIRST = {"nadir": NADIR, "inertial": INERTIAL, "target": TARGET, "sun": SUN}
+SAFE_POINTING = ("none", "field", "sun")
+AHEAD = 16
+"""Times at which the reference to come is given."""
+ATTITUDE_TOLERANCE = 1e-4
+"""max |R^T R - I| of R_NB and R_goal: single precision stays well below it."""
+YEARS = (1900, 2100)
+"""For which the polynomial of sidereal time holds."""
 ABSENT_MIN = 0.999e9
 """An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
 
@@ -23,6 +30,10 @@ class Parameters:
     J_B: Array
     slew_rate_max: float
     slew_torque_max: float
+    ahead_horizon: float
+    safe_pointing: str
+    safe_axis_B: Array
+    safe_time: float
     first_mode: str
     rate_acquire: float
     rate_lost: float
@@ -59,6 +70,8 @@ class Inputs:
     target_height: float
     sun_N: Array
     sunlight: float
+    b_B: Array
+    sun_B: Array
 
 
 @dataclass(frozen=True)
@@ -85,6 +98,18 @@ class State:
     slew_duration: float = 0.0
     phi0: Array = field(default_factory=lambda: np.zeros(3))
     dphi0: Array = field(default_factory=lambda: np.zeros(3))
+    field_direction: Array = field(default_factory=lambda: np.zeros(3))
+    """In the mode safe: direction of the field, in body axes; zeros while none is measured."""
+    field_rate: Array = field(default_factory=lambda: np.zeros(3))
+    """Its rate relative to N, rad/s, in body axes."""
+    towards: Array = field(default_factory=lambda: np.zeros(3))
+    """In the mode safe: the rate that is asked for, rad/s, in body axes."""
+    ahead_next: float = 0.0
+    """s, when the reference to come is given anew; 0: it is not given."""
+    t_ahead: Array = field(default_factory=lambda: np.zeros(AHEAD))
+    """s, and not from now."""
+    turn_ahead: Array = field(default_factory=lambda: np.zeros((AHEAD, 3)))
+    Omega_ahead: Array = field(default_factory=lambda: np.zeros((AHEAD, 3)))
 
 
 @dataclass(frozen=True)
@@ -92,6 +117,9 @@ class Outputs:
     R_ref: Array
     Omega_ref: Array
     dOmega_ref: Array
+    t_ahead: Array
+    turn_ahead: Array
+    Omega_ahead: Array
     mode: int
     destination: int
     slew_remaining: float
@@ -103,13 +131,19 @@ def connected(value: Array | float) -> bool:
     return not bool((np.abs(value) >= ABSENT_MIN).any())
 
 
+def require(name: str, value: Array | float, why: str) -> None:
+    """Raises ValueError where an optional input that is needed is not connected."""
+    if not connected(value):
+        raise ValueError(f"{name}: expected a value, since {why}, found 1e9 (not connected)")
+
+
 def check(p: Parameters) -> None:
     """Raises ValueError with name, value and what is expected."""
     for name in ("slew_rate_max", "slew_torque_max", "rate_acquire", "rate_lost", "settled_angle", "settled_rate"):
         _positive(name, getattr(p, name))
-    for name in ("angle_lost", "gravitational_parameter"):
+    for name in ("angle_lost", "gravitational_parameter", "safe_time"):
         _positive(name, getattr(p, name))
-    for name in ("rate_time", "settled_time", "angle_time", "attitude_time"):
+    for name in ("rate_time", "settled_time", "angle_time", "attitude_time", "ahead_horizon"):
         if not 0.0 <= (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number of at least 0, found {value!r}")
     if not math.isfinite(p.target_yaw_angle):
@@ -118,12 +152,17 @@ def check(p: Parameters) -> None:
         raise ValueError(f"first_mode: expected one of {', '.join(FIRST)}, found {p.first_mode!r}")
     if p.target_yaw not in ("steered", "free"):
         raise ValueError(f"target_yaw: expected one of steered, free, found {p.target_yaw!r}")
+    if p.safe_pointing not in SAFE_POINTING:
+        raise ValueError(f"safe_pointing: expected one of {', '.join(SAFE_POINTING)}, found {p.safe_pointing!r}")
     if not p.rate_acquire <= p.rate_lost:
         raise ValueError(f"rate_lost: expected at least rate_acquire, {p.rate_acquire!r}, found {p.rate_lost!r}")
-    if not abs(float(np.linalg.norm(p.sun_axis_B)) - 1.0) <= 1e-6:
-        raise ValueError(f"sun_axis_B: expected a vector of unit length, to 1e-06, found {p.sun_axis_B.tolist()}")
+    for name in ("sun_axis_B", "safe_axis_B"):
+        if not abs(float(np.linalg.norm(axis := getattr(p, name))) - 1.0) <= 1e-6:
+            raise ValueError(f"{name}: expected a vector of unit length, to 1e-06, found {axis.tolist()}")
     _inertia(p.J_B)
     sidereal_angle(p.epoch)
+    if not YEARS[0] <= (year := int(p.epoch[:4])) <= YEARS[1]:
+        raise ValueError(f"epoch: expected a year from {YEARS[0]} to {YEARS[1]}, found {year}")
 
 
 def _positive(name: str, value: float) -> None:

@@ -149,18 +149,20 @@ static bool latch(const ControllerLaw *law, const ControllerInputs *u, Controlle
     return true;
 }
 
-/* tau = -L Omega with |omega(0)| = |Omega| in [10]; the error of attitude is unknown, and given as the largest. */
+/* tau = -L omega with |omega(0)| = |omega| in [10]; the error of attitude is unknown, and given as the largest. omega is the
+ * rate, less the one that is asked for where only the attitude of the reference is missing. */
 static void damp(const ControllerParameters *p, const ControllerInputs *u, ControllerOutputs *y)
 {
-    const Vector Omega = vector(u->omega_B);
-    const double rate = norm(Omega);
+    const Vector wanted = is_zero_matrix(matrix(u->R_ref)) ? vector(u->Omega_ref) : zero;
+    const Vector omega = subtract(vector(u->omega_B), wanted);
+    const double rate = norm(omega);
     const bool scheduled = p->gain_schedule == CONTROLLER_GAIN_SCHEDULE_ERROR;
     y->gain_k = 0.0;
     y->gain_l = scheduled ? p->lambda0 * (p->c1 + rate) / (p->c2 + rate) : p->lambda0;
     y->attitude_error = REFERENCE_NO_ATTITUDE;
-    y->lyapunov = 0.5 * dot(Omega, apply(matrix(p->J_B), Omega));
-    store(Omega, y->rate_error_B);
-    store(scale(-y->gain_l, apply(matrix(p->L0), Omega)), y->tau_cmd_B);
+    y->lyapunov = 0.5 * dot(omega, apply(matrix(p->J_B), omega));
+    store(omega, y->rate_error_B);
+    store(scale(-y->gain_l, apply(matrix(p->L0), omega)), y->tau_cmd_B);
 }
 
 bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f)

@@ -75,8 +75,8 @@ typedef struct {
     /* m/s; frame N; Velocity of the centre of mass */
     double v_N[3];
     /* frame N from desired body; Desired attitude, orthonormal to 1e-4; with Omega_ref and dOmega_ref it
-     * takes the place of the parameter reference. A matrix of zeros: no reference now, only rates are damped;
-     * optional; 1e9 means not connected */
+     * takes the place of the parameter reference. A matrix of zeros: no reference now, only the rate follows
+     * Omega_ref; optional; 1e9 means not connected */
     double R_ref[3][3];
     /* rad/s; frame desired body; Desired body rate [3]; connect R_ref, Omega_ref and dOmega_ref, or none of
      * them; optional; 1e9 means not connected */

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "safe.h"
+
 static const double SUNLIT = 0.5;                  /* below this sunlight the satellite is in eclipse */
 static const double SUN_LOW = 0.5, SUN_HIGH = 2.0; /* lengths of what may be a unit vector */
 static const Vector BORESIGHT_B = {0.0, 0.0, 1.0}; /* the body axis that looks at a target */
@@ -13,7 +15,8 @@ double supervisor_angle_of_earth(const SupervisorLaw *law, const SupervisorState
     return law->sidereal_angle_0 + SUPERVISOR_EARTH_RATE * x->t;
 }
 
-static bool destination(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *to, Fault *f)
+bool supervisor_destination(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *to,
+                            Fault *f)
 {
     const SupervisorParameters *p = &law->p;
     const Vector r = vector(u->r_N), v = vector(u->v_N), sun = vector(u->sun_N);
@@ -41,11 +44,11 @@ bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x
                               Fault *f)
 {
     if (x->mode == SUPERVISOR_SAFE) {
-        *now = (Reference){{STILL, STILL, STILL}, STILL, STILL};
+        *now = (Reference){{STILL, STILL, STILL}, x->towards, STILL};
         return true;
     }
     Reference to;
-    if (!destination(law, x, u, &to, f)) {
+    if (!supervisor_destination(law, x, u, &to, f)) {
         return false;
     }
     *now = x->mode == SUPERVISOR_SLEW ? supervisor_slew_at(&x->slew, x->t - x->slew_start, &to) : to;
@@ -107,7 +110,7 @@ static bool turn_to(const SupervisorLaw *law, int32_t wanted, const double aim[9
         x->settled = 0.0;
         return true;
     }
-    if (!destination(law, x, u, &to, f)) {
+    if (!supervisor_destination(law, x, u, &to, f)) {
         return false;
     }
     x->mode = SUPERVISOR_SLEW;
@@ -168,15 +171,21 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
         x->fast = was.fast;
         x->blind = was.blind;
         x->mode = x->destination = SUPERVISOR_SAFE;
-        return true;
+        if (was.mode == SUPERVISOR_SAFE) {
+            x->field_direction = was.field_direction;
+            x->field_rate = was.field_rate;
+            x->towards = was.towards;
+        }
+        return supervisor_point_safe(law, u, h, x, f);
     }
     if (!aim_of(wanted, u, aim, f)) {
         return false;
     }
     if (x->mode == SUPERVISOR_SAFE) {
         if (!(known && calm && x->calm >= p->rate_time)) {
-            return true;
+            return supervisor_point_safe(law, u, h, x, f);
         }
+        x->field_direction = x->field_rate = x->towards = STILL;
         x->mode = SUPERVISOR_ACQUIRE;
         x->destination = wanted;
         memcpy(x->aim, aim, sizeof aim);
@@ -188,7 +197,7 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
     if (x->mode == SUPERVISOR_SLEW && x->t >= x->slew_start + x->slew.duration) {
         x->mode = x->destination;
     }
-    if (!destination(law, x, u, &to, f)) {
+    if (!supervisor_destination(law, x, u, &to, f)) {
         return false;
     }
     x->kept = to.R_d;

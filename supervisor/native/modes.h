@@ -7,7 +7,11 @@
 /* Of Greenwich at x->t, rad. */
 double supervisor_angle_of_earth(const SupervisorLaw *law, const SupervisorState *x);
 
-/* The reference at x->t; zeros in the mode safe. */
+/* The reference of the destination at x->t. */
+bool supervisor_destination(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *to,
+                            Fault *f);
+
+/* The reference at x->t; in the mode safe no attitude, a matrix of zeros, and the rate x->towards in body axes. */
 bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *now,
                               Fault *f);
 

@@ -1,10 +1,13 @@
 #include "supervisor.h"
 
+#include "ahead.h"
 #include "modes.h"
 
 #include <string.h>
 
-static const double HALF_PI = 1.57079632679489661923; /* rad */
+static const double HALF_PI = 1.57079632679489661923, TWO_PI = 6.28318530717958647692; /* rad */
+static const double HEIGHT_MIN = -12e3, HEIGHT_MAX = 1e6;                              /* m */
+enum { YEAR_MIN = 1900, YEAR_MAX = 2100 };                                             /* for which sidereal time is a cubic */
 
 bool supervisor_check(const SupervisorParameters *p, Fault *f)
 {
@@ -13,11 +16,13 @@ bool supervisor_check(const SupervisorParameters *p, Fault *f)
         {"rate_acquire", p->rate_acquire},   {"rate_lost", p->rate_lost},
         {"settled_angle", p->settled_angle}, {"settled_rate", p->settled_rate},
         {"angle_lost", p->angle_lost},       {"gravitational_parameter", p->gravitational_parameter},
+        {"safe_time", p->safe_time},
     };
     const Named not_negative[] = {{"rate_time", p->rate_time},
                                   {"settled_time", p->settled_time},
                                   {"angle_time", p->angle_time},
-                                  {"attitude_time", p->attitude_time}};
+                                  {"attitude_time", p->attitude_time},
+                                  {"ahead_horizon", p->ahead_horizon}};
     const Named finite = {"target_yaw_angle", p->target_yaw_angle};
     Epoch epoch;
     if (!all_positive(positive, COUNT(positive), f) || !all_not_negative(not_negative, COUNT(not_negative), f) ||
@@ -30,13 +35,17 @@ bool supervisor_check(const SupervisorParameters *p, Fault *f)
     if (p->target_yaw < SUPERVISOR_TARGET_YAW_STEERED || p->target_yaw > SUPERVISOR_TARGET_YAW_FREE) {
         return fault(f, "target_yaw", p->target_yaw, "1 (steered) or 2 (free)");
     }
+    if (p->safe_pointing < SUPERVISOR_SAFE_POINTING_NONE || p->safe_pointing > SUPERVISOR_SAFE_POINTING_SUN) {
+        return fault(f, "safe_pointing", p->safe_pointing, "1 (none), 2 (field) or 3 (sun)");
+    }
     if (!(p->rate_acquire <= p->rate_lost)) {
         return fault(f, "rate_lost", p->rate_lost, "at least rate_acquire");
     }
-    if (!(fabs(norm(vector(p->sun_axis_B)) - 1.0) <= 1e-6)) {
-        return fault(f, "sun_axis_B", norm(vector(p->sun_axis_B)), "a vector of unit length, to 1e-06");
+    if (!is_unit_vector(vector(p->sun_axis_B), "sun_axis_B", f) || !is_unit_vector(vector(p->safe_axis_B), "safe_axis_B", f) ||
+        !is_inertia(matrix(p->J_B), "J_B", f) || !is_epoch(p->epoch, &epoch, f)) {
+        return false;
     }
-    return is_inertia(matrix(p->J_B), "J_B", f) && is_epoch(p->epoch, &epoch, f);
+    return (epoch.year >= YEAR_MIN && epoch.year <= YEAR_MAX) || fault(f, "epoch", epoch.year, "a year from 1900 to 2100");
 }
 
 void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law)
@@ -54,13 +63,23 @@ static bool inputs_fit(const SupervisorInputs *u, Fault *f)
                                    {"R_NB", R.c},           {"omega_B", vector(u->omega_B)},
                                    {"r_N", vector(u->r_N)}, {"v_N", vector(u->v_N)},
                                    {"R_goal", goal.a},      {"R_goal", goal.b},
-                                   {"R_goal", goal.c},      {"sun_N", vector(u->sun_N)}};
+                                   {"R_goal", goal.c},      {"sun_N", vector(u->sun_N)},
+                                   {"b_B", vector(u->b_B)}, {"sun_B", vector(u->sun_B)}};
     const Named numbers[] = {{"target_latitude", u->target_latitude},
                              {"target_longitude", u->target_longitude},
                              {"target_height", u->target_height},
                              {"sunlight", u->sunlight}};
     if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
         return false;
+    }
+    if (supervisor_has_target_latitude(u) && !(fabs(u->target_latitude) <= HALF_PI)) {
+        return fault(f, "target_latitude", u->target_latitude, "at least -pi/2 and at most pi/2");
+    }
+    if (supervisor_has_target_longitude(u) && !(fabs(u->target_longitude) <= TWO_PI)) {
+        return fault(f, "target_longitude", u->target_longitude, "at least -2 pi and at most 2 pi");
+    }
+    if (supervisor_has_target_height(u) && !(u->target_height >= HEIGHT_MIN && u->target_height <= HEIGHT_MAX)) {
+        return fault(f, "target_height", u->target_height, "at least -12e3 and at most 1e6");
     }
     if (u->command == SUPERVISOR_ACQUIRE || u->command == SUPERVISOR_SLEW || u->command > SUPERVISOR_SUN) {
         return fault(f, "command", u->command, "0 (none), 1 (safe), 3 (nadir), 4 (inertial), 6 (target) or 7 (sun)");
@@ -78,6 +97,11 @@ bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, cons
     store_matrix(now.R_d, y->R_ref);
     store(now.Omega_d, y->Omega_ref);
     store(now.dOmega_d, y->dOmega_ref);
+    for (int k = 0; k < SUPERVISOR_AHEAD; ++k) {
+        y->t_ahead[k] = x->ahead.next > 0.0 ? x->ahead.t[k] - x->t : 0.0;
+        store(x->ahead.turn[k], y->turn_ahead[k]);
+        store(x->ahead.Omega[k], y->Omega_ahead[k]);
+    }
     y->mode = x->mode;
     y->destination = x->destination;
     y->slew_remaining = x->mode == SUPERVISOR_SLEW ? larger(x->slew_start + x->slew.duration - x->t, 0.0) : 0.0;
@@ -94,14 +118,21 @@ bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, Super
 {
     memset(x, 0, sizeof *x);
     x->mode = x->destination = SUPERVISOR_SAFE;
-    return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f);
+    return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f) && supervisor_look_ahead(law, u, x, f);
 }
 
 bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h, SupervisorOutputs *y,
                      Fault *f)
 {
     SupervisorState next = *x;
-    if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, &next, f) || !supervisor_outputs(law, &next, u, y, f)) {
+    if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, &next, f)) {
+        return false;
+    }
+    const bool other = next.mode != x->mode || next.destination != x->destination || next.slew_start != x->slew_start;
+    if ((other || next.t >= next.ahead.next) && !supervisor_look_ahead(law, u, &next, f)) {
+        return false;
+    }
+    if (!supervisor_outputs(law, &next, u, y, f)) {
         return false;
     }
     *x = next;

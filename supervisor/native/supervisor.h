@@ -20,6 +20,15 @@ enum {
     SUPERVISOR_SUN = 7
 };
 
+enum { SUPERVISOR_AHEAD = 16 }; /* times at which the reference to come is given */
+
+/* The reference to come: times, s, ascending; attitudes, each by its rotation vector, N from desired body; rates. */
+typedef struct {
+    double next; /* s, when it is given anew; 0: it is not given */
+    double t[SUPERVISOR_AHEAD];
+    Vector turn[SUPERVISOR_AHEAD], Omega[SUPERVISOR_AHEAD];
+} SupervisorAhead;
+
 typedef struct {
     double t; /* s */
     int32_t mode;
@@ -31,6 +40,10 @@ typedef struct {
     double settled, off; /* s for which the errors have been small in acquisition, and the attitude's too large elsewhere */
     double slew_start;   /* s */
     Slew slew;
+    Vector field_direction,
+        field_rate; /* in the mode safe: direction of the field and its rate relative to N, rad/s, body axes */
+    Vector towards; /* in the mode safe: the rate that is asked for, rad/s, body axes */
+    SupervisorAhead ahead;
 } SupervisorState;
 
 /* Parameters and what follows from them alone. */

@@ -35,7 +35,10 @@ def test_the_values_of_lvlh_by_the_ports_give_what_the_parameter_gives() -> None
         np.testing.assert_array_equal(getattr(of_ports, name), value)
 
 
-@pytest.mark.parametrize("missing", [{"R_NB": ZEROS}, {"R_ref": ZEROS}, {"R_NB": ZEROS, "R_ref": ZEROS}])
+AT_REST = {"R_ref": ZEROS, "Omega_ref": np.zeros(3)}
+
+
+@pytest.mark.parametrize("missing", [{"R_NB": ZEROS}, AT_REST, {"R_NB": ZEROS, **AT_REST}])
 @pytest.mark.parametrize("schedule", ["error", "constant"])
 def test_without_attitude_or_reference_the_law_takes_exactly_the_energy_of_its_damping(missing, schedule) -> None:
     """A free body under tau: dV/dt = -Omega.L Omega with V its kinetic energy, by differences of Euler's equation."""
@@ -53,6 +56,19 @@ def test_without_attitude_or_reference_the_law_takes_exactly_the_energy_of_its_d
         assert y.lyapunov == pytest.approx(0.5 * Omega @ loop.J @ Omega)
         assert (y.gain_k, y.attitude_error) == (0.0, math.pi)
         assert y.no_attitude == ("R_NB" in missing)
+
+
+@pytest.mark.parametrize("R_NB", [ZEROS, R_NB])
+def test_where_only_the_attitude_of_the_reference_is_missing_its_rate_is_followed_in_body_axes(R_NB) -> None:
+    """tau = -L (Omega - Omega_ref); its rate is not used where the reference has an attitude and the satellite none."""
+    p = parameters("controller", gain_schedule="constant")
+    Omega = np.array([0.03, -0.01, 0.02])
+    u = inputs("controller", **{**GIVEN, "R_NB": R_NB, "R_ref": ZEROS, "omega_B": Omega})
+    y = controller.outputs(controller.start(p, u), u, p)
+    np.testing.assert_allclose(y.tau_cmd_B, -p.lambda0 * p.L0 @ (Omega - GIVEN["Omega_ref"]), rtol=1e-14)
+    np.testing.assert_array_equal(y.rate_error_B, Omega - GIVEN["Omega_ref"])
+    at_rest = inputs("controller", **{**GIVEN, "R_NB": ZEROS, "omega_B": Omega})
+    np.testing.assert_array_equal(controller.outputs(controller.start(p, at_rest), at_rest, p).rate_error_B, Omega)
 
 
 def test_a_time_without_reference_begins_the_gain_schedule_anew_and_a_jump_does_not() -> None:

@@ -107,6 +107,9 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "R_ref": Rotation.random(random_state=rng).as_matrix() * (kind not in (1, 2)),  # without one rates are damped
         "Omega_ref": 1e-2 * rng.normal(size=3),
         "dOmega_ref": 1e-4 * rng.normal(size=3),
+        "t_ahead": np.linspace(50.0, 800.0, 16),
+        "turn_ahead": np.outer(np.linspace(0.1, 1.0, 16), [0.3, -0.2, 0.1]),
+        "Omega_ahead": np.full((16, 3), 1e-3),
         "attitude_valid": True,
         "command": (0, 3, 4, 6, 7)[kind % 5],
         "R_goal": Rotation.random(random_state=rng).as_matrix(),
@@ -114,6 +117,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "target_longitude": rng.uniform(-3.0, 3.0),
         "target_height": rng.uniform(0.0, 1e3),
         "sun_N": [0.6, -0.48, 0.64],
+        "sun_B": [0.3, -0.5, 0.8],
         "sunlight": 1.0,
     }
     needed: dict[str, Any] = {}
@@ -129,8 +133,9 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
         if kind >> bit & 1 and interface.name != "supervisor":  # whose modes need their set-points
             del given[name]
-    for group in (("R_d", "Omega_d"), ("R_ref", "Omega_ref", "dOmega_ref")):
-        if not all(name in given for name in group):
+    reference, ahead = ("R_ref", "Omega_ref", "dOmega_ref"), ("t_ahead", "turn_ahead", "Omega_ahead")
+    for group, needs in ((("R_d", "Omega_d"),) * 2, (reference,) * 2, (ahead, (*reference, *ahead))):
+        if not all(name in given for name in needs):
             given = {name: value for name, value in given.items() if name not in group}
     return given | needed
 

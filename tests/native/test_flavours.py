@@ -320,6 +320,8 @@ def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
         "R_goal": goal,
         "sun_N": _unit(rng),
         "sunlight": float(rng.integers(2)),
+        "b_B": rng.normal(scale=2e-5, size=3) * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
+        "sun_B": rng.normal(size=3) * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
     }
     u = inputs(
         "supervisor",
@@ -347,6 +349,10 @@ def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
         target_yaw=str(rng.choice(["steered", "free"])),
         target_yaw_angle=rng.uniform(-3.0, 3.0),
         sun_axis_B=_unit(rng),
+        safe_pointing=str(rng.choice(["none", "field", "sun"])),
+        safe_axis_B=_unit(rng),
+        safe_time=rng.choice([1.0, 100.0]),
+        ahead_horizon=rng.choice([0.0, 100.0, 1500.0]),
     )
     return p, u
 
@@ -467,6 +473,13 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"J_B": np.diag([1.0, 1.0, 2.1])},
             {"rate_lost": 1e-3},
             {"sun_axis_B": [1.0, 1.0, 0.0]},
+            {"safe_axis_B": [1.0, 1.0, 0.0]},
+            {"b_B": [1e9, 1e9, 1e9], "safe_pointing": "field"},
+            {"sun_B": [1e9, 1e9, 1e9], "safe_pointing": "sun"},
+            {"target_latitude": 1.6},
+            {"target_longitude": -6.3},
+            {"target_height": 2e6},
+            {"epoch": "1899-12-31T00:00:00Z"},
             {"epoch": "tomorrow"},
             {"command": 5},
             {"R_NB": np.diag([1.0, 1.0, 1.001])},

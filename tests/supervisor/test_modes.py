@@ -15,7 +15,7 @@ from supervisor.ports import ACQUIRE, INERTIAL, NADIR, SAFE, SLEW, SUN, TARGET
 from tests.blocks import inputs, parameters
 
 H = 1.0
-TIMES = {"rate_time": 5.0, "settled_time": 4.0, "angle_time": 3.0, "attitude_time": 6.0}
+TIMES = {"rate_time": 5.0, "settled_time": 4.0, "angle_time": 3.0, "attitude_time": 6.0, "ahead_horizon": 0.0}
 GIVEN = {
     "target_latitude": 0.1,
     "target_longitude": 0.5,

@@ -24,28 +24,29 @@ static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector 
     return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));
 }
 
-/* Dipoles Omega x B L/|B|^2, which give -L Omega across the field, by their parts along the rods, each within its limit: no
- * rod gives energy to the satellite. */
-static void damping_rods(const Model *model, double L, Vector Omega, Vector B_B, double controls[CONTROLS])
+/* Dipoles omega x B L/|B|^2, which give -L omega across the field, by their parts along the rods, each within its limit: no
+ * rod gives energy to the motion omega. */
+static void damping_rods(const Model *model, double L, Vector omega, Vector B_B, double controls[CONTROLS])
 {
     const double square = dot(B_B, B_B);
-    const Vector m = square > 0.0 ? scale(L / square, cross(Omega, B_B)) : (Vector){0.0, 0.0, 0.0};
+    const Vector m = square > 0.0 ? scale(L / square, cross(omega, B_B)) : (Vector){0.0, 0.0, 0.0};
     for (int i = 0; i < 3; ++i) {
         controls[i] = clip(dot(model->rods[i], m) / larger(dot(model->rods[i], model->rods[i]), TINY), -1.0, 1.0);
     }
 }
 
-void controller_planned_damp(const ControllerPlannedLaw *law, const Model *model, Vector Omega, double l, Vector B_B,
-                             double controls[CONTROLS], ControllerPlannedOutputs *y)
+void controller_planned_damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model,
+                             Vector Omega, double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Matrix L = model->scales.L;
-    damping_rods(model, (L.a.x + L.b.y + L.c.z) / 3.0, Omega, B_B, controls);
+    const Vector omega = is_zero_matrix(matrix(u->R_ref)) ? subtract(Omega, vector(u->Omega_ref)) : Omega;
+    damping_rods(model, (L.a.x + L.b.y + L.c.z) / 3.0, omega, B_B, controls);
     store(torque_of_rods(model, Omega, l, B_B, controls), y->tau_cmd_B);
     store((Vector){0.0, 0.0, 0.0}, y->dOmega_d);
     y->attitude_error = REFERENCE_NO_ATTITUDE;
-    store(Omega, y->rate_error_B);
-    y->lyapunov = 0.5 * dot(Omega, apply(model->J, Omega));
+    store(omega, y->rate_error_B);
+    y->lyapunov = 0.5 * dot(omega, apply(model->J, omega));
     y->phase = PHASE_DAMPING;
     store_controls(p, controls, y);
 }
@@ -96,7 +97,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     const Vector B_B = has_field(u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);
     store_estimates(x, &model, now, y);
     if (x->phase == PHASE_DAMPING) {
-        controller_planned_damp(law, &model, now->Omega, now->l, B_B, controls, y);
+        controller_planned_damp(law, u, &model, now->Omega, now->l, B_B, controls, y);
         return;
     }
 

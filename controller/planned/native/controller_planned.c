@@ -17,6 +17,33 @@ static bool no_attitude(const ControllerPlannedState *x, const ControllerPlanned
     return is_zero_matrix(matrix(u->R_NB)) && (!x->flown || controller_planned_has_R_ref(u));
 }
 
+/* Whether the reference to come has numbers and is given in full, or not at all. */
+static bool ahead_fits(const ControllerPlannedInputs *u, Fault *f)
+{
+    static const char *const all =
+        "to be connected: connect t_ahead, turn_ahead and Omega_ahead with R_ref, or none of the three";
+    const bool times = controller_planned_has_t_ahead(u), turns = controller_planned_has_turn_ahead(u);
+    for (int k = 0; k < AHEAD_TIMES; ++k) {
+        const NamedVector given[] = {{"t_ahead", {u->t_ahead[k], 0.0, 0.0}},
+                                     {"turn_ahead", vector(u->turn_ahead[k])},
+                                     {"Omega_ahead", vector(u->Omega_ahead[k])}};
+        if (!all_finite_vectors(given, COUNT(given), f)) {
+            return false;
+        }
+        if (times && k > 0 && u->t_ahead[k] != 0.0 && !(u->t_ahead[k] > u->t_ahead[k - 1])) {
+            return fault(f, "t_ahead", u->t_ahead[k], "ascending times, zeros at the end where there are fewer");
+        }
+    }
+    if (times != turns || turns != controller_planned_has_Omega_ahead(u) || (times && !controller_planned_has_R_ref(u))) {
+        const char *missing = !times                            ? "t_ahead"
+                              : !turns                          ? "turn_ahead"
+                              : controller_planned_has_R_ref(u) ? "Omega_ahead"
+                                                                : "R_ref";
+        return fault(f, missing, CONTROLLER_PLANNED_ABSENT_MIN, all);
+    }
+    return true;
+}
+
 static bool inputs_finite(const ControllerPlannedInputs *u, Fault *f)
 {
     const NamedVector inputs[] = {{"omega_B", vector(u->omega_B)},
@@ -39,6 +66,9 @@ static bool inputs_finite(const ControllerPlannedInputs *u, Fault *f)
                                : "dOmega_ref",
                      CONTROLLER_PLANNED_ABSENT_MIN,
                      "to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them");
+    }
+    if (!ahead_fits(u, f)) {
+        return false;
     }
     if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > FIELD_MAX) {
         return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
@@ -115,7 +145,7 @@ static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law
     const Model model = controller_planned_nominal(law, &scales);
     const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
     double controls[CONTROLS];
-    controller_planned_damp(law, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
+    controller_planned_damp(law, u, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
     store_matrix(I, y.R_d);
     store_matrix(matrix(law->p.J_B), y.J_estimate_B);
     return y;

@@ -59,29 +59,41 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
 
 static const double STILL = 5e-5; /* rad/s relative to LVLH, below which a reference keeps its attitude to it */
 
-/* Of a reference that is given for now only, what comes after: it keeps its attitude to LVLH where it has next to no rate
+/* Of a given reference, what is known of it, and what comes after: it keeps its attitude to LVLH where it has next to no rate
  * relative to it, else its body rate. */
-static void extrapolate(const ControllerPlannedInputs *u, Ahead *ahead)
+static void extrapolate(const ControllerPlannedInputs *u, double period, Ahead *ahead)
 {
-    const Matrix R = matrix(u->R_ref);
-    const Vector Omega = vector(u->Omega_ref);
-    if (is_zero_matrix(R)) {
+    Knot last = {ahead->orbit.t, {matrix(u->R_ref), vector(u->Omega_ref)}};
+    if (is_zero_matrix(last.target.R)) {
         ahead->target_kind = ONBOARD_TARGET_NONE;
         return;
     }
-    const Target lvlh = controller_planned_lvlh(ahead->orbit.r, ahead->orbit.v);
-    const Matrix Q = multiply(transposed(lvlh.R), R);
-    const bool still = norm(subtract(Omega, apply_transposed(Q, lvlh.Omega))) < STILL;
+    Vector r = ahead->orbit.r, v = ahead->orbit.v;
+    ahead->knot[0] = last;
+    for (int k = 0; controller_planned_has_t_ahead(u) && k < AHEAD_TIMES; ++k) {
+        const double t = ahead->orbit.t + u->t_ahead[k];
+        if (t > last.t + period) {
+            last = (Knot){t, {rotation_exp(vector(u->turn_ahead[k])), vector(u->Omega_ahead[k])}};
+            ahead->knot[++ahead->knots] = last;
+        }
+    }
+    if (ahead->knots > 0) {
+        two_body_at(&ahead->orbit, last.t, &r, &v);
+    }
+    const Target lvlh = controller_planned_lvlh(r, v);
+    const Matrix Q = multiply(transposed(lvlh.R), last.target.R);
+    const bool still = norm(subtract(last.target.Omega, apply_transposed(Q, lvlh.Omega))) < STILL;
     ahead->target_kind = still ? ONBOARD_TARGET_WITH_LVLH : ONBOARD_TARGET_TURNING;
-    ahead->R_d0 = still ? Q : R;
-    ahead->Omega_d0 = Omega;
-    ahead->dOmega_d0 = vector(u->dOmega_ref);
+    ahead->R_d0 = still ? Q : last.target.R;
+    ahead->Omega_d0 = last.target.Omega;
+    ahead->dOmega_d0 = ahead->knots > 0 ? (Vector){0.0, 0.0, 0.0} : vector(u->dOmega_ref);
+    ahead->given_t = last.t;
 }
 
 Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                   const ControllerPlannedInputs *u)
 {
-    const OnboardOrbit orbit = {x->t, law->p.gravitational_parameter, vector(u->r_N), vector(u->v_N)};
+    const TwoBody orbit = {x->t, law->p.gravitational_parameter, vector(u->r_N), vector(u->v_N)};
     Ahead ahead = {.field = &law->field,
                    .orbit = orbit,
                    .bias_N = x->field_bias_N,
@@ -89,7 +101,7 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
                    .target_kind = law->p.reference,
                    .R_d0 = law->R_d0};
     if (controller_planned_has_R_ref(u)) {
-        extrapolate(u, &ahead);
+        extrapolate(u, law->p.control_period, &ahead);
     }
     return ahead;
 }

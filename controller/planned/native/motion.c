@@ -1,5 +1,7 @@
 #include "motion.h"
 
+#include "jacobian.h"
+
 #include <string.h>
 
 static const double BIAS_FADES = 600.0;   /* s, over which the measured bias of the field loses its say */
@@ -8,25 +10,47 @@ static const double CHANGE_LASTS = 200.0; /* s, for which a given rate goes on c
 Around controller_planned_around_at(const Ahead *ahead, double t)
 {
     Vector r_N, v_N;
-    controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
+    two_body_at(&ahead->orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
     const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
     return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
                     ahead->orbit.mu / (r * r * r)};
 }
 
+/* A motion through two targets with their rates: exp(turn^) from the first, turn a cubic of time. */
+static Target between(const Knot *from, const Knot *to, double t)
+{
+    const double h = to->t - from->t, x = (t - from->t) / h;
+    const Vector whole = rotation_log(multiply(transposed(from->target.R), to->target.R));
+    const RightJacobian end = right_jacobian_of(norm(whole));
+    const Vector first = scale(h, from->target.Omega), last = scale(h, right_jacobian_solve(&end, whole, to->target.Omega));
+    const Vector turn = add(add(scale(x * (1.0 + x * (x - 2.0)), first), scale(x * x * (3.0 - 2.0 * x), whole)),
+                            scale(x * x * (x - 1.0), last));
+    const Vector change =
+        add(add(scale(1.0 + x * (3.0 * x - 4.0), first), scale(6.0 * x * (1.0 - x), whole)), scale(x * (3.0 * x - 2.0), last));
+    const RightJacobian now = right_jacobian_of(norm(turn));
+    return (Target){multiply(from->target.R, rotation_exp(turn)), scale(1.0 / h, right_jacobian(&now, turn, change))};
+}
+
 Target controller_planned_target_at(const Ahead *ahead, double t)
 {
+    if (ahead->knots > 0 && t < ahead->given_t) {
+        int i = 0;
+        while (t >= ahead->knot[i + 1].t) {
+            ++i;
+        }
+        return between(&ahead->knot[i], &ahead->knot[i + 1], t);
+    }
     if (ahead->target_kind == ONBOARD_TARGET_INERTIAL) {
         return (Target){ahead->R_d0, {0.0, 0.0, 0.0}};
     }
     if (ahead->target_kind == ONBOARD_TARGET_TURNING) {
-        const double s = t - ahead->orbit.t, with_change = clip(s, 0.0, CHANGE_LASTS);
+        const double s = t - ahead->given_t, with_change = clip(s, 0.0, CHANGE_LASTS);
         const Vector turn = add(scale(s, ahead->Omega_d0), scale(with_change * (s - 0.5 * with_change), ahead->dOmega_d0));
         return (Target){multiply(ahead->R_d0, rotation_exp(turn)), add(ahead->Omega_d0, scale(with_change, ahead->dOmega_d0))};
     }
     Vector r_N, v_N;
-    controller_planned_onboard_orbit_at(&ahead->orbit, t, &r_N, &v_N);
+    two_body_at(&ahead->orbit, t, &r_N, &v_N);
     const Target lvlh = controller_planned_lvlh(r_N, v_N);
     if (ahead->target_kind == ONBOARD_TARGET_WITH_LVLH) {
         return (Target){multiply(lvlh.R, ahead->R_d0), apply_transposed(ahead->R_d0, lvlh.Omega)};

@@ -33,16 +33,27 @@ typedef struct {
     double rate_squared; /* mu/r^3, 1/s^2 */
 } Around;
 
+enum { AHEAD_TIMES = 16 }; /* at which a given target may be known */
+
+/* A target that is given for a time, s. */
+typedef struct {
+    double t;
+    Target target;
+} Knot;
+
 /* Where the plan's environment comes from. */
 typedef struct {
     const OnboardField *field;
-    OnboardOrbit orbit;
+    TwoBody orbit;
     Vector bias_N; /* T, added to the field, fading over BIAS_FADES */
     double bias_t; /* when it was measured, s */
     int target_kind;
-    Matrix R_d0;     /* at rest; or relative to LVLH; or at orbit.t, turning with Omega_d0 */
+    int knots; /* after knot[0], which is now; 0: the target is known for now only */
+    Knot knot[AHEAD_TIMES + 1];
+    Matrix R_d0;     /* at rest; or, from given_t on, relative to LVLH or turning with Omega_d0 */
     Vector Omega_d0; /* rad/s, and its derivative, rad/s2 */
     Vector dOmega_d0;
+    double given_t; /* s, until which the target is known */
 } Ahead;
 
 typedef double Square[ERRORS][ERRORS];

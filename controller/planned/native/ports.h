@@ -104,14 +104,23 @@ typedef struct {
      * what the controller asked for; optional; 1e9 means not connected */
     double u_applied[4];
     /* frame N from desired body; Target attitude, orthonormal to 1e-4; with Omega_ref and dOmega_ref it takes
-     * the place of the parameter reference. A matrix of zeros: no reference now, only rates are damped;
-     * optional; 1e9 means not connected */
+     * the place of the parameter reference. A matrix of zeros: no reference now, only the rate follows
+     * Omega_ref; optional; 1e9 means not connected */
     double R_ref[3][3];
     /* rad/s; frame desired body; Body rate of the target; connect R_ref, Omega_ref and dOmega_ref, or none of
      * them; optional; 1e9 means not connected */
     double Omega_ref[3];
     /* rad/s2; frame desired body; Time derivative of Omega_ref; optional; 1e9 means not connected */
     double dOmega_ref[3];
+    /* s; Times from now at which the target to come is known, ascending, zeros at the end where there are
+     * fewer; with turn_ahead and Omega_ahead. All zeros: it is not known; optional; 1e9 means not connected
+     * */
+    double t_ahead[16];
+    /* rad; frame N; Target attitude at these times, each as the rotation vector φ of exp(φ^), N from desired
+     * body; optional; 1e9 means not connected */
+    double turn_ahead[16][3];
+    /* rad/s; frame desired body; Body rate of the target at these times; optional; 1e9 means not connected */
+    double Omega_ahead[16][3];
 } ControllerPlannedInputs;
 
 typedef struct {
@@ -207,6 +216,130 @@ static inline bool controller_planned_has_dOmega_ref(const ControllerPlannedInpu
     return !(fabs(u->dOmega_ref[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
              fabs(u->dOmega_ref[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
              fabs(u->dOmega_ref[2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_t_ahead(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->t_ahead[0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[3]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[4]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[5]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[6]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[7]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[8]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[9]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[10]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[11]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[12]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[13]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[14]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->t_ahead[15]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_turn_ahead(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->turn_ahead[0][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[0][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[0][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[1][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[1][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[1][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[2][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[2][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[2][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[3][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[3][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[3][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[4][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[4][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[4][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[5][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[5][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[5][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[6][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[6][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[6][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[7][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[7][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[7][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[8][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[8][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[8][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[9][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[9][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[9][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[10][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[10][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[10][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[11][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[11][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[11][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[12][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[12][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[12][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[13][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[13][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[13][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[14][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[14][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[14][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[15][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[15][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->turn_ahead[15][2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
+}
+
+static inline bool controller_planned_has_Omega_ahead(const ControllerPlannedInputs *u)
+{
+    return !(fabs(u->Omega_ahead[0][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[0][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[0][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[1][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[1][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[1][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[2][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[2][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[2][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[3][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[3][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[3][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[4][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[4][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[4][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[5][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[5][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[5][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[6][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[6][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[6][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[7][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[7][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[7][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[8][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[8][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[8][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[9][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[9][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[9][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[10][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[10][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[10][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[11][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[11][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[11][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[12][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[12][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[12][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[13][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[13][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[13][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[14][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[14][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[14][2]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[15][0]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[15][1]) >= CONTROLLER_PLANNED_ABSENT_MIN ||
+             fabs(u->Omega_ahead[15][2]) >= CONTROLLER_PLANNED_ABSENT_MIN);
 }
 
 #endif

@@ -86,9 +86,10 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first);
 
-/* The outputs where rates are damped alone, of the rate Omega, the wheel's momentum l and the field B_B, zero where unknown. */
-void controller_planned_damp(const ControllerPlannedLaw *law, const Model *model, Vector Omega, double l, Vector B_B,
-                             double controls[CONTROLS], ControllerPlannedOutputs *y);
+/* The outputs where there is no attitude to plan with, of the rate Omega, the wheel's momentum l and the field B_B, zero where
+ * unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. */
+void controller_planned_damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model,
+                             Vector Omega, double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y);
 
 /* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls` are those of
  * the feed-forward. */

@@ -227,6 +227,14 @@ def lvlh(r: Array, v: Array) -> tuple[Array, Array]:
     return R(), w()
 
 
+def targets_ahead(inputs: list[Array], times: Array) -> tuple[Array, Array]:
+    """R_d (n, 3, 3) and Omega_d (n, 3) at `times`, from r, v, R_ref, Omega_ref, dOmega_ref, t_ahead, turn_ahead, Omega_ahead at 0."""
+    (a, R), (b, w) = _room(len(times), 3, 3), _room(len(times), 3)
+    given = np.concatenate([np.ravel(value) for value in inputs])
+    library().probe_target_ahead(_doubles(given), len(times), _doubles(times), a, b)
+    return R(), w()
+
+
 def box_qp(H: Array, g: Array, low: Array, high: Array, start: Array, passes: int = 12) -> tuple[Array, Array]:
     """Solutions (n, 4) and which variables are free (n, 4) of n problems."""
     n = len(H)

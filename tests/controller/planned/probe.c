@@ -36,6 +36,7 @@ PROBE double probe_sidereal(double days);
 PROBE void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6]);
 PROBE void probe_log(int n, const double *R, double *zeta);
 PROBE void probe_target(const double r[3], const double v[3], double R[9], double Omega[3]);
+PROBE void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega);
 PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
                         unsigned char *free);
 PROBE void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3]);
@@ -121,8 +122,13 @@ static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
 {
     const double none[3] = {0.0, 0.0, 0.0};
     onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
-    const OnboardOrbit orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
-    return (Ahead){field, orbit, vector(f->bias_N), f->bias_t, f->target, matrix(f->R_d0), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    const TwoBody orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
+    return (Ahead){.field = field,
+                   .orbit = orbit,
+                   .bias_N = vector(f->bias_N),
+                   .bias_t = f->bias_t,
+                   .target_kind = f->target,
+                   .R_d0 = matrix(f->R_d0)};
 }
 
 int probe_days(const char *text, double *days)
@@ -157,9 +163,9 @@ double probe_sidereal(double days)
 
 void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6])
 {
-    const OnboardOrbit orbit = {5.0, mu, vector(r), vector(v)};
+    const TwoBody orbit = {5.0, mu, vector(r), vector(v)};
     Vector r_N, v_N;
-    controller_planned_onboard_orbit_at(&orbit, 5.0 + dt, &r_N, &v_N);
+    two_body_at(&orbit, 5.0 + dt, &r_N, &v_N);
     store(r_N, out);
     store(v_N, out + 3);
 }
@@ -176,6 +182,29 @@ void probe_target(const double r[3], const double v[3], double R[9], double Omeg
     const Target target = controller_planned_lvlh(vector(r), vector(v));
     nine_of(target.R, R);
     store(target.Omega, Omega);
+}
+
+/* The target at each time of n, where r, v, a reference and the reference to come are given at 0. */
+void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega)
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState x;
+    ControllerPlannedInputs u;
+    law.p.control_period = 0.5;
+    law.p.gravitational_parameter = 3.986004418e14;
+    memset(&u, 0, sizeof u);
+    double *const fields[] = {u.r_N,        u.v_N,     u.R_ref[0],      u.Omega_ref,
+                              u.dOmega_ref, u.t_ahead, u.turn_ahead[0], u.Omega_ahead[0]};
+    const size_t sizes[] = {3, 3, 9, 3, 3, AHEAD_TIMES, 3 * AHEAD_TIMES, 3 * AHEAD_TIMES};
+    for (int i = 0; i < 8; inputs += sizes[i], ++i) {
+        memcpy(fields[i], inputs, sizes[i] * sizeof *inputs);
+    }
+    const Ahead ahead = controller_planned_ahead_of(&law, &x, &u);
+    for (int i = 0; i < n; ++i) {
+        const Target target = controller_planned_target_at(&ahead, t[i]);
+        nine_of(target.R, R + 9 * i);
+        store(target.Omega, Omega + 3 * i);
+    }
 }
 
 void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.native.driver import Refused
+
 from . import core
 from .test_block import AS_MEASURED, SEARCHED, J, alike, lvlh, near_target, orbit, run, started, tumbling
 
@@ -23,6 +25,7 @@ def with_reference(inputs, R_ref, Omega_ref):
     return lambda t: {**inputs(t), "R_ref": R_ref(t), "Omega_ref": Omega_ref(t), "dOmega_ref": np.zeros(3)}
 
 
+follow_rate = with_reference(tumbling, lambda t: ZEROS, lambda t: np.array([2e-3, -3e-3, 1e-3]))
 no_reference = with_reference(tumbling, lambda t: ZEROS, lambda t: np.zeros(3))
 to_lvlh = with_reference(near_target, lvlh, lambda t: [0.0, -rate_of_orbit(t), 0.0])
 held = with_reference(near_target, lambda t: INERTIAL, lambda t: np.zeros(3))
@@ -60,9 +63,9 @@ def test_without_attitude_or_reference_rods_take_energy_and_the_wheel_comes_to_r
     np.testing.assert_allclose(y["tau_cmd_B"], given, rtol=1e-12)
 
 
-@pytest.mark.parametrize("inputs", [no_reference, lost(tumbling)])
+@pytest.mark.parametrize("inputs", [no_reference, lost(tumbling), follow_rate, lost(follow_rate)])
 def test_far_from_the_rods_limits_the_rate_across_the_field_is_damped_by_L0(inputs):
-    """Three rods at right angles: m x B = -L (Omega - (Omega.b) b)."""
+    """Three rods at right angles: m x B = -L (omega - (omega.b) b), omega the rate less the one that is asked for."""
 
     def slow(t):
         return {**inputs(t), "omega_B": 0.01 * np.array(inputs(t)["omega_B"]), "h_w": 0.0}
@@ -71,8 +74,9 @@ def test_far_from_the_rods_limits_the_rate_across_the_field_is_damped_by_L0(inpu
         y = it.outputs()
     u = slow(0.0)
     b = np.array(u["b_B"]) / np.linalg.norm(u["b_B"])
-    Omega = np.array(u["omega_B"])
-    np.testing.assert_allclose(y["tau_cmd_B"], -0.02 * (Omega - (Omega @ b) * b), rtol=1e-12)
+    omega = np.array(u["omega_B"]) - u.get("Omega_ref", np.zeros(3))
+    assert np.array_equal(y["rate_error_B"], omega)
+    np.testing.assert_allclose(y["tau_cmd_B"], -0.02 * (omega - (omega @ b) * b), rtol=1e-12)
 
 
 @pytest.mark.parametrize("absent", [1e9, 0.0])
@@ -105,3 +109,77 @@ def test_an_attitude_that_is_lost_and_found_begins_all_anew():
         assert not y["no_attitude"]
         assert y["phase"] in (1, 2)
         np.testing.assert_allclose(y["J_estimate_B"], J)
+
+
+# ------------------------------------------------------------------------------------------- the reference to come
+
+AXIS = np.array([0.6, 0.0, 0.8])
+KNOTS = 1500.0 * np.arange(1, 17) * (np.arange(1, 17) + 6.0) / (16.0 * 22.0)
+
+
+def turned(t):
+    """An attitude that turns about two axes, about one of them quicker and slower, as over a station."""
+    about = Rotation.from_rotvec(2.0 * np.arctan((t - 300.0) / 150.0) * AXIS)
+    return Rotation.from_rotvec([0.0, -1e-3 * t, 0.0]) * about
+
+
+def rate(t, h=1e-3):
+    return (turned(t - h).inv() * turned(t + h)).as_rotvec() / (2 * h)
+
+
+def given(t_ahead, attitude, rates):
+    r, v = orbit(0.0)
+    first = [r, v, attitude(0.0).as_matrix(), rates(0.0), np.zeros(3)]
+    known = [(attitude(t).as_rotvec(), rates(t)) if t else (np.zeros(3), np.zeros(3)) for t in t_ahead]
+    return [*first, t_ahead, [turn for turn, _ in known], [w for _, w in known]]
+
+
+def test_between_the_times_that_are_given_the_target_follows_the_reference_to_come():
+    times = np.linspace(0.0, 900.0, 181)
+    R, Omega = core.targets_ahead(given(KNOTS, turned, rate), times)
+    away = [(turned(t).inv() * Rotation.from_matrix(a)).magnitude() for t, a in zip(times, R, strict=True)]
+    assert np.degrees(max(away)) < 0.12
+    assert np.degrees(np.abs(Omega - [rate(t) for t in times]).max()) < 5e-3
+    at_knots, _ = core.targets_ahead(given(KNOTS, turned, rate), KNOTS)
+    for t, a in zip(KNOTS, at_knots, strict=True):
+        np.testing.assert_allclose(a, turned(t).as_matrix(), atol=1e-12)
+
+
+def test_the_rate_of_the_target_is_that_of_its_attitude():
+    times = np.linspace(5.0, 1400.0, 40)
+    h = 0.01
+    R, Omega = core.targets_ahead(given(KNOTS, turned, rate), np.concatenate((times - h, times, times + h)))
+    before, after = Rotation.from_matrix(R[:40]), Rotation.from_matrix(R[80:])
+    np.testing.assert_allclose(Omega[40:80], (before.inv() * after).as_rotvec() / (2 * h), atol=1e-8)
+
+
+def test_behind_the_last_time_the_target_keeps_its_body_rate_or_stays_with_lvlh():
+    """With fewer times than there is room for: zeros at the end."""
+    few = np.where(KNOTS < 400.0, KNOTS, 0.0)
+    last = few.max()
+    R, Omega = core.targets_ahead(given(few, turned, rate), np.array([last, 700.0]))
+    np.testing.assert_allclose(Omega, [rate(last)] * 2, atol=1e-9)
+    kept = turned(last) * Rotation.from_rotvec((700.0 - last) * rate(last))
+    np.testing.assert_allclose(R[1], kept.as_matrix(), atol=1e-6)
+
+    def nadir(t):
+        return Rotation.from_matrix(lvlh(t))
+
+    known = given(few, nadir, lambda t: np.array([0.0, -rate_of_orbit(t), 0.0]))
+    R, _ = core.targets_ahead(known, np.array([1400.0]))
+    np.testing.assert_allclose(R[0], lvlh(1400.0), atol=1e-9)
+
+
+AHEAD = {"t_ahead": KNOTS, "turn_ahead": np.zeros((16, 3)), "Omega_ahead": np.zeros((16, 3))}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"turn_ahead": np.full((16, 3), 1e9)}, "turn_ahead: expected to be connected: connect t_ahead, turn_ahead and Omega_ahead with R_ref"),
+        ({"t_ahead": KNOTS[::-1]}, "t_ahead: expected ascending times, zeros at the end where there are fewer"),
+    ],
+)  # fmt: skip
+def test_a_reference_to_come_that_is_given_in_part_or_without_order_is_refused(changes, message):
+    with pytest.raises(Refused, match=message), started(lambda t: {**to_lvlh(t), **AHEAD, **changes}):
+        pass
