@@ -21,6 +21,7 @@ NOT_RUN = {
     "pip install -e '.[build]'": "installs the environment that this test runs in",
     "pip install -e '.[campaign]'": "installs the environment that this test runs in",
     "orchestrate campaign scenarios/campaigns/paper_settling.yaml": "takes a minute; docs/campaigns.md has a smaller one",
+    "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install -e '.[tools]'": "installs the environment that this test runs in",
 }
 """Commands that are not run, each with the reason."""
