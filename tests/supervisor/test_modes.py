@@ -97,7 +97,7 @@ def test_an_attitude_too_far_off_for_a_time_is_acquired_again() -> None:
 
 @pytest.mark.parametrize("command", [INERTIAL, TARGET, SUN])
 def test_a_command_slews_from_the_present_reference_and_arrives(command: int) -> None:
-    flight = Flight().pointing()
+    flight = Flight(slew_rate_max=0.02).pointing()
     before = flight.y
     assert flight.fly(1, command=command) == SLEW
     assert flight.y.destination == command
@@ -119,7 +119,7 @@ def test_a_command_slews_from_the_present_reference_and_arrives(command: int) ->
 
 
 def test_another_set_point_of_the_present_mode_is_another_slew_also_during_one() -> None:
-    flight = Flight().pointing()
+    flight = Flight(slew_rate_max=0.02).pointing()
     flight.until(INERTIAL, command=INERTIAL)
     goals = [Rotation.from_rotvec(v).as_matrix() for v in ([0.9, 0.1, 0.3], [-0.5, 0.2, 0.0])]
     assert flight.fly(1, command=INERTIAL, R_goal=goals[0]) == SLEW
@@ -132,7 +132,7 @@ def test_another_set_point_of_the_present_mode_is_another_slew_also_during_one()
 
 
 def test_in_eclipse_the_sun_gives_way_to_nadir_and_comes_back_with_the_light() -> None:
-    flight = Flight().pointing()
+    flight = Flight(slew_rate_max=0.1, slew_torque_max=0.01).pointing()
     flight.until(SUN, command=SUN)
     assert flight.fly(1, command=SUN, sunlight=0.4) == SLEW
     assert flight.y.destination == NADIR

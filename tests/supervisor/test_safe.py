@@ -14,7 +14,7 @@ from supervisor.ports import ACQUIRE, SAFE
 from supervisor.safe import rate_towards
 from tests.blocks import inputs, parameters
 
-H = 0.5
+H = 1.0
 FIELD_RATE_N = np.array([0.0, 2e-3, 5e-4])
 """rad/s: the field along a polar orbit turns twice in an orbit."""
 
@@ -60,10 +60,10 @@ class Body:
 def test_the_axis_comes_along_the_field_and_stays_as_the_field_turns(turn: list[float]) -> None:
     """Of the last two the axis begins along the field, and opposite to it."""
     body = Body(Rotation.from_rotvec(turn), safe_pointing="field")
-    body.fly(1600)
+    body.fly(800)
     assert body.angle(body.p.safe_axis_B, body.field_N) < 0.5
     np.testing.assert_allclose(
-        body.omega_B @ body.p.safe_axis_B, 0.0, atol=1e-5
+        body.omega_B @ body.p.safe_axis_B, 0.0, atol=3e-5
     )  # no turn about the field is asked for
     assert np.linalg.norm(body.omega_B) == pytest.approx(np.linalg.norm(FIELD_RATE_N[:2]), rel=0.03)
 
@@ -71,7 +71,7 @@ def test_the_axis_comes_along_the_field_and_stays_as_the_field_turns(turn: list[
 def test_without_the_rate_of_the_field_the_axis_would_lag() -> None:
     """The lag of a proportional law is the field's rate times safe_time, 5.7 deg here."""
     body = Body(Rotation.identity(), safe_pointing="field")
-    body.fly(1200)
+    body.fly(600)
     y = body.fly(1)
     lag = np.degrees(np.linalg.norm(y.Omega_ref) * body.p.safe_time)
     assert lag > 5.0
@@ -80,7 +80,7 @@ def test_without_the_rate_of_the_field_the_axis_would_lag() -> None:
 
 def test_the_axis_comes_to_the_sun_and_rests_where_it_is_not_seen() -> None:
     body = Body(Rotation.from_rotvec([0.5, 1.0, -0.4]), safe_pointing="sun")
-    body.fly(1400)
+    body.fly(700)
     assert body.angle(body.p.sun_axis_B, [1.0, 0.0, 0.0]) < 0.1
     assert not body.fly(1, sun_B=np.zeros(3)).Omega_ref.any()
 
