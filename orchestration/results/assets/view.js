@@ -51,8 +51,10 @@
     marked();
     draw();
   }
+  const PAPER = [640, 380]; // px
+  const extent = () => (printing ? PAPER : [stage.clientWidth, stage.clientHeight]);
   function resize() {
-    const wide = stage.clientWidth, high = stage.clientHeight;
+    const [wide, high] = extent();
     if (!wide || !high) return;
     renderer.setSize(wide, high);
     fit();
@@ -68,7 +70,7 @@
     if (q) it.quaternion.copy(q);
   }
   function render() {
-    const at = flown.bracket(now), wide = stage.clientWidth, high = stage.clientHeight;
+    const at = flown.bracket(now), [wide, high] = extent();
     const q = flown.attitude(at), l = flown.lvlh(at), others = {};
     pose(body, q);
     pose(local, l, shown("lvlh"));
@@ -268,9 +270,25 @@
     keys[event.key]();
   });
   dark.addEventListener("change", paint);
-  addEventListener("beforeprint", () => { printing = true; stop(); paint(); render(); });
-  addEventListener("afterprint", () => { printing = false; paint(); });
-  new ResizeObserver(resize).observe(stage);
+  let still = null; // on paper: a picture of this instant
+  addEventListener("beforeprint", () => {
+    if (printing) return;
+    printing = true;
+    stop();
+    resize();
+    paint();
+    render();
+    still = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height, className: "still" });
+    still.getContext("2d").drawImage(canvas, 0, 0);
+    stage.prepend(still);
+  });
+  addEventListener("afterprint", () => {
+    printing = false;
+    still?.remove();
+    resize();
+    paint();
+  });
+  new ResizeObserver(() => { if (!printing) resize(); }).observe(stage);
   resize();
   paint();
 })();
