@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,9 @@ Its figures and its table come from a run that was made when this site was built
 The report of a run has interactive plots of all recorded signals.
 """
 
+_SIGNALS = re.compile(r'<a href="signals\.\w+">[^<]*</a>, ')
+"""The link to a run's samples, which are too many for the site."""
+
 
 def page(out: Path) -> str:
     """The gallery's Markdown; runs every scenario and puts figures and reports beside the page."""
@@ -33,8 +37,10 @@ def page(out: Path) -> str:
             raise RuntimeError(f"{path.name}: exit status {status}")
         shown = out / "pages" / "docs" / "gallery" / path.stem
         shown.mkdir(parents=True, exist_ok=True)
-        for made in (*results.glob("figures/*.png"), results / "report.html"):
+        for made in (*results.glob("figures/*.png"), *results.glob("*.json")):
             shutil.copy(made, shown)
+        report = (results / "report.html").read_text("utf-8")
+        (shown / "report.html").write_text(_SIGNALS.sub("", report), "utf-8")
         sections.append(section(path.stem, scenario, json.loads((results / "expectations.json").read_text("utf-8"))))
     return "\n".join(sections)
 

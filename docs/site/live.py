@@ -9,8 +9,14 @@ from click.testing import CliRunner
 from orchestration.cli.main import main
 
 ROOT = Path(__file__).parents[2]
-SHOWN = {"paper_no_singularity": "the paper's manoeuvre V.B", "flight_tumble": "a fast tumble under all errors"}
-_FRAME = '<iframe src="docs/live/{name}.html" title="Live page: {about}" width="100%" height="720" style="border: 0"></iframe>'
+SHOWN = {"paper_no_singularity": "The paper's manoeuvre V.B", "flight_tumble": "A fast tumble under all errors"}
+# A page is loaded when its tab is shown.
+_TAB = """=== "{about}"
+
+    <iframe src="docs/live/{name}.html" title="Live page: {about}" width="100%" height="860" loading="lazy" style="border: 0"></iframe>
+
+    [In a page of its own](docs/live/{name}.html)
+"""
 
 
 def add(pages: Path) -> None:
@@ -28,7 +34,5 @@ def add(pages: Path) -> None:
 
 
 def _front() -> str:
-    links = ", ".join(f"[{about}](docs/live/{name}.html)" for name, about in SHOWN.items())
-    name, about = next(iter(SHOWN.items()))
-    frame = _FRAME.format(name=name, about=about)
-    return f"Fly it here: move a slider, and the blocks run in this browser ([how](docs/live.md)). In a page of its own: {links}.\n\n{frame}\n"
+    tabs = "\n".join(_TAB.format(name=name, about=about) for name, about in SHOWN.items())
+    return f"Fly it here: move a slider, and the blocks run in this browser ([how](docs/live.md)).\n\n{tabs}"

@@ -119,11 +119,11 @@ class Page:
         if lines := list(dict.fromkeys(plot.get("lines_are", "limits") for plot in plots if plot["lines"])):
             notes.append(key("limit", f"dashed: {', '.join(lines)}"))
         if self._data["faults"] or self._faulty:
-            notes.append(key("fault", "red: injected faults"))
+            notes.append(key("fault", "red: a fault acts"))
         if self._data["phases"]:
-            notes.append("coloured: phases")
+            notes.append("coloured and named: phases")
         if any(plot["thinned"] for plot in plots):
-            notes.append("samples thinned out; lowest and highest values are kept")
+            notes.append("drawn with fewer samples than recorded, the lowest and highest among them")
         places = [self._place(plot, title) for plot in plots]
         return pieces("pieces.html")["figure"].format(
             title=title, about=about, plots=joined(places), kind=kind, caption=Markup("; ").join(notes)

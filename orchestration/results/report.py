@@ -159,7 +159,7 @@ def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None
     panels = [plots.of_panel(result, entry, panel, made.arrays, over) for panel in entry.panels]
     notes = []
     if entry.shade and (made.live or any(panel["shade"] for panel in panels)):
-        notes.append(key("shade", f"shaded: {entry.shade}"))
+        notes.append(key("shade", f"shaded: {entry.shade} is true"))
     if entry.mark and made.live:  # whose flights have other times
         notes.append(key("mark", f"dotted: {entry.mark} = 0"))
     elif times := plots.crossings(result, entry):
@@ -205,7 +205,7 @@ def _block(name: str, groups: list[plots.Group], made: Page, paper: str) -> Mark
 
 def _group(group: plots.Group, made: Page, kind: str = "") -> Markup:
     assert group.plot is not None
-    notes = [key("shade", "shaded: held")] if group.plot["shade"] else []
+    notes = [key("shade", "shaded: the values are held")] if group.plot["shade"] else []
     return made.figure(group.name, [group.plot], group.description, [*notes, *filter(None, [group.note])], kind)
 
 

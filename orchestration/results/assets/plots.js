@@ -221,7 +221,7 @@ const timeline = {
         splits: plot.items ? () => plot.items.map((_, i) => i) : splits(1), values: (u, at) => (plot.items ? named(at) : labels(at)) },
       { ...axis, gap: 4, ...(log ? { values: powers } : { values: (u, at) => labels(at),
         splits: (u, i, low, high) => ticks(low, high, Math.floor((u.bbox.height / uPlot.pxRatio || 200) / 34), 2) }),
-        size: (u, texts) => 10 + 7 * Math.max(3, ...(texts || []).map((t) => t.length)) },
+        size: (u, texts) => 10 + 7 * Math.max(page.cycle ? 4 : 3, ...(texts || []).map((t) => t.length)) },
     ];
     if (page.cycle && !plot.xlabel) {
       axes.push({ ...axis, side: 0, scale: "x", size: 24, gap: 5, grid: { show: false }, splits: splits(page.cycle.period),
@@ -256,7 +256,7 @@ const timeline = {
         })),
       ],
       legend: { live: false, show: plot.curves.length > 1, markers: { width: 0, fill: (u, i) => (i ? swatches[i - 1] : "") } },
-      cursor: { drag: { x: true, y: false }, points: { size: 7 }, ...(dots ? { dataIdx: (u) => nearest(u, x, ys) } : {}),
+      cursor: { y: Boolean(plot.xlabel), drag: { x: true, y: false }, points: { size: 7 }, ...(dots ? { dataIdx: (u) => nearest(u, x, ys) } : {}),
         bind: { mousedown: (u, target, handler) => (event) => { if (!event.shiftKey) handler(event); }, dblclick: () => null } },
       hooks: {
         init: [(u) => Object.assign(u, { ends: [first, last], linked: !plot.xlabel, readout: readout(u) })],

@@ -122,7 +122,8 @@
       if (!at) continue;
       const p = new Vec3(...at);
       camera.project(p);
-      const x = Math.min(wide - half, Math.max(half, ((p[0] + 1) / 2) * wide)), y = ((1 - p[1]) / 2) * high;
+      const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, far = Math.hypot(across, down) || 1; // from the middle, outwards
+      const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / far))), y = high / 2 + down * (1 + 5 / far);
       const aside = ASIDE.find((d) => !taken.some((o) => Math.abs(o.x - x) < o.half + half && Math.abs(o.y - y - d) < 12));
       it.hidden = aside === undefined;
       if (it.hidden) continue;

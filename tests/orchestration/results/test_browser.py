@@ -196,3 +196,18 @@ def test_the_view_plays_and_follows_the_cursor_of_a_plot(chromium, motion):
     told = page.get_attribute("[data-part=canvas]", "aria-label") or ""
     at, angle = (float(number) for number in re.findall(r"([\d.]+) (?:s|deg)", told))
     assert angle == pytest.approx(0.5 * at, abs=0.06)  # half a degree a second
+
+
+def test_on_paper_the_view_is_a_still_picture_with_its_labels_on_it(chromium, motion):
+    chromium.open(motion, 390)
+    page = chromium.page
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    still = page.locator(".still")
+    assert still.evaluate("it => [it.width, it.height]") == [640, 380]
+    assert len(still.evaluate("it => it.toDataURL()")) > 4000  # a picture of one colour has less
+    places = page.evaluate("[...document.querySelectorAll('.tag:not([hidden])')].map(tag => tag.style.transform)")
+    across = [float(re.search(r"translate\(([\d.]+)px", place)[1]) for place in places]
+    assert 320.0 in across  # the axis that stands upright is in the middle of the paper's width
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    assert still.count() == 0
+    assert chromium.complaints == []

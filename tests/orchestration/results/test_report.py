@@ -31,7 +31,8 @@ def test_every_run_leaves_a_page_that_says_what_came_of_it(tmp_path):
         "a.u = 1, from 8 s to 9 s",
         "mind the gap",
         "a.on from 3.1 s to 5.9 s",
-        "shaded: a.on",
+        "shaded: a.on is true",
+        "red: a fault acts",
         "a.y = 0 at 1.57 s, 4.71 s",
         "dashed: limits",
         "a.still 7.25",
@@ -95,6 +96,13 @@ def test_the_numbers_of_a_panel_are_in_its_unit():
     np.testing.assert_allclose(shown, np.degrees(result["a.x"][:, 1]), rtol=1e-7, atol=1e-12)
     assert data["cycle"] == {"name": "swings", "period": 6.283}
     assert data["faults"] == [[8.0, 9.0]]
+
+
+def test_the_legend_says_what_the_lines_of_a_panel_are():
+    panels = [{"signals": ["a.x"], "lines": [1], "lines_are": "true values"}]
+    words = Reader(report.page(swing(figures=[{"name": "f", "panels": panels}]))).words
+    assert "dashed: true values" in words
+    assert "dashed: limits" not in words
 
 
 # ---------------------------------------------------------------- nothing gets in or out

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import base64
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from orchestration import InputError
+from orchestration import InputError, run
 from orchestration.results import report, view
 from orchestration.results.arrays import Arrays
 
 from .flown import RADIUS, flown
 from .swing import data_of, swing
+
+SCENARIOS = Path(__file__).parents[3] / "scenarios"
 
 
 def test_the_motion_is_kept_to_the_resolution_of_two_bytes():
@@ -66,6 +69,22 @@ def test_a_view_that_does_not_fit_is_refused_before_the_run(entry, said):
     with pytest.raises(InputError) as refused:
         flown(view=entry)
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "duration", "ghosts"),
+    [
+        ("flight_tumble", "2 s", ("lvlh", "controller.R_d", None)),
+        ("flight_estimated", "2 s", ("lvlh", None, "estimator.R_NB")),
+        ("mission_day", "20 s", ("supervisor.R_ref", "controller.R_d", None)),
+    ],
+)
+def test_the_goal_is_what_is_connected_to_the_controller_and_a_plan_or_an_estimate_is_told_apart(
+    scenario, duration, ghosts
+):
+    entry = view.entry_of(run(SCENARIOS / f"{scenario}.yaml", duration=duration))
+    assert entry is not None
+    assert (entry.desired, entry.planned, entry.estimated) == ghosts
 
 
 def test_the_earth_is_turned_by_the_sidereal_time_of_the_almanac():
