@@ -70,6 +70,8 @@ function seen({ rows: chosen, signals, vectors, marks, still }, rows, count, wid
     phases: [...still, ...bands(marks, rows, count, width, time)] };
 }
 
+const viewed = ({ vectors, ...view }) => [...Object.values(view).filter(ArrayBuffer.isView), ...vectors.map((arrow) => arrow.values)];
+
 async function fly({ starts, faults }) {
   const began = performance.now();
   new Float64Array(wasm.memory.buffer, wasm.starts(), starts.length).set(starts);
@@ -100,7 +102,9 @@ onmessage = async ({ data }) => {
       given = data.given;
       wasm = (await WebAssembly.instantiate(data.wasm)).instance.exports;
     }
-    postMessage({ number: data.number, ...(await fly(data)) });
+    const flown = await fly(data);
+    const arrays = [...(flown.plots || []).flatMap((plot) => plot.flown), ...(flown.view ? viewed(flown.view) : [])];
+    postMessage({ number: data.number, ...flown }, [...new Set(arrays.map((array) => array.buffer))]); // given away, not copied
   } catch (error) {
     postMessage({ number: data.number, failure: `${error.name}: ${error.message}` });
   }
