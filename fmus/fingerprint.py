@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -14,6 +13,7 @@ from pathlib import Path
 
 from . import places
 from .block import Block, files_of, lenders
+from .kept import seen
 
 _HERE = Path(__file__).parent
 
@@ -55,20 +55,8 @@ def _state(folder: Path) -> int:
     """A number that changes with the files of a folder."""
     looked = {} if _looked is None else _looked
     if folder not in looked:
-        looked[folder] = hash(tuple(_seen(folder)))
+        looked[folder] = hash(tuple(seen(folder)))
     return looked[folder]
-
-
-def _seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:
-    """Name, size and time of each file in a folder."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.is_dir():
-                if entry.name != "__pycache__":
-                    yield from _seen(entry.path)
-            else:
-                status = entry.stat()
-                yield entry.path, status.st_size, status.st_mtime_ns
 
 
 def _of_makers(flavour: str) -> hashlib._Hash:

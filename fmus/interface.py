@@ -1,51 +1,17 @@
 """The interface of a block, read from `fmus/interfaces/<block>.toml`, where it is written once.
 
 modelDescription.xml, the FMU wrappers, the interface pages and the swap check are derived from
-what `load` returns.
-
-Longer than 250 lines: the format of the file is described here beside the code that reads it.
-
-The TOML file
--------------
-`[block]` has `name` and `description`, and `flavours` where there is one only: `["native"]`; `[experiment]` has `stop`
-and `step`, in seconds. Each `[variables.NAME]` has
-
-- `causality`: "input", "output" or "parameter";
-- `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
-- `shape`: nothing for a scalar, `[n]` or `[rows, columns]`; elements are named in FMI's structured
-  way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
-- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is a
-  list of the variable's shape, with a unit for each element, and there is no `display_unit`;
-- `frame`: the frame of its components;
-- `variability`: of a parameter, "fixed" or "tunable";
-- `start` (inputs and parameters), `min`, `max`;
-- `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
-  0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means so;
-- `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
-- `depends_on` (outputs): the inputs with direct feedthrough;
-- `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
-
-`[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`, `unit`,
-`display_unit`, `frame`, `min`, `max`, `description`. The function NAME in the block's module `inputs` works them out.
-
-`[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
-terminals of one name fit each other. `[view]` has what a three-dimensional view of a loop takes of this block: the keys of a scenario's
-`view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired attitude is LVLH. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
-
-In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
-`name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that `[groups]`
-gives for it.
+what `load` returns. parsing.py describes the file.
 """
 
 from __future__ import annotations
 
-import itertools
-import tomllib
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-from .variables import FLAVOURS, Causality, Element, Interface, Type, Variable
+from .kept import kept
+from .parsing import ABSENT, ABSENT_INTEGER, ABSENT_MIN, InterfaceError, element_name, parse
+from .variables import FLAVOURS, Element, Interface, Variable
 
 __all__ = [
     "ABSENT",
@@ -70,12 +36,6 @@ LOOP = ("plant", "controller", "allocator")
 """Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
-ABSENT = 1e9
-"""The start of every optional real input, which means that it is not connected."""
-ABSENT_INTEGER = -1
-"""The same of every optional integer input; any negative value means so."""
-ABSENT_MIN = 0.999e9
-"""The magnitude from which, in any of its elements, an optional input is not connected: a host may have rounded its start."""
 
 
 def optional_text(variable: Variable) -> str:
@@ -83,196 +43,14 @@ def optional_text(variable: Variable) -> str:
     return f"optional; {'-1' if variable.type == 'integer' else '1e9'} means not connected"
 
 
-class InterfaceError(ValueError):
-    """An interface file is wrong; the message names file and variable."""
-
-
 @cache
 def load(block: str) -> Interface:
     """The interface of a block of this project, such as "plant". Read once in a process."""
-    return parse((INTERFACES / f"{block}.toml").read_text("utf-8"), f"{block}.toml")
-
-
-def parse(text: str, file: str = "<interface>") -> Interface:
-    """Reads an interface from TOML text. `file` is named in errors. Raises InterfaceError."""
-    data = tomllib.loads(text)
-    groups: dict[str, list[str]] = data.get("groups", {})
-    variables: dict[str, Variable] = {}
-    reference = 0
-    for name, entry in data["variables"].items():
-        try:
-            variable = _variable(name, entry, groups, reference)
-        except InterfaceError as error:
-            raise InterfaceError(f"{file}: variables.{name}: {error}") from None
-        variables[name] = variable
-        reference += len(variable.elements)
-    _check_dependencies(variables, file)
-    return Interface(
-        name=data["block"]["name"],
-        description=data["block"]["description"],
-        stop=float(data["experiment"]["stop"]),
-        step=float(data["experiment"]["step"]),
-        variables=variables,
-        source=text,
-        terminals=_terminals(data.get("terminals", {}), variables, file),
-        equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
-        limits=tuple(data.get("page", {}).get("limits", ())),
-        flavours=_flavours(data["block"], file),
-        helpers=_helpers(data.get("helpers", {}), variables, file),
-        view=data.get("view", {}),
-    )
+    text = (INTERFACES / f"{block}.toml").read_text("utf-8")
+    code = [Path(__file__).with_name(name).read_bytes() for name in ("parsing.py", "variables.py")]
+    return kept(Interface, (block, text, code), lambda: parse(text, f"{block}.toml"))
 
 
 def package_of(block: str) -> str:
     """The name of a block's package: `allocator.bounded` is that of `allocator_bounded`."""
     return block.replace("_", ".")
-
-
-def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
-    found = block.get("flavours", FLAVOURS)
-    if not isinstance(found, (list, tuple)) or not found or not set(found) <= set(FLAVOURS):
-        raise InterfaceError(f"{file}: block.flavours: expected a list of {', '.join(FLAVOURS)}, found {found!r}")
-    return tuple(found)
-
-
-_KEYS = (
-    "causality type shape unit display_unit frame variability optional quantity start min max items description depends_on "
-    "initially_depends_on"
-).split()
-
-
-def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], reference: int) -> Variable:
-    if unknown := [key for key in entry if key not in _KEYS]:
-        raise InterfaceError(f"unknown key {unknown[0]!r}; expected one of {', '.join(_KEYS)}")
-    causality: Causality = entry["causality"]
-    kind: Type = entry.get("type", "real")
-    shape = tuple(entry.get("shape", ()))
-    items = tuple(entry.get("items", ()))
-    start = entry.get("start")
-    if (start is None) != (causality == "output"):
-        raise InterfaceError("inputs and parameters need a start value, outputs have none")
-    indices = list(itertools.product(*(range(1, n + 1) for n in shape)))
-    starts = _flatten(start, shape) if start is not None else [None] * len(indices)
-    if kind == "enumeration" and start is not None:
-        if start not in items:
-            raise InterfaceError(f"start {start!r} is none of its items {', '.join(items)}")
-        starts = [items.index(start) + 1]
-    optional = entry.get("optional", False)
-    absent = ABSENT_INTEGER if kind == "integer" else ABSENT
-    if optional and (causality != "input" or kind not in ("real", "integer") or set(starts) != {absent}):
-        raise InterfaceError(
-            f"only a real or integer input may be optional, and its start is {absent:g} in every element"
-        )
-    if "quantity" in entry and causality != "parameter":
-        raise InterfaceError(
-            f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}"
-        )
-    default = "continuous" if kind == "real" else "discrete"
-    return Variable(
-        name=name,
-        causality=causality,
-        type=kind,
-        variability=entry["variability"] if causality == "parameter" else default,
-        description=entry["description"],
-        shape=shape,
-        units=_units(entry, shape, len(indices)),
-        display_unit=entry.get("display_unit"),
-        frame=entry.get("frame"),
-        start=start,
-        min=entry.get("min"),
-        max=entry.get("max"),
-        items=items,
-        elements=tuple(
-            Element(element_name(name, index), reference + i, value)
-            for i, (index, value) in enumerate(zip(indices, starts, strict=True))
-        ),
-        depends_on=_expand(entry.get("depends_on", []), groups),
-        initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
-        optional=optional,
-        quantity=entry.get("quantity"),
-    )
-
-
-def _helpers(entries: dict[str, Any], variables: dict[str, Variable], file: str) -> dict[str, Variable]:
-    helpers: dict[str, Variable] = {}
-    for name, entry in entries.items():
-        start: Any = 0.0
-        for length in reversed(entry.get("shape", ())):
-            start = [start] * length
-        try:
-            if name in variables:
-                raise InterfaceError("a variable has this name")
-            helpers[name] = _variable(
-                name, {**entry, "causality": "parameter", "variability": "fixed", "start": start}, {}, 0
-            )
-        except InterfaceError as error:
-            raise InterfaceError(f"{file}: helpers.{name}: {error}") from None
-    return helpers
-
-
-def _units(entry: dict[str, Any], shape: tuple[int, ...], size: int) -> tuple[str | None, ...]:
-    unit = entry.get("unit")
-    if not isinstance(unit, list):
-        return (unit,) * size
-    if "display_unit" in entry:
-        raise InterfaceError("a variable whose elements have units of their own has no display_unit")
-    return tuple(_flatten(unit, shape, "unit"))
-
-
-def element_name(name: str, index: tuple[int, ...]) -> str:
-    """FMI's structured name of an element: `element_name("R_NB", (2, 3))` is `R_NB[2,3]`."""
-    return f"{name}[{','.join(map(str, index))}]" if index else name
-
-
-def _flatten(value: Any, shape: tuple[int, ...], key: str = "start") -> list[Any]:
-    if not shape:
-        if isinstance(value, list):
-            raise InterfaceError(f"{key}: expected one value, since there is no shape, found {value!r}")
-        return [value]
-    if not isinstance(value, list) or len(value) != shape[0]:
-        raise InterfaceError(f"{key}: expected the shape {list(shape)}, found {value!r}")
-    return [leaf for item in value for leaf in _flatten(item, shape[1:], key)]
-
-
-def _expand(names: list[str], groups: dict[str, list[str]]) -> tuple[str, ...]:
-    expanded: dict[str, None] = {}
-    for name in names:
-        if name.startswith("@") and name[1:] not in groups:
-            raise InterfaceError(f"there is no group {name!r}")
-        expanded.update(dict.fromkeys(_expand(groups[name[1:]], groups) if name.startswith("@") else [name]))
-    return tuple(expanded)
-
-
-def _check_dependencies(variables: dict[str, Variable], file: str) -> None:
-    for variable in variables.values():
-        for key, allowed in (("depends_on", {"input"}), ("initially_depends_on", {"input", "parameter"})):
-            for name in getattr(variable, key):
-                base = variables.get(name.partition("[")[0])
-                index = name.partition("[")[2]
-                if base is not None and not _index_fits(index, base.shape, variable.shape):
-                    raise InterfaceError(
-                        f"{file}: variables.{variable.name}: {key}: {name!r} does not fit the shapes "
-                        f"{list(base.shape)} and {list(variable.shape)}; expected [i], or [i,:] or [:,i] of a matrix"
-                    )
-                if base is None or base.causality not in allowed:
-                    raise InterfaceError(
-                        f"{file}: variables.{variable.name}: {key}: {name!r} is no {' or '.join(sorted(allowed))}"
-                    )
-
-
-def _index_fits(index: str, known: tuple[int, ...], output: tuple[int, ...]) -> bool:
-    if index == "i]":
-        return known == output
-    if index in ("i,:]", ":,i]"):
-        return len(known) == 2 and bool(output) and output[0] == known[0 if index == "i,:]" else 1]
-    return not index
-
-
-def _terminals(entries: dict[str, list[str]], variables: dict[str, Variable], file: str) -> dict[str, tuple[str, ...]]:
-    for name, members in entries.items():
-        causalities = {variables[member].causality if member in variables else "missing" for member in members}
-        if causalities not in ({"input"}, {"output"}):
-            raise InterfaceError(
-                f"{file}: terminals.{name}: {', '.join(members)}: expected inputs only or outputs only"
-            )
-    return {name: tuple(members) for name, members in entries.items()}

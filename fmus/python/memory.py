@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..interface import Interface, Variable
+from ..variables import Interface, Variable
 
 Values = list[Any]
 

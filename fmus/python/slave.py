@@ -14,7 +14,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from ..interface import Interface, parse
+from ..parsing import parse
+from ..variables import Interface
 from .calls import Refused, guarded
 from .memory import Layout, Snapshot, check_state, first_not_finite, from_bytes, to_bytes
 

@@ -9,12 +9,15 @@ import hashlib
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
 import fmpy
 from fmpy.model_description import ValidationError, read_model_description
+
+from fmus import places
+from fmus.kept import kept, seen
 
 from ..errors import InputError, hint
 from . import zipped
@@ -124,11 +127,24 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
         and _digest(path) == kept.sha256
     ):
         return kept
-    fmu = _open(path, lenient)
+    fmu = _opened(path, lenient)
     while len(_kept) >= _KEPT_MAX:
         del _kept[next(iter(_kept))]
     _kept[path, lenient] = fmu
     return fmu
+
+
+def _opened(path: Path, lenient: bool) -> Fmu:
+    """One that this project has built, whose code runs here anyway, is read once for all processes."""
+    if not path.is_relative_to(places.work() / "fmus"):
+        return _open(path, lenient)
+    return kept(Fmu, (path, lenient, _digest(path), _code(), fmpy.__version__), lambda: _open(path, lenient))
+
+
+@cache
+def _code() -> list[tuple[str, int, int]]:
+    """Of the files that read an FMU: names, sizes and times."""
+    return [*seen(Path(__file__).parents[1]), *seen(Path(places.__file__).parent)]
 
 
 _kept: dict[tuple[Path, bool], Fmu] = {}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit
-from ..rotation import matrix, quaternion
+from ..rotation import matrix, quaternions
 from ..scenario.references import Reference
 from ..scenario.view import GHOSTS, ViewEntry
 from . import phases
@@ -76,7 +76,7 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
 def chosen(time: Floats) -> NDArray[np.intp]:
     """Which samples a view keeps."""
     n = len(time)
-    return np.unique(np.linspace(0, n - 1, min(n, ROWS)).round().astype(np.intp))
+    return np.linspace(0, n - 1, min(n, ROWS)).round().astype(np.intp)
 
 
 def entry_of(result: RunData) -> ViewEntry | None:
@@ -178,9 +178,9 @@ def _quaternions(values: NDArray[Any]) -> Floats:
     rows = values.reshape(len(values), -1).astype(float)
     known = np.isfinite(rows).all(axis=1) & rows.any(axis=1)
     found = np.zeros((len(rows), 4))
-    near: list[float] | None = None
-    for i, row in zip(np.flatnonzero(known).tolist(), rows[known].tolist(), strict=True):
-        near = found[i] = quaternion(row if len(row) == 9 else matrix(row), near)
+    found[known] = quaternions(
+        rows[known] if rows.shape[1] == 9 else np.array([matrix(q) for q in rows[known].tolist()])
+    )
     return found
 
 

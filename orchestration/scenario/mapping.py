@@ -29,7 +29,7 @@ from .types import UnitName
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 def _quantity(value: Any) -> Any:

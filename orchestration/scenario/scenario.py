@@ -102,7 +102,7 @@ class Scenario(Extending):
     """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
     delays: list[Reference] = []
     """Targets of connections that pass the value of the step before, to break an algebraic loop."""
-    record: Record = Record()
+    record: Record = Field(default_factory=Record)
     expect: list[Expectation] = []
     """Expectations, which decide the exit status."""
     holds: list[HoldEntry] = []

@@ -96,7 +96,7 @@ Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 
 class Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 def _whole_or_extending(schema: dict[str, Any]) -> None:

@@ -72,7 +72,7 @@ class ViewEntry(Model):
     """An integer or enumeration whose values are marked on the time slider."""
     phases: list[str] = []
     """Names of the values of `phase` from 1 on; default: those of an enumeration, or the numbers."""
-    body: Prism = Prism()
+    body: Prism = Field(default_factory=Prism)
     axes: dict[Annotated[str, Field(min_length=1)], Axes] = {}
     """Axes drawn on the body by their names."""
     vectors: list[Arrow] = []

@@ -108,7 +108,7 @@ class Campaign(Extending):
     """What each run is measured by."""
     requirements: list[Requirement] = []
     """Requirements, which decide the exit status."""
-    keep: Keep = Keep()
+    keep: Keep = Field(default_factory=Keep)
     sensitivity: Sensitivity | None = None
     """Which of the values that vary decide the metrics, by runs of a design of their own."""
     search: Search | None = None

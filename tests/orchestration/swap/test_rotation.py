@@ -31,12 +31,13 @@ def test_a_quaternion_stands_for_a_rotation_matrix(last, inverse):
 
 
 def test_a_course_of_quaternions_has_no_jumps():
-    last = None
-    for angle in np.linspace(0.0, 4 * np.pi, 400):
-        R = Rotation.from_rotvec(angle * np.array([0.36, 0.48, 0.8])).as_matrix().ravel().tolist()
-        q = rotation.quaternion(R, last)
-        assert last is None or np.abs(np.subtract(q, last)).max() < 0.05
-        last = q
+    course: list[list[float]] = []
+    turns = [Rotation.from_rotvec(angle * np.array([0.36, 0.48, 0.8])) for angle in np.linspace(0.0, 4 * np.pi, 400)]
+    matrices = np.array([turn.as_matrix().ravel() for turn in turns])
+    for R in matrices.tolist():
+        course.append(rotation.quaternion(R, course[-1] if course else None))
+    assert np.abs(np.diff(course, axis=0)).max() < 0.05
+    np.testing.assert_allclose(rotation.quaternions(matrices), course, rtol=0.0, atol=1e-15)
 
 
 def test_what_is_no_unit_quaternion_ends_the_run_with_its_name():
