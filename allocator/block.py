@@ -139,6 +139,8 @@ def _b_wheel(b_B: Array, axis: Array) -> float:
 
 
 def _require_finite(u: Inputs) -> None:
+    if math.isfinite(sum(u.tau_cmd_B.tolist() + u.b_B.tolist() + u.omega_B.tolist(), u.h_w)):
+        return
     for name, value in (("tau_cmd_B", u.tau_cmd_B), ("b_B", u.b_B), ("omega_B", u.omega_B)):
         if not math.isfinite(sum(value.tolist())):
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -59,6 +59,35 @@ class Inputs:
     R_ref: Array = field(default_factory=lambda: np.full((3, 3), ABSENT))
     Omega_ref: Array = field(default_factory=lambda: np.full(3, ABSENT))
     dOmega_ref: Array = field(default_factory=lambda: np.full(3, ABSENT))
+
+    @cached_property
+    def has_reference(self) -> bool:
+        """Whether the reference is given by the inputs. Raises ValueError for inputs that do not fit."""
+        for name in ("omega_B", "r_N", "v_N", "R_ref", "Omega_ref", "dOmega_ref"):
+            if not math.isfinite(sum(_elements(value := getattr(self, name)))):
+                raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
+        connected = _connected(self.R_ref), _connected(self.Omega_ref), _connected(self.dOmega_ref)
+        if any(connected) and not all(connected):
+            missing = ("R_ref", "Omega_ref", "dOmega_ref")[connected.index(False)]
+            raise ValueError(
+                f"{missing}: expected to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them, "
+                f"found {ABSENT_MIN:g} or more"
+            )
+        return connected[0]
+
+    @cached_property
+    def has_attitude(self) -> bool:
+        """Whether R_NB is none of the matrices of zeros that simple masters give before the first value."""
+        return any(_elements(self.R_NB))
+
+
+def _elements(value: Array) -> list[float]:
+    elements: list[float] = value.ravel().tolist()
+    return elements
+
+
+def _connected(value: Array) -> bool:
+    return max(map(abs, _elements(value))) < ABSENT_MIN
 
 
 @dataclass(frozen=True)
@@ -134,17 +163,13 @@ def _latched(x: State, u: Inputs, p: Parameters) -> State:
 
 
 def _no_attitude(x: State, u: Inputs) -> bool:
-    """Whether there is none: a matrix of zeros, as simple masters give before the first value.
-
-    Once flown, only where a reference is connected: who gives it knows of an attitude that is lost.
-    """
-    return not u.R_NB.any() and (not x.flown or _has_reference(u))
+    """Whether there is none. Once flown, only where a reference is connected: who gives it knows of an attitude that is lost."""
+    return not u.has_attitude and (not x.flown or u.has_reference)
 
 
 def _damps_only(x: State, u: Inputs) -> bool:
     """Whether attitude or reference is missing. Raises ValueError for inputs that do not fit."""
-    _check_finite(u)
-    return _no_attitude(x, u) or (_has_reference(u) and not u.R_ref.any())
+    return (u.has_reference and not u.R_ref.any()) or _no_attitude(x, u)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
@@ -197,40 +222,18 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     if _damps_only(x, u):
         x = State(x.t, 0.0, 0.0, latched=False, flown=not _no_attitude(x, u))
         return x, outputs(x, u, p)
-    x = replace(_latched(x, u, p), flown=True)
+    x = _latched(x, u, p)
+    x = State(x.t, x.attitude_error_0, x.rate_error_0, x.latched, flown=True)
     return x, outputs(x, u, p)
 
 
 def _errors(t: float, u: Inputs, p: Parameters) -> Errors:
     so3.require_rotation("R_NB", u.R_NB, ATTITUDE_TOLERANCE)
-    _check_finite(u)
     return errors(u.R_NB, u.omega_B, _reference(t, u, p))
 
 
-def _check_finite(u: Inputs) -> None:
-    for name in ("omega_B", "r_N", "v_N", "R_ref", "Omega_ref", "dOmega_ref"):
-        if not math.isfinite(sum((value := getattr(u, name)).ravel().tolist())):
-            raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
-    connected = _connected(u.R_ref), _connected(u.Omega_ref), _connected(u.dOmega_ref)
-    if any(connected) and not all(connected):
-        missing = ("R_ref", "Omega_ref", "dOmega_ref")[connected.index(False)]
-        raise ValueError(
-            f"{missing}: expected to be connected: connect R_ref, Omega_ref and dOmega_ref, or none of them, "
-            f"found {ABSENT_MIN:g} or more"
-        )
-
-
-def _connected(value: Array) -> bool:
-    return not (np.abs(value) >= ABSENT_MIN).any()
-
-
-def _has_reference(u: Inputs) -> bool:
-    """Whether the reference is given by the inputs; `_check_finite` sees to it that all three are connected then."""
-    return _connected(u.R_ref)
-
-
 def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
-    if _has_reference(u):
+    if u.has_reference:
         so3.require_rotation("R_ref", u.R_ref, ATTITUDE_TOLERANCE)
         return Reference(u.R_ref, u.Omega_ref, u.dOmega_ref)
     if p.reference == "lvlh":

@@ -162,7 +162,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         H_N=H_N,
         energy=energy,
         density=around.density,
-        dipole_saturated=bool(np.abs(u.dipole_cmd).max() > p.dipole_max),
+        dipole_saturated=max(map(abs, u.dipole_cmd.tolist())) > p.dipole_max,
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
         field_extrapolated=p.field_extrapolated,

@@ -9,30 +9,35 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-IDENTITY = np.eye(3)
-
-
-def hat(x: Array) -> Array:
-    """x^ (3,3), the skew matrix with x^ y = x cross y."""
-    x1, x2, x3 = x.tolist()
-    return np.array(((0.0, -x3, x2), (x3, 0.0, -x1), (-x2, x1, 0.0)))
+Triple = tuple[float, float, float]
 
 
 def cayley(f: Array) -> Array:
-    """F = (I + f^)(I - f^)^-1, a rotation about f (3,) by 2 atan |f|."""
-    skew = hat(f)
-    return IDENTITY + (2.0 / (1.0 + f @ f)) * (skew + skew @ skew)
+    """F = (I + f^)(I - f^)^-1 = I + 2/(1 + f.f) (f^ + f^ f^), a rotation about f (3,) by 2 atan |f|."""
+    x, y, z = f.tolist()
+    c = 2.0 / (1.0 + x * x + y * y + z * z)
+    return np.array(
+        [
+            [1.0 - c * (y * y + z * z), c * (x * y - z), c * (x * z + y)],
+            [c * (x * y + z), 1.0 - c * (x * x + z * z), c * (y * z - x)],
+            [c * (x * z - y), c * (y * z + x), 1.0 - c * (x * x + y * y)],
+        ]
+    )
 
 
-def solve(A: Array, y: Array) -> Array:
-    """x (3,) of A x = y, A (3,3) regular, by Cramer's rule; NumPy's general solver takes three times as long."""
-    (a, b, c), (d, e, f), (g, h, i) = A.tolist()
-    p, q, r = y.tolist()
+def solve(A: tuple[Triple, Triple, Triple], y: Triple) -> Triple:
+    """x of A x = y, A 3x3 regular, by Cramer's rule."""
+    (a, b, c), (d, e, f), (g, h, i) = A
+    p, q, r = y
     A11, A12, A13 = e * i - f * h, f * g - d * i, d * h - e * g
     A21, A22, A23 = c * h - b * i, a * i - c * g, b * g - a * h
     A31, A32, A33 = b * f - c * e, c * d - a * f, a * e - b * d
-    adjugate = (A11 * p + A21 * q + A31 * r, A12 * p + A22 * q + A32 * r, A13 * p + A23 * q + A33 * r)
-    return np.array(adjugate) / (a * A11 + b * A12 + c * A13)
+    determinant = a * A11 + b * A12 + c * A13
+    return (
+        (A11 * p + A21 * q + A31 * r) / determinant,
+        (A12 * p + A22 * q + A32 * r) / determinant,
+        (A13 * p + A23 * q + A33 * r) / determinant,
+    )
 
 
 def project(M: Array) -> Array:

@@ -11,7 +11,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from types import ModuleType
 from typing import Any
 
@@ -61,6 +61,8 @@ class Layout:
         )
         self._places = [(v, v.value_references[0], len(v.elements)) for v in outputs]
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
+        twice = self._real_places * 2  # since of a single place it gives no tuple
+        self._reals: Callable[[Values], Sequence[float]] = itemgetter(*twice) if twice else lambda values: ()
 
     def store(self, outputs: Any, values: Values) -> Values:
         """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite."""
@@ -72,7 +74,7 @@ class Layout:
                 values[first] = variable.items.index(value) + 1
             else:
                 values[first] = _SCALARS[variable.type](value)
-        if not math.isfinite(sum([values[r] for r in self._real_places])):
+        if not math.isfinite(sum(self._reals(values))):
             for r in self._real_places:
                 if not math.isfinite(values[r]):
                     raise ValueError(f"output {self.names[r]} is {values[r]}; expected a finite number")

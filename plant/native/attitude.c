@@ -52,8 +52,8 @@ static Matrix cayley(Vector f)
                     {c * (f.x * f.z - f.y), c * (f.y * f.z + f.x), 1.0 - c * (f.x * f.x + f.y * f.y)}};
 }
 
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x,
-                   Fault *f)
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, Announce *announce, void *context,
+                   double t, Attitude *x, Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double s = 0.0;
@@ -63,13 +63,14 @@ bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *mo
         const Vector kicked = add(x->Pi, scale(0.5 * h, tau));
         const double p = h * plant_segment_mean(wheel, s, h);
         Vector turn;
+        s += h;
+        announce(context, t + s);
         if (!solve_cayley(body, scale(h, kicked), p, &turn)) {
             const Vector a = scale(h, kicked);
             return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, scale(p, body->wheel_axis)))),
                          "a turn below about 1 rad in an internal step, so that the attitude step converges");
         }
         const Matrix F = cayley(turn);
-        s += h;
         x->R = multiply(x->R, F);
         tau = moment(context, &x->R, t + s);
         x->Pi = add(apply_transposed(F, kicked), scale(0.5 * h, tau));

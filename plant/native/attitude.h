@@ -15,6 +15,10 @@
 /* External moment, N m, body axes, at attitude R and time t. */
 typedef Vector Moment(void *context, const Matrix *R, double t);
 
+/* Told at which time the moment will be asked for next, while its attitude is still being solved: what depends on time
+ * alone can be worked out meanwhile, since neither waits for the other in the processor. */
+typedef void Announce(void *context, double t);
+
 typedef struct {
     Matrix J, J_inverse, J_twice; /* kg m2, wheel locked */
     Vector wheel_axis;            /* unit */
@@ -26,7 +30,7 @@ typedef struct {
 } Attitude;
 
 /* From t over a part of a step in which the wheel moves smoothly. order: 2, 4 or 6. */
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, void *context, double t, Attitude *x,
-                   Fault *f);
+bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, Announce *announce, void *context,
+                   double t, Attitude *x, Fault *f);
 
 #endif

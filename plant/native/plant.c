@@ -93,6 +93,12 @@ static Vector external_moment(void *context, const Matrix *R, double t)
     return tau;
 }
 
+static void surroundings_ahead(void *context, double t)
+{
+    const Acting *acting = context;
+    (void)plant_surroundings_at(&acting->plant->environment, t);
+}
+
 bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, PlantOutputs *y, Fault *f)
 {
     const double ratio = h / plant->p.step_max * (1.0 - 1e-12);
@@ -119,8 +125,8 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
             acting.dipole_B = turn.on ? with_rods : without;
             on_time += turn.on ? duration : 0.0;
             for (int k = 0; k < count; ++k) {
-                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, &acting, t, &attitude,
-                                   f)) {
+                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, surroundings_ahead,
+                                   &acting, t, &attitude, f)) {
                     return false;
                 }
                 t += parts[k].duration;
