@@ -11,7 +11,7 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -40,16 +40,18 @@ def kept(kind: type[T], made_of: object, make: Callable[[], T]) -> T:
     return value
 
 
-def seen(folder: str | Path) -> Iterator[tuple[str, int, int]]:
+def seen(folder: str | Path) -> list[tuple[str, int, int]]:
     """Name, size and time of each file in a folder, which tell whether they have changed."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.is_dir():
-                if entry.name != "__pycache__":
-                    yield from seen(entry.path)
-            else:
-                status = entry.stat()
-                yield entry.path, status.st_size, status.st_mtime_ns
+    files, folders = [], [str(folder)]
+    for inside in folders:  # which grows meanwhile
+        with os.scandir(inside) as entries:
+            for entry in entries:
+                if not entry.is_dir():
+                    status = entry.stat()
+                    files.append((entry.path, status.st_size, status.st_mtime_ns))
+                elif entry.name != "__pycache__":
+                    folders.append(entry.path)
+    return files
 
 
 def _read(path: Path) -> Any:

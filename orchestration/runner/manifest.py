@@ -10,9 +10,12 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+import numpy as np
+
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
+from ..results.data import RunData
 from ..results.result import Result
 from ..scenario import timeline
 from ..scenario.faults import sentence
@@ -47,11 +50,13 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
     """What a manifest says of all runs of a plan. `handed_on` are the start values of adapted blocks, by their elements."""
     scenario, models = plan.scenario, plan.models
     names = signals.names(plan.columns, models)
+    recorded = RunData(scenario, models, np.empty(0), np.empty((0, len(plan.columns))), plan.columns)
     return {
         "scenario_file": scenario.source.file,
         "options": sorted(set(scenario.source.options.values())),
         "scenario": _resolved(plan, names),
         "parameters": {name: _parameters(fmu, plan, name, handed_on) for name, fmu in fmus.items()},
+        "units": {"time": "s", **recorded.units},
         "names": RULE,
         "order": plan.order.blocks,
         "faults": [sentence(fault) for fault in scenario.faults],
@@ -80,7 +85,6 @@ def manifest(known: Mapping[str, Any], plan: Plan, result: Result) -> dict[str, 
         "outcome": ended,
         "failure": None if result.failure is None else str(result.failure),
         "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
-        "units": {"time": "s", **result.units},
         "notes": list(plan.notes),
         "steps": result.steps,
         "samples": len(result.time),

@@ -13,12 +13,37 @@ from .text import read as read_text
 
 
 def read(path: Path) -> Source:
-    """A file, laid over the files that it extends. Raises InputError."""
-    return extended(read_text(path), (path.resolve(),))
+    """A file, laid over the files that it extends. Raises InputError.
+
+    What was laid is kept for the texts of the files, which are looked at every time.
+    """
+    key = path, Path.cwd()
+    texts, source = _laid.get(key, ({}, None))
+    if source is None or any(_text(file) != text for file, text in texts.items()):
+        files = [path]
+        source = extended(read_text(path), (path.resolve(),), files)
+        while len(_laid) >= _LAID_MAX:
+            del _laid[next(iter(_laid))]
+        _laid[key] = {file: _text(file) for file in files}, source
+    return source.copy()
 
 
-def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
-    """The source laid over the files that it extends, in their order; `within` are the files that lead to it. Raises InputError."""
+_laid: dict[tuple[Path, Path], tuple[dict[Path, str | None], Source]] = {}
+_LAID_MAX = 20
+
+
+def _text(file: Path) -> str | None:
+    try:
+        return file.read_text("utf-8")
+    except (OSError, ValueError):
+        return None
+
+
+def extended(source: Source, within: tuple[Path, ...] = (), files: list[Path] | None = None) -> Source:
+    """The source laid over the files that it extends, in their order; `within` are the files that lead to it. Raises InputError.
+
+    The files are added to `files`.
+    """
     if not isinstance(source.data, dict) or "extends" not in source.data:
         return source
     given = source.data["extends"]
@@ -28,7 +53,7 @@ def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
     merged = Source({}, source.file, source.folder, {(): source.lines.get((), 1)} if source.file else {})
     for number, name in enumerate(names):
         key = ("extends", number) if given is names else ("extends",)
-        _lay(merged, _part(source, key, name, within))
+        _lay(merged, _part(source, key, name, within, [] if files is None else files))
     _lay(merged, source)
     del merged.data["extends"]
     _forget(merged, ("extends",))
@@ -36,7 +61,7 @@ def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
     return merged
 
 
-def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Source:
+def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], files: list[Path]) -> Source:
     path = (Path(source.file).parent if source.file else source.folder) / Path(name).expanduser()
     if path.resolve() in within:
         through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
@@ -47,7 +72,8 @@ def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Sour
         raise InputError(*(m if m.startswith(f"{path}:1") else source.error(key, m) for m in error.messages)) from None
     if not isinstance(part.data, dict):
         raise InputError(part.error((), f"expected keys such as 'shared' or 'blocks', found {as_written(part.data)}"))
-    part = extended(part, (*within, path.resolve()))
+    files.append(path)
+    part = extended(part, (*within, path.resolve()), files)
     _anchor(part, source.folder)
     return part
 

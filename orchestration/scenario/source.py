@@ -44,7 +44,8 @@ class Source:
     def error(self, key: Key, message: str) -> str:
         return f"{self.where(key)}: {message}"
 
-    def _copy(self) -> Source:
+    def copy(self) -> Source:
+        """The same data and places anew, to be changed."""
         places: dict[str, Any] = {name: dict(getattr(self, name)) for name in PLACES}
         return replace(self, data=copied(self.data), **places)
 
@@ -53,7 +54,7 @@ class Source:
 
         A shared value is called `shared.parameter`, or by the name of the parameter alone.
         """
-        copy = self._copy()
+        copy = self.copy()
         data = copy.data if isinstance(copy.data, dict) else {}
         place = f"{option}{name}={value}"
         block, _, variable = name.partition(".") if "." in name else ("shared", "", name)
@@ -74,7 +75,7 @@ class Source:
 
     def with_value(self, key: str, value: Any, option: str) -> Source:
         """A copy in which `value` takes the place of a top-level entry."""
-        copy = self._copy()
+        copy = self.copy()
         if isinstance(copy.data, dict):
             copy.data[key] = value
         copy.options[key,] = f"{option} {value}"
@@ -82,7 +83,7 @@ class Source:
 
     def with_entry(self, key: Key, value: Any, option: str = "") -> Source:
         """A copy in which `value` stands at a place within dictionaries; None takes the entry out."""
-        copy = self._copy()
+        copy = self.copy()
         holder = copy.data
         for part in key[:-1]:
             holder = holder[part]
@@ -95,7 +96,7 @@ class Source:
 
     def with_item(self, key: str, value: Any, origin: str) -> Source:
         """A copy in which `value`, which stands at `origin`, is the last of a list at the top."""
-        copy = self._copy()
+        copy = self.copy()
         items = copy.data.setdefault(key, [])
         copy.origins[key, len(items)] = origin
         items.append(value)
@@ -103,7 +104,7 @@ class Source:
 
     def without(self, keys: Iterable[Key]) -> Source:
         """A copy without these entries; those that follow in a list keep the lines on which they stand."""
-        copy = self._copy()
+        copy = self.copy()
         for key in sorted(set(keys), key=lambda key: [(isinstance(part, int), part) for part in key], reverse=True):
             holder = copy.data
             try:

@@ -42,7 +42,7 @@ def read(path: Path) -> Source:
 
 def parse(text: str, file: str | None = None) -> Source:
     """The data of YAML text with their lines. Raises InputError."""
-    source = _parsed(text, file)._copy()
+    source = _parsed(text, file).copy()
     source.folder = Path.cwd()
     return source
 

@@ -36,6 +36,19 @@ def test_later_files_go_before_earlier_ones_and_a_value_of_several_names_is_repl
     }
 
 
+def test_a_file_that_changes_is_read_anew_and_what_was_read_is_the_readers_own(loop):
+    folder = loop.parent
+    (folder / "below.yaml").write_text("duration: 1 s\nextends: loop.yaml\n")
+    (folder / "over.yaml").write_text("extends: below.yaml\n")
+    load("over.yaml").source.data["duration"] = "9 s"
+    assert load("over.yaml").duration == 1.0
+    (folder / "below.yaml").write_text("duration: 2 s\nextends: loop.yaml\n")
+    assert load("over.yaml").duration == 2.0
+    (folder / "below.yaml").unlink()
+    with pytest.raises(InputError, match=r"over\.yaml:1: extends: below\.yaml: there is no such file"):
+        load("over.yaml")
+
+
 def test_an_error_names_the_file_and_the_line_that_it_is_in(loop):
     (loop.parent / "part.yaml").write_text("# a part\nblocks:\n  motor:\n    start:\n      inertia: 50\n")
     (loop.parent / "over.yaml").write_text(
