@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,8 +82,7 @@ class Inputs:
 
 
 def _elements(value: Array) -> list[float]:
-    elements: list[float] = value.ravel().tolist()
-    return elements
+    return [*value.ravel().tolist()]
 
 
 def _connected(value: Array) -> bool:
@@ -222,8 +221,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     if _damps_only(x, u):
         x = State(x.t, 0.0, 0.0, latched=False, flown=not _no_attitude(x, u))
         return x, outputs(x, u, p)
-    x = _latched(x, u, p)
-    x = State(x.t, x.attitude_error_0, x.rate_error_0, x.latched, flown=True)
+    x = replace(_latched(x, u, p), flown=True)
     return x, outputs(x, u, p)
 
 
