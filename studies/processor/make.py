@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestration import run
+from orchestration import InputError, run
 
 from .. import markdown
 from ..paper import FOLDER, ROOT
@@ -19,23 +19,40 @@ FLOWN = {
     "flight_tumble": ("controller", "allocator"),
 }
 """Scenarios, and in each the places of the blocks that fly on the processor, one at a time."""
+BOUNDS = {"controller_planned": 18_000_000}
+"""The most instructions of a call, by construction."""
 PAGE = ROOT / "docs" / "processor.md"
 
 
 def make() -> Path:
-    """Flies, and writes the page. Raises InputError where a program is not installed, BlockError where a call fails."""
+    """Flies, and writes the page.
+
+    Raises InputError where a program is not installed or a call takes more than BOUNDS, BlockError where a call fails.
+    """
     flights = []
     for scenario, places in FLOWN.items():
         path = ROOT / "scenarios" / f"{scenario}.yaml"
         native = run(path)
         flights += [fly(path, place, FOLDER_OF / scenario, native) for place in places]
+    for f in flights:
+        _check(f)
     PAGE.write_text(markdown.render(Path(__file__).parent, **fields(flights)), "utf-8")
     return PAGE
+
+
+def _check(f: Flight) -> None:
+    longest, bound = max(f.start, int(f.calls.max())), BOUNDS.get(f.block)
+    if bound is not None and longest > bound:
+        raise InputError(
+            f"{f.block} in {f.scenario}: a call took {longest} instructions, expected at most {bound}; "
+            "remedy: measure the parts in controller/planned/native/work.h again"
+        )
 
 
 def fields(flights: Sequence[Flight]) -> dict[str, object]:
     """What the page's template shows."""
     return {
+        "bounds": [f"`{block}` {_thousands(bound)}" for block, bound in BOUNDS.items()],
         "sizes": [_size(f) for f in flights],
         "calls": [_calls(f) for f in flights],
         "bits": [(f.block, f"`{f.scenario}`", str(f.samples), _same(f)) for f in flights],

@@ -14,11 +14,16 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
     y->wheel_torque_ff = p->wheel_torque_max * controls[3];
 }
 
+double controller_planned_wheel_to_rest(const Model *model, double l)
+{
+    return clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
+}
+
 /* What rods under their controls and the wheel, which comes to rest, give: N m. */
 static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
 {
     const double torque_max = model->wheel_torque_max;
-    controls[3] = clip(-l / (WHEEL_REST * model->scales.time * torque_max), -1.0, 1.0);
+    controls[3] = controller_planned_wheel_to_rest(model, l);
     Vector tau = cross(rods_dipole(model, controls), B_B);
     tau = subtract(tau, cross(Omega, scale(l, model->wheel_axis)));
     return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));

@@ -4,6 +4,7 @@
 #include <string.h>
 
 enum { ITERATIONS = 5 };                    /* of a plan at every renewal */
+static const int SEARCH_SAMPLES = 16;       /* that a search is expected to take */
 static const double RATE_MAX = 3.0;         /* 1/T, from which a plan of all its stages still succeeds */
 static const double EARLY = 1e-6;           /* of the control period: a plan is due that much before its time */
 static const double CHALLENGE_PERIOD = 0.6; /* T */
@@ -13,6 +14,7 @@ static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods gi
 static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
 static const double STEERING_LEFT = 3.0;    /* T of steering, beyond which it goes on down to the next share */
 static const double STEERING_DONE = 0.4;    /* of steering_limit */
+static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search is good enough to begin with */
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
@@ -23,6 +25,7 @@ typedef struct {
     double angle, rate; /* rad, rad/s */
     Vector D_N;         /* momentum to be given, N m s */
     bool lost;          /* too far for a plan: the momentum has to be steered first */
+    bool near;          /* not lost at the end of a search that begins now */
 } Standing;
 
 /* N m s, N: what the total momentum lacks to the target's. */
@@ -31,19 +34,29 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
     return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, momentum_of(model, now)));
 }
 
-static Standing standing_of(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now)
+/* Whether a satellite that is steered is too far for a plan; `left` is its momentum over steering_limit, `time` that of steering. */
+static bool too_far(const ControllerPlannedState *x, double left, double time)
+{
+    return left > 1.0 || (time > STEERING_LEFT * x->scales.time && left > STEERING_DONE);
+}
+
+static Standing standing_of(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now,
+                            double search_time)
 {
     const Target target = controller_planned_target_at(ahead, x->t);
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
     const double left = norm(D_N) / smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
-    const bool far = x->steering.time > STEERING_LEFT * x->scales.time && left > STEERING_DONE;
+    const bool steered = x->phase == PHASE_STEERING;
+    const double time = x->steering.time, later = larger(time - search_time, 0.0);
+    const bool lost = steered ? too_far(x, left, time) : left > STEERING_AGAIN;
     return (Standing){
         .target = target,
         .angle = principal_angle(Q),
         .rate = norm(subtract(now->Omega, apply_transposed(Q, target.Omega))),
         .D_N = D_N,
-        .lost = x->phase == PHASE_STEERING ? left > 1.0 || far : left > STEERING_AGAIN,
+        .lost = lost,
+        .near = !lost || (steered && time > 0.0 && !too_far(x, left * later / time, later)),
     };
 }
 
@@ -52,7 +65,7 @@ static void give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
     x->settled_since = INFINITY;
-    x->search.active = x->search.ready = false;
+    x->search.active = x->search.ready = x->challenged = x->provisional = false;
     x->plan.stages = 0;
     x->plan.cost = 0.0;
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
@@ -60,15 +73,24 @@ static void give_up(ControllerPlannedState *x, const Motion *now)
     x->reference = *now;
 }
 
+/* Whether the search has a plan, and the time from which it plans has come. */
+static bool has_come(const ControllerPlannedState *x, double early)
+{
+    return x->search.ready && x->t >= x->search.t - early;
+}
+
 /* The phase from now on; whether a plan or a steering is due. */
 static bool change_phase(ControllerPlannedState *x, const Standing *s, double early)
 {
     const bool steering = x->phase == PHASE_STEERING;
-    bool due = x->t >= x->next_plan - early;
+    bool due = x->t >= x->next_plan - early || (x->provisional && x->search.ready);
     if (s->lost) {
-        due = due || !steering;
+        if (!steering) {
+            due = true;
+            x->search.active = x->search.ready = false;
+        }
         x->phase = PHASE_STEERING;
-    } else if (steering && x->search.ready) {
+    } else if (steering && has_come(x, early)) {
         due = true;
         x->phase = PHASE_ACQUISITION;
     } else if (x->phase == PHASE_HOLD && s->angle > LOST_ANGLE) {
@@ -81,37 +103,104 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
 
 /* The plan that was, from here and now on. */
 static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ahead, const Motion *now, double t,
-                  const Plan *was, Plan *plan)
+                  const Plan *was, Plan *plan, int32_t *work)
 {
-    controller_planned_lay_stages(model, ahead, now, t, was, plan, law->workspace.stage);
-    controller_planned_improve(model, now, ITERATIONS, plan, &law->workspace);
+    controller_planned_lay_stages(model, ahead, now, t, was, plan, law->workspace.stage, work);
+    controller_planned_improve(model, now, ITERATIONS, plan, &law->workspace, work);
 }
 
-/* The plan from now on: the one that was, or the one that the search has found. */
+/* The plan from now on: the one that was; or the one of the search, where there is none, or in the sample after where it is
+ * better. */
 static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead,
-                   const Motion *now)
+                   const Motion *now, double early, int32_t *work)
 {
-    const bool fresh = x->plan.stages == 0;
-    if (!fresh) {
-        renew(law, model, ahead, now, x->t, &x->plan, &law->trial);
+    const bool fresh = x->plan.stages == 0, of_search = fresh || x->challenged;
+    renew(law, model, ahead, now, x->t, of_search ? &x->search.best : &x->plan, &law->trial, work);
+    if (!x->challenged || law->trial.cost < CHALLENGE_GAIN * x->plan.cost) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
+        x->reference = *now;
     }
-    if (x->search.ready) {
-        renew(law, model, ahead, now, x->t, &x->search.best, &law->trial);
-        if (fresh || law->trial.cost < CHALLENGE_GAIN * x->plan.cost) {
-            memcpy(&x->plan, &law->trial, sizeof x->plan);
-        }
-        x->search.ready = false;
+    x->challenged = !of_search && has_come(x, early);
+    if (of_search) {
+        x->search.ready = x->provisional = false;
         x->next_challenge = x->t + CHALLENGE_PERIOD * x->scales.time;
     }
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
-    x->reference = *now;
+}
+
+/* The motion by the model after the time that a search is expected to take, under the plan or the steering. */
+static Motion expected(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now, double time)
+{
+    const Around around = controller_planned_around_at(ahead, x->t + 0.5 * time);
+    const double h = time / SEARCH_SAMPLES;
+    Steering steering = x->steering;
+    Motion then = *now;
+    for (int i = 0; i < SEARCH_SAMPLES; ++i) {
+        double u[CONTROLS];
+        if (x->phase == PHASE_STEERING) {
+            const Vector B_B = apply_transposed(then.R, around.B_N);
+            controller_planned_steering_rods(&steering, then.R, B_B, model->rods, model->scales.time, u);
+            u[3] = controller_planned_wheel_to_rest(model, then.l);
+            steering.time = larger(steering.time - h, 0.0);
+        } else {
+            controller_planned_plan_at(&x->plan, x->t + (i + 0.5) * h, u);
+        }
+        then = controller_planned_advanced(model, &around, &then, u, h);
+    }
+    return then;
+}
+
+/* The search goes on, or begins where a plan is wanted or challenged: at the first sample from where the satellite is, then from
+ * where it is expected to be when the search ends. Until then all goes on as it was. */
+static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead,
+                            const Motion *now, const Standing *s, double search_time, int32_t *work)
+{
+    Search *search = &x->search;
+    const double T = x->scales.time, early = EARLY * law->p.control_period;
+    const bool challenge = x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * T;
+    if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
+        search->ready = false;
+    }
+    if (s->near && !search->active && !search->ready &&
+        (x->phase == PHASE_STEERING || (challenge && x->t >= x->next_challenge - early))) {
+        const Motion then = search_time > 0.0 ? expected(x, model, ahead, now, search_time) : *now;
+        controller_planned_search_begin(&then, x->t + search_time, search);
+    }
+    controller_planned_search_on(model, ahead, law->p.search_iterations, search, &law->workspace, work);
+}
+
+/* Without an earlier command to go on with: what the search has come to in the first sample is flown until it ends. */
+static void fly_what_there_is(ControllerPlannedState *x, const Motion *now)
+{
+    const Plan *plan = x->search.start == 0 ? &x->search.trial : &x->search.best;
+    if (may_be_flown(plan)) {
+        memcpy(&x->plan, plan, sizeof x->plan);
+        x->phase = PHASE_ACQUISITION;
+        x->provisional = true;
+        x->reference = *now;
+        x->steering = (Steering){{0.0, 0.0, 0.0}, 0.0};
+    }
+}
+
+static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Standing *s, double dt,
+                  bool due, int32_t *work)
+{
+    if (due) {
+        *work -= WORK_STEERING;
+        const double dipole = STEERING_DIPOLE * law->p.dipole_max * x->identification.p[GAIN];
+        controller_planned_steer(ahead, x->t, s->D_N, dipole, x->scales.time, law->steering_field, &x->steering);
+    } else {
+        x->steering.time = larger(x->steering.time - dt, 0.0);
+    }
+    x->reference = (Motion){s->target.R, s->target.Omega, 0.0};
+    x->plan.stages = 0;
+    x->plan.cost = 0.0;
+    x->challenged = x->provisional = false;
 }
 
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first)
 {
-    const ControllerPlannedParameters *p = &law->p;
     const Model model = controller_planned_believed(law, x);
     if (ahead->target_kind == ONBOARD_TARGET_NONE) {
         give_up(x, now);
@@ -121,42 +210,27 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
         x->phase = PHASE_STEERING;
         x->next_plan = x->t;
     }
-    const Standing s = standing_of(x, &model, ahead, now);
-    const double early = EARLY * p->control_period;
+    const double search_time = first ? 0.0 : SEARCH_SAMPLES * law->p.control_period;
+    const Standing s = standing_of(x, &model, ahead, now, search_time);
+    const double early = EARLY * law->p.control_period;
     if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
         x->settled_since = INFINITY;
     } else if (x->settled_since > x->t) {
         x->settled_since = x->t;
     }
 
-    /* A search for a plan from nothing ends after some samples; until then all goes on as it was. */
-    Search *search = &x->search;
-    const bool challenge = x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * x->scales.time;
-    if (s.lost) {
-        search->active = search->ready = false;
-    } else if (!search->active && !search->ready &&
-               (x->phase == PHASE_STEERING || (challenge && x->t >= x->next_challenge - early))) {
-        controller_planned_search_begin(now, x->t, search);
-    }
-    controller_planned_search_on(&model, ahead, first ? INT32_MAX : p->search_iterations, search, &law->workspace);
-
+    int32_t work = WORK_OF_SAMPLE;
     const bool due = change_phase(x, &s, early);
     if (due) {
         x->next_plan = x->t + x->scales.plan_period;
     }
-    if (x->phase != PHASE_STEERING) {
-        if (due) {
-            replan(law, x, &model, ahead, now);
-        }
-        return;
+    if (x->phase == PHASE_STEERING) {
+        steer(law, x, ahead, &s, dt, due, &work);
+    } else if (due || x->challenged) {
+        replan(law, x, &model, ahead, now, early, &work);
     }
-    if (due) {
-        const double dipole = STEERING_DIPOLE * p->dipole_max * x->identification.p[GAIN];
-        controller_planned_steer(ahead, x->t, s.D_N, dipole, x->scales.time, law->steering_field, &x->steering);
-    } else {
-        x->steering.time = larger(x->steering.time - dt, 0.0);
+    go_on_searching(law, x, &model, ahead, now, &s, search_time, &work);
+    if (first && !s.lost) {
+        fly_what_there_is(x, now);
     }
-    x->reference = (Motion){s.target.R, s.target.Omega, 0.0};
-    x->plan.stages = 0;
-    x->plan.cost = 0.0;
 }

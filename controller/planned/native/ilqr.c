@@ -7,7 +7,6 @@
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6; /* T, by which the last stage counts */
 static const double TURN_MAX = 1.5;                 /* rad in a stage; a motion beyond is no plan */
 static const double GAIN_MIN = 1e-6;                /* of the cost: an iteration that gains less is the last */
-enum { QP_PASSES = 6 };
 
 /* u + share k + K errors, within the limits, where errors are those of x from x0. */
 static void add_feedback(const Motion *x, const Motion *x0, double share, const double k[CONTROLS], double K[CONTROLS][ERRORS],
@@ -26,11 +25,14 @@ static void add_feedback(const Motion *x, const Motion *x0, double share, const 
     }
 }
 
-/* Motion and cost of the controls in `from` plus share k + K errors, into `to`; NEVER where it turns too fast. */
-static double rollout(const Model *model, const Plan *plan, Workspace *w, int from, int to, double share)
+/* Motion and cost of the controls in `from` plus share k + K errors, into `to`; NEVER where it turns too fast or costs more than
+ * the limit before its end. */
+static double rollout(const Model *model, const Plan *plan, Workspace *w, int from, int to, double share, double limit,
+                      int32_t *work)
 {
     double cost = 0.0;
     for (int i = 0; i < plan->stages; ++i) {
+        *work -= WORK_ROLLOUT;
         const Motion *x = &w->x[to][i], *x0 = &w->x[from][i];
         const double h = plan->h[i];
         double *u = w->u[to][i];
@@ -43,6 +45,9 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
             return NEVER;
         }
         cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(u));
+        if (cost > limit) {
+            return NEVER;
+        }
         w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
     }
     const double T = model->scales.time;
@@ -51,75 +56,59 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
     return cost == cost ? cost : NEVER;
 }
 
-/* C += A B; A is n x m, B is m x p, each by rows. */
-static inline void add_product(int n, int m, int p, const double *A, const double *B, double *C)
+/* A column without the wheel's element, which few have. */
+typedef struct {
+    Vector angle, rate;
+} Column;
+
+static inline Column column(const double a[ERRORS])
 {
-    for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < p; ++j) {
-            double x = C[i * p + j];
-            for (int k = 0; k < m; ++k) {
-                x += A[i * m + k] * B[k * p + j];
-            }
-            C[i * p + j] = x;
-        }
-    }
+    return (Column){vector(a), vector(a + 3)};
 }
 
-/* C += A^T B; A is m x n, B is m x p. */
-static inline void add_transposed_product(int n, int m, int p, const double *A, const double *B, double *C)
+static inline double along(Column a, const double b[ERRORS])
 {
-    for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < p; ++j) {
-            double x = C[i * p + j];
-            for (int k = 0; k < m; ++k) {
-                x += A[k * n + i] * B[k * p + j];
-            }
-            C[i * p + j] = x;
-        }
-    }
-}
-
-/* C += A^T B + D^T E; A and D are m x n, B and E are m x p. */
-static inline void add_transposed_products(int n, int m, int p, const double *A, const double *B, const double *D,
-                                           const double *E, double *C)
-{
-    for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < p; ++j) {
-            double x = C[i * p + j];
-            for (int k = 0; k < m; ++k) {
-                x += A[k * n + i] * B[k * p + j] + D[k * n + i] * E[k * p + j];
-            }
-            C[i * p + j] = x;
-        }
-    }
+    return dot(a.angle, vector(b)) + dot(a.rate, vector(b + 3));
 }
 
 /* Q = L + V of what follows, to second order in the errors at the stage's beginning and the changes of its controls. */
 static void expand(const Model *model, const Stage *stage, const Motion *x, const Motion *next, const double u[CONTROLS],
                    double h, BackwardPass *s)
 {
-    double *A = (double *)s->A, *G = (double *)s->G, *VA = s->VA[0], *VG = s->VG[0];
     controller_planned_linearise(model, &stage->around, x, next, u, h, s->A, s->G);
     controller_planned_cost_of(model, &stage->target, x, h, h, s->Qx, s->Lxx);
-    memset(s->Qux, 0, sizeof s->Qux);
-    memset(s->Quu, 0, sizeof s->Quu);
-    for (int a = 0; a < CONTROLS; ++a) {
-        s->Qu[a] = 2.0 * WEIGHT_CONTROL * h * u[a];
-        s->Quu[a][a] = 2.0 * WEIGHT_CONTROL * h;
+    for (int j = 0; j < ERRORS; ++j) { /* Qx = Lx + A'v */
+        const Column A = column(s->A[j]);
+        s->Qx[j] += along(A, s->v) + (j == 6 ? s->v[6] : 0.0);
+        for (int i = 0; i < ERRORS; ++i) {
+            s->VA[j][i] = along(A, s->V[i]);
+        }
     }
-    memset(VA, 0, sizeof s->VA);
-    memset(VG, 0, sizeof s->VG);
-    add_product(ERRORS, ERRORS, ERRORS, s->V[0], A, VA);
-    add_product(ERRORS, ERRORS, CONTROLS, s->V[0], G, VG);
-    add_transposed_product(ERRORS, ERRORS, 1, A, s->v, s->Qx);            /* Qx = Lx + A'v */
-    add_transposed_product(CONTROLS, ERRORS, 1, G, s->v, s->Qu);          /* Qu = Lu + G'v */
-    add_transposed_product(CONTROLS, ERRORS, CONTROLS, G, VG, s->Quu[0]); /* Quu = Luu + G'V G */
-    add_transposed_product(CONTROLS, ERRORS, ERRORS, G, VA, s->Qux[0]);   /* Qux = G'V A */
+    for (int i = 0; i < ERRORS; ++i) {
+        s->VA[6][i] += s->V[i][6];
+    }
+    for (int a = 0; a < CONTROLS; ++a) {
+        const Column G = column(s->G[a]);
+        const double wheel = s->G[a][6];
+        double VG[ERRORS];
+        for (int i = 0; i < ERRORS; ++i) {
+            VG[i] = along(G, s->V[i]) + wheel * s->V[i][6];
+        }
+        const Column row = column(VG);
+        s->Qu[a] = 2.0 * WEIGHT_CONTROL * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
+        for (int b = 0; b <= a; ++b) {                                                 /* Quu = Luu + G'V G */
+            s->Quu[a][b] = s->Quu[b][a] = along(row, s->G[b]) + VG[6] * s->G[b][6];
+        }
+        s->Quu[a][a] += 2.0 * WEIGHT_CONTROL * h;
+        for (int j = 0; j < ERRORS; ++j) { /* Qux = G'V A */
+            s->Qux[a][j] = along(row, s->A[j]) + (j == 6 ? VG[6] : 0.0);
+        }
+    }
 }
 
-/* k = argmin 1/2 k'Quu k + Qu'k in the box of the limits, K = -Quu^-1 Qux in the controls that are free. */
-static void gains(const Model *model, double l, const double u[CONTROLS], double h, const BackwardPass *s, double k[CONTROLS],
-                  double K[CONTROLS][ERRORS])
+/* k = argmin 1/2 k'Quu k + Qu'k in the box of the limits, K = -Quu^-1 Qux in the controls that are free. Returns the work. */
+static int gains(const Model *model, double l, const double u[CONTROLS], double h, const BackwardPass *s, double k[CONTROLS],
+                 double K[CONTROLS][ERRORS])
 {
     double low[CONTROLS], high[CONTROLS];
     bool free[CONTROLS];
@@ -133,34 +122,37 @@ static void gains(const Model *model, double l, const double u[CONTROLS], double
     }
     low[3] = smaller(larger(low[3], controller_planned_wheel_within(model, l, -1.0, h) - u[3]), 0.0);
     high[3] = larger(smaller(high[3], controller_planned_wheel_within(model, l, 1.0, h) - u[3]), 0.0);
-    controller_planned_box_qp(s->Quu, s->Qu, low, high, QP_PASSES, k, free);
+    const int work = controller_planned_box_qp(s->Quu, s->Qu, low, high, QP_PASSES, k, free);
     controller_planned_solve_free(s->Quu, free, ERRORS, K[0]);
+    return work;
 }
 
-/* v = Qx + K'(Qu + Quu k) + Qux'k, V = Lxx + A'V A + K'(Qux + Quu K) + Qux'K. */
-static void carry_back(const double k[CONTROLS], const double *K, BackwardPass *s)
+/* v = Qx + K'(Qu + Quu k) + Qux'k, V = Lxx + A'V A + Qux'K: in the controls that are free Qux + Quu K is zero, in the others K. */
+static void carry_back(const double k[CONTROLS], double K[CONTROLS][ERRORS], BackwardPass *s)
 {
-    double QuuK[CONTROLS][ERRORS];
-    memcpy(QuuK, s->Qux, sizeof QuuK);
-    add_product(CONTROLS, CONTROLS, 1, s->Quu[0], k, s->Qu);
-    add_product(CONTROLS, CONTROLS, ERRORS, s->Quu[0], K, QuuK[0]);
-    memcpy(s->v, s->Qx, sizeof s->v);
-    memset(s->V, 0, sizeof s->V);
-    for (int a = 0; a < ERRORS; ++a) {
-        s->V[a][a] = s->Lxx[a];
-    }
-    add_transposed_products(ERRORS, CONTROLS, 1, K, s->Qu, s->Qux[0], k, s->v);
-    add_transposed_product(ERRORS, ERRORS, ERRORS, s->A[0], s->VA[0], s->V[0]);
-    add_transposed_products(ERRORS, CONTROLS, ERRORS, K, QuuK[0], s->Qux[0], K, s->V[0]);
-    for (int a = 0; a < ERRORS; ++a) { /* symmetric to the last bit */
-        for (int b = 0; b < a; ++b) {
-            s->V[a][b] = s->V[b][a];
+    for (int a = 0; a < CONTROLS; ++a) {
+        for (int b = 0; b < CONTROLS; ++b) {
+            s->Qu[a] += s->Quu[a][b] * k[b];
         }
     }
+    for (int a = 0; a < ERRORS; ++a) {
+        const Column A = column(s->A[a]);
+        const double Qux[CONTROLS] = {s->Qux[0][a], s->Qux[1][a], s->Qux[2][a], s->Qux[3][a]};
+        double v = s->Qx[a];
+        for (int c = 0; c < CONTROLS; ++c) {
+            v += K[c][a] * s->Qu[c] + Qux[c] * k[c];
+        }
+        s->v[a] = v;
+        for (int b = 0; b <= a; ++b) {
+            const double by_controls = Qux[0] * K[0][b] + Qux[1] * K[1][b] + Qux[2] * K[2][b] + Qux[3] * K[3][b];
+            s->V[a][b] = s->V[b][a] = along(A, s->VA[b]) + (a == 6 ? s->VA[b][6] : 0.0) + by_controls;
+        }
+        s->V[a][a] += s->Lxx[a];
+    }
 }
 
-/* Gains of all stages for the motion in `at`. */
-static void backward_pass(const Model *model, const Plan *plan, Workspace *w, int at)
+/* Gains of all stages for the motion in `at`; false where the account ends before. */
+static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, int at, int32_t *work)
 {
     BackwardPass *s = &w->pass;
     double hessian[ERRORS];
@@ -175,43 +167,49 @@ static void backward_pass(const Model *model, const Plan *plan, Workspace *w, in
         const Motion *x = &w->x[at][i];
         const double *u = w->u[at][i], h = plan->h[i];
         expand(model, &w->stage[i], x, x + 1, u, h, s);
-        gains(model, x->l, u, h, s, w->k[i], w->K[i]);
-        carry_back(w->k[i], w->K[i][0], s);
+        if (*work < WORK_BACKWARD + WORK_QP) {
+            return false;
+        }
+        *work -= WORK_BACKWARD + gains(model, x->l, u, h, s, w->k[i], w->K[i]);
+        carry_back(w->k[i], w->K[i], s);
     }
+    return true;
 }
 
-int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w)
+/* The rollout of the first step length that costs less than the plan, into the motion that is not `now`: its cost, NEVER where
+ * none does or the account ends before. */
+static double line_search(const Model *model, const Plan *plan, Workspace *w, int now, int32_t *work)
 {
     static const double shares[] = {1.0, 0.5, 0.25, 0.1, 0.02};
+    for (size_t k = 0; k < sizeof shares / sizeof shares[0] && *work >= plan->stages * WORK_ROLLOUT; ++k) {
+        const double cost = rollout(model, plan, w, now, 1 - now, shares[k], plan->cost, work);
+        if (cost < plan->cost) {
+            return cost;
+        }
+    }
+    return NEVER;
+}
+
+int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w, int32_t *work)
+{
     int now = 0, used = 0;
     w->x[0][0] = w->x[1][0] = *x;
     memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
-    plan->cost = rollout(model, plan, w, 0, 0, 0.0);
-    while (used < iterations && may_be_flown(plan)) {
-        ++used;
-        backward_pass(model, plan, w, now);
-        double cost = NEVER;
-        for (size_t k = 0; k < sizeof shares / sizeof shares[0]; ++k) {
-            cost = rollout(model, plan, w, now, 1 - now, shares[k]);
-            if (cost < plan->cost) {
-                break;
-            }
-        }
+    plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, work);
+    if (!may_be_flown(plan)) {
+        return iterations;
+    }
+    while (used < iterations && *work >= plan->stages * WORK_OF_ITERATION) {
+        const double cost = backward_pass(model, plan, w, now, work) ? line_search(model, plan, w, now, work) : NEVER;
         if (!(cost < plan->cost)) {
-            used = iterations;
+            used = *work >= plan->stages * WORK_ROLLOUT ? iterations : used;
             break;
         }
         const bool done = plan->cost - cost < GAIN_MIN * cost;
         plan->cost = cost;
         now = 1 - now;
-        if (done) {
-            used = iterations;
-        }
+        used = done ? iterations : used + 1;
     }
-    if (may_be_flown(plan)) {
-        memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
-    } else {
-        used = iterations;
-    }
+    memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
     return used;
 }

@@ -5,11 +5,15 @@
 #include "cost.h"
 #include "plan.h"
 
-/* Of one stage: the errors after it are A errors + G controls; V is the Hessian of the cost from then on, v its gradient;
- * Q the same cost with the stage's own, Lxx the diagonal of that. */
+/* Of each stage of an iteration: what is left of an account has to allow it, or none is begun. It is enough nearly always; where
+ * it is not the iteration is given up. */
+enum { WORK_OF_ITERATION = WORK_BACKWARD + 3 * WORK_PASS + WORK_ROLLOUT };
+
+/* Of one stage: the errors after it are A errors + G controls, both by their columns; V is the Hessian of the cost from then on,
+ * v its gradient; VA by its columns; Q the same cost with the stage's own, Lxx the diagonal of that. */
 typedef struct {
     Square A, V, VA;
-    double G[ERRORS][CONTROLS], VG[ERRORS][CONTROLS];
+    double G[CONTROLS][ERRORS];
     double v[ERRORS], Qx[ERRORS], Lxx[ERRORS];
     double Qu[CONTROLS], Quu[CONTROLS][CONTROLS], Qux[CONTROLS][ERRORS];
 } BackwardPass;
@@ -24,8 +28,8 @@ typedef struct {
     double K[STAGES][CONTROLS][ERRORS];
 } Workspace;
 
-/* Improves the plan from x by at most a number of iterations, which it returns, fewer where nothing more is gained; the
- * plan's cost is then that of its motion. w->stage must be that of the plan. */
-int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w);
+/* Improves the plan from x by at most a number of iterations; the plan's cost is then that of its motion. Returns the iterations
+ * that it took from the account; all of them where nothing more is to be gained. w->stage must be that of the plan. */
+int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w, int32_t *work);
 
 #endif

@@ -2,8 +2,6 @@
 
 #include "jacobian.h"
 
-#include <string.h>
-
 static const double BIAS_FADES = 600.0;   /* s, over which the measured bias of the field loses its say */
 static const double CHANGE_LASTS = 200.0; /* s, for which a given rate goes on changing as it does now */
 
@@ -98,22 +96,6 @@ Motion controller_planned_advanced(const Model *model, const Around *around, con
     return controller_planned_moved(model, around, x, v, h);
 }
 
-/* F += factor m in the block from row and column on. */
-static void put_block(Square F, int row, int column, double factor, Matrix m)
-{
-    const Vector rows[3] = {m.a, m.b, m.c};
-    for (int i = 0; i < 3; ++i) {
-        F[row + i][column] += factor * rows[i].x;
-        F[row + i][column + 1] += factor * rows[i].y;
-        F[row + i][column + 2] += factor * rows[i].z;
-    }
-}
-
-static Matrix hat(Vector v)
-{
-    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
-}
-
 static Matrix sum(Matrix m, Matrix n)
 {
     return (Matrix){add(m.a, n.a), add(m.b, n.b), add(m.c, n.c)};
@@ -124,9 +106,40 @@ static Matrix times(double s, Matrix m)
     return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
 }
 
-/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta) + dM_g. */
+/* s I + M. */
+static Matrix with_diagonal(double s, Matrix m)
+{
+    return (Matrix){{m.a.x + s, m.a.y, m.a.z}, {m.b.x, m.b.y + s, m.b.z}, {m.c.x, m.c.y, m.c.z + s}};
+}
+
+static Matrix hat(Vector v)
+{
+    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
+}
+
+/* v^ M. */
+static Matrix hat_times(Vector v, Matrix m)
+{
+    return (Matrix){subtract(scale(v.y, m.c), scale(v.z, m.b)), subtract(scale(v.z, m.a), scale(v.x, m.c)),
+                    subtract(scale(v.x, m.b), scale(v.y, m.a))};
+}
+
+/* M v^. */
+static Matrix times_hat(Matrix m, Vector v)
+{
+    return (Matrix){cross(m.a, v), cross(m.b, v), cross(m.c, v)};
+}
+
+/* u^ v^ = v u' - (u'v) I. */
+static Matrix hats(Vector u, Vector v)
+{
+    return with_diagonal(-dot(u, v), (Matrix){scale(v.x, u), scale(v.y, u), scale(v.z, u)});
+}
+
+/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta) + dM_g, where
+ * dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
 typedef struct {
-    Matrix turn, angle, rate;
+    Matrix angle, rate;
     Vector wheel;
 } Jacobian;
 
@@ -135,62 +148,51 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
     const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
-    const Matrix magnetic = multiply(hat(m), hat(B));
-    const Matrix gravity = times(3.0 * around->rate_squared, sum(multiply(hat(rho), multiply(J, hat(rho))),
-                                                                 times(-1.0, multiply(hat(apply(J, rho)), hat(rho)))));
+    const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));
+    const Matrix angle = sum(hats(m, B), times(3.0 * around->rate_squared, times_hat(tilt, rho)));
     return (Jacobian){
-        .turn = times(-1.0, hat(Omega)),
-        .angle = multiply(model->J_inverse, sum(magnetic, gravity)),
-        .rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, multiply(hat(Omega), J)))),
+        .angle = multiply(model->J_inverse, angle),
+        .rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, hat_times(Omega, J)))),
         .wheel = apply(model->J_inverse, cross(model->wheel_axis, Omega)),
     };
 }
 
-/* F = [turn I 0; angle rate wheel; 0 0 0], A = I + h F + h^2/2 F^2. */
-static void state_transition(const Jacobian *F, double h, Square A)
+/* The columns of rows `row` to `row` + 2. */
+static void put_columns(double columns[][ERRORS], int row, Matrix m)
 {
-    const double s = 0.5 * h * h;
-    memset(A, 0, sizeof(Square));
-    put_block(A, 0, 0, 1.0, identity);
-    put_block(A, 0, 0, h, F->turn);
-    put_block(A, 0, 0, s, sum(multiply(F->turn, F->turn), F->angle));
-    put_block(A, 0, 3, h, identity);
-    put_block(A, 0, 3, s, sum(F->turn, F->rate));
-    put_block(A, 3, 0, h, F->angle);
-    put_block(A, 3, 0, s, sum(multiply(F->angle, F->turn), multiply(F->rate, F->angle)));
-    put_block(A, 3, 3, 1.0, identity);
-    put_block(A, 3, 3, h, F->rate);
-    put_block(A, 3, 3, s, sum(F->angle, multiply(F->rate, F->rate)));
-    double top[3], middle[3];
-    store(scale(s, F->wheel), top);
-    store(add(scale(h, F->wheel), scale(s, apply(F->rate, F->wheel))), middle);
-    for (int i = 0; i < 3; ++i) {
-        A[i][6] = top[i];
-        A[3 + i][6] = middle[i];
-    }
-    A[6][6] = 1.0;
+    const Matrix t = transposed(m);
+    store(t.a, &columns[0][row]);
+    store(t.b, &columns[1][row]);
+    store(t.c, &columns[2][row]);
 }
 
 void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next,
-                                  const double u[CONTROLS], double h, Square A, double G[ERRORS][CONTROLS])
+                                  const double u[CONTROLS], double h, Square A, double G[CONTROLS][ERRORS])
 {
     const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
     const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
     const Vector B = apply_transposed(R, around->B_N);
     const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u));
+    /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the stage is
+     * `over` = h I + h^2/2 rate. */
     const double s = 0.5 * h * h;
-    state_transition(&F, h, A);
+    const Matrix over = with_diagonal(h, times(s, F.rate));
+    const Matrix turned = sum(hats(Omega, Omega), F.angle);
+    put_columns(A, 0, with_diagonal(1.0, sum(times(-h, hat(Omega)), times(s, turned))));
+    put_columns(A, 3, sum(multiply(over, F.angle), times(-s, times_hat(F.angle, Omega))));
+    put_columns(A + 3, 0, with_diagonal(h, times(s, sum(F.rate, times(-1.0, hat(Omega))))));
+    put_columns(A + 3, 3, with_diagonal(1.0, sum(times(s, F.angle), multiply(over, F.rate))));
+    store(scale(s, F.wheel), A[6]);
+    store(apply(over, F.wheel), A[6] + 3);
+    for (int j = 0; j < ERRORS; ++j) {
+        A[j][6] = j == 6 ? 1.0 : 0.0;
+    }
     for (int j = 0; j < CONTROLS; ++j) {
         const Vector tau = j < 3 ? cross(model->rods[j], B) : scale(-model->wheel_torque_max, model->wheel_axis);
         const Vector g = apply(model->J_inverse, tau);
         const double l = j < 3 ? 0.0 : model->wheel_torque_max;
-        double top[3], middle[3];
-        store(scale(s, g), top);
-        store(add(scale(h, g), scale(s, add(apply(F.rate, g), scale(l, F.wheel)))), middle);
-        for (int i = 0; i < 3; ++i) {
-            G[i][j] = top[i];
-            G[3 + i][j] = middle[i];
-        }
-        G[6][j] = h * l;
+        store(scale(s, g), G[j]);
+        store(add(apply(over, g), scale(s * l, F.wheel)), G[j] + 3);
+        G[j][6] = h * l;
     }
 }

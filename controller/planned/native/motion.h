@@ -93,8 +93,9 @@ Motion controller_planned_moved(const Model *model, const Around *around, const 
 Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
                                    double h);
 
-/* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its middle. */
+/* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its middle;
+ * both by their columns. A leaves the wheel's momentum as it is, and of the controls only the wheel's changes it. */
 void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next,
-                                  const double u[CONTROLS], double h, Square A, double G[ERRORS][CONTROLS]);
+                                  const double u[CONTROLS], double h, Square A, double G[CONTROLS][ERRORS]);
 
 #endif

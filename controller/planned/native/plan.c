@@ -6,19 +6,31 @@
 static const double HORIZON = 30.0, FINE_UNTIL = 10.0;
 static const double STAGE_FINE = 0.2, STAGE_COARSE = 0.5; /* before and after FINE_UNTIL */
 static const double FAST = 0.4, FASTER = 0.8;             /* rad in STAGE_FINE; stages are halved and quartered */
-static const double EARLY = 1e-7;                         /* of the horizon: an end is reached that much before its time */
+static const double EARLY = 1e-7;                         /* of its length: an end is reached that much before its time */
+
+/* A stage of a plan, and when it begins, s. */
+typedef struct {
+    int stage;
+    double begin;
+} Place;
+
+/* The controls at t, which does not lie before the place; the place is that of t then. */
+static void controls_at(const Plan *plan, double t, Place *place, double u[CONTROLS])
+{
+    while (place->stage < plan->stages && t >= place->begin + (1.0 - EARLY) * plan->h[place->stage]) {
+        place->begin += plan->h[place->stage++];
+    }
+    if (place->stage < plan->stages) {
+        memcpy(u, plan->u[place->stage], sizeof plan->u[0]);
+    } else {
+        memset(u, 0, sizeof plan->u[0]);
+    }
+}
 
 void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS])
 {
-    double end = plan->start;
-    for (int i = 0; i < plan->stages; ++i) {
-        end += plan->h[i];
-        if (t < end) {
-            memcpy(u, plan->u[i], sizeof plan->u[i]);
-            return;
-        }
-    }
-    memset(u, 0, sizeof plan->u[0]);
+    Place place = {0, plan->start};
+    controls_at(plan, t, &place, u);
 }
 
 static void survey_stage(const Ahead *ahead, double t, double h, Stage *stage)
@@ -27,7 +39,7 @@ static void survey_stage(const Ahead *ahead, double t, double h, Stage *stage)
     stage->target = controller_planned_target_at(ahead, t);
 }
 
-void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage[STAGES + 1])
+void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage[STAGES + 1], int32_t *work)
 {
     double t = plan->start;
     for (int i = 0; i < plan->stages; ++i) {
@@ -35,14 +47,16 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
         t += plan->h[i];
     }
     stage[plan->stages].target = controller_planned_target_at(ahead, t);
+    *work -= plan->stages * WORK_SURVEY;
 }
 
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
-                                   Plan *plan, Stage stage[STAGES + 1])
+                                   Plan *plan, Stage stage[STAGES + 1], int32_t *work)
 {
     const double T = model->scales.time, fine = STAGE_FINE * T, coarse = STAGE_COARSE * T;
     const double fine_until = FINE_UNTIL * T, horizon = HORIZON * T, early = EARLY * fine_until;
     Motion now = *x;
+    Place place = {0, was != NULL ? was->start : 0.0};
     double s = 0.0;
     memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
@@ -62,11 +76,12 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
             double *u = plan->u[k];
             memset(u, 0, sizeof plan->u[0]);
             if (was != NULL) {
-                controller_planned_plan_at(was, t + s + 0.5 * h, u);
+                controls_at(was, t + s + 0.5 * h, &place, u);
             }
             now = controller_planned_advanced(model, &stage[k].around, &now, u, h);
             s += h;
         }
     }
     stage[plan->stages].target = controller_planned_target_at(ahead, t + s);
+    *work -= plan->stages * WORK_LAY;
 }

@@ -3,6 +3,7 @@
 #define CONTROLLER_PLANNED_PLAN_H
 
 #include "motion.h"
+#include "work.h"
 
 enum { STAGES = 208 };
 
@@ -31,12 +32,12 @@ static inline bool may_be_flown(const Plan *plan)
 /* The controls at t; zero before the plan's start and after its end. */
 void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS]);
 
-/* What surrounds the stages that the plan has; the last of STAGES + 1 has the final target alone. */
-void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage[STAGES + 1]);
+/* What surrounds the stages that the plan has, taken from the account; the last of STAGES + 1 has the final target alone. */
+void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage[STAGES + 1], int32_t *work);
 
 /* The stages of a horizon from t on, of the plan that was (or none), finer where its motion from x turns fast; its
  * controls are carried over, zero beyond its end. */
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
-                                   Plan *plan, Stage stage[STAGES + 1]);
+                                   Plan *plan, Stage stage[STAGES + 1], int32_t *work);
 
 #endif

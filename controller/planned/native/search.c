@@ -8,9 +8,8 @@ static const double STIFFNESS = 1.0, STIFFNESS_STEP = 0.2;  /* of the cascade: 1
 static const double DAMPING = 2.5, DAMPING_STEP = 0.5;      /* the same of the rate */
 static const double ANGLE_MIN = 1e-9;                       /* rad, below which an error has no direction */
 static const double WHEEL_REST = 1.2;                       /* T, over which the wheel would come to rest */
-enum { QP_PASSES = 12 };
 
-void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
+int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
 {
     /* |A u - tau|^2 in units of the largest torques, with a little of |u|^2 and of the wheel's rest. */
     Vector A[CONTROLS];
@@ -30,10 +29,11 @@ void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B,
         g[i] = -dot(A[i], tau) - (i < 3 ? 0.0 : weight * rest);
         u[i] = 0.0;
     }
-    controller_planned_box_qp((const double (*)[CONTROLS])H, g, low, high, QP_PASSES, u, free);
+    return controller_planned_box_qp((const double (*)[CONTROLS])H, g, low, high, 2 * QP_PASSES, u, free);
 }
 
-void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stages[STAGES + 1])
+void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stages[STAGES + 1],
+                                int32_t *work)
 {
     const double T = model->scales.time;
     Motion now = *x;
@@ -49,7 +49,8 @@ void controller_planned_cascade(const Model *model, const Motion *x, double rate
             subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
         tau = subtract(tau, cross(momentum_of(model, &now), now.Omega));
-        controller_planned_controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
+        *work -= WORK_CASCADE +
+                 controller_planned_controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = controller_planned_advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
     }
 }
@@ -64,20 +65,27 @@ void controller_planned_search_begin(const Motion *x, double t, Search *search)
     search->t = t;
 }
 
-void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w)
+void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w,
+                                  int32_t *work)
 {
     while (search->active && iterations > 0) {
-        if (search->left == ITERATIONS_COLD) {
-            controller_planned_lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w->stage);
+        const bool fresh = search->left == ITERATIONS_COLD;
+        const int stages = fresh ? STAGES : search->trial.stages;
+        const int before = fresh ? WORK_LAY + WORK_CASCADE + 2 * WORK_QP : WORK_SURVEY;
+        if (*work < stages * (before + WORK_ROLLOUT + WORK_OF_ITERATION)) {
+            return;
+        }
+        if (fresh) {
+            controller_planned_lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w->stage, work);
             if (search->start > 0) {
                 controller_planned_cascade(model, &search->x, 1.0 / (CASCADE_TIMES[search->start - 1] * model->scales.time),
-                                           &search->trial, w->stage);
+                                           &search->trial, w->stage, work);
             }
         } else {
-            controller_planned_survey(ahead, &search->trial, w->stage);
+            controller_planned_survey(ahead, &search->trial, w->stage, work);
         }
         const int wanted = search->left < iterations ? search->left : iterations;
-        const int used = controller_planned_improve(model, &search->x, wanted, &search->trial, w);
+        const int used = controller_planned_improve(model, &search->x, wanted, &search->trial, w, work);
         search->left -= used;
         iterations -= used;
         if (search->left == 0) {

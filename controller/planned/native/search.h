@@ -16,13 +16,15 @@ typedef struct {
 
 void controller_planned_search_begin(const Motion *x, double t, Search *search);
 
-/* Goes on by at most `iterations`. */
-void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w);
+/* Goes on by at most `iterations`, and by no more than the account allows. */
+void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w,
+                                  int32_t *work);
 
-/* The controls nearest to a demanded torque of rods and wheel in the field B_B. */
-void controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
+/* The controls nearest to a demanded torque of rods and wheel in the field B_B; returns the work. */
+int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
 
 /* Controls of a cascade through the limits, to start from: turns to the target at no more than `rate`, rad/s. */
-void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stage[STAGES + 1]);
+void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stage[STAGES + 1],
+                                int32_t *work);
 
 #endif

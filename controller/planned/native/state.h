@@ -24,6 +24,8 @@ typedef struct {
     Steering steering;
     Plan plan;
     Search search;
+    bool provisional;    /* the plan is what the first search had come to in its first sample */
+    bool challenged;     /* the search's plan is held against the plan at the next sample */
     Motion reference;    /* of the plan, at t_sample */
     Vector field_bias_N; /* measured field less that of the onboard model */
     double l_own;        /* wheel momentum by the controller's own account */
@@ -81,8 +83,8 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
 Around controller_planned_take_sample(const ControllerPlannedLaw *law, ControllerPlannedState *x,
                                       const ControllerPlannedInputs *u, bool first);
 
-/* The sample's decision, on the motion `now`, dt after the last. At the first sample there is no time to keep, and no motion to
- * go on with: the search is made whole. */
+/* The sample's decision, on the motion `now`, dt after the last; its work is bounded by WORK_OF_SAMPLE. At the first sample there
+ * is no command to go on with: what the search has come to is flown. */
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first);
 
@@ -90,6 +92,9 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
  * unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. */
 void controller_planned_damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model,
                              Vector Omega, double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y);
+
+/* The wheel's control, -1 to 1, that brings its momentum l to rest while steering or damping. */
+double controller_planned_wheel_to_rest(const Model *model, double l);
 
 /* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls` are those of
  * the feed-forward. */

@@ -25,6 +25,7 @@ MU = 3.986004418e14
 U3 = 1.0 / np.sqrt(3.0)
 RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
 STAGES = 208
+WORK_OF_SAMPLE = 176_000
 _BLOCK = "controller_planned"
 
 Array = NDArray[np.float64]
@@ -312,6 +313,23 @@ def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: fl
         m.c(), a.c(), x.c(), c_double(t), len(was.h), _doubles(was.h), _doubles(was.u), c_double(t_next), hs, us
     )
     return h()[:n], u()[:n]
+
+
+@dataclass(frozen=True)
+class Searched:
+    """The controls u (208, 4) of a search and their cost, the calls that it took and the least that they left of their account."""
+
+    u: Array
+    cost: float
+    calls: int
+    least: int
+
+
+def search(m: Satellite, a: Ahead, x: Motion, account: int = WORK_OF_SAMPLE) -> Searched:
+    """A search for a plan from t = 0, by calls with an account of work each."""
+    (us, u), cost, least = _room(STAGES, 4), c_double(), c_int32()
+    calls = library().probe_search(m.c(), a.c(), x.c(), c_int32(account), byref(least), byref(cost), us)
+    return Searched(u(), cost.value, calls, least.value)
 
 
 def around(a: Ahead, t: float) -> tuple[Around, Array, Array]:

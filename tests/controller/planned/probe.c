@@ -53,6 +53,8 @@ PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatM
 PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path);
 PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
                           const double *u, double t_next, double *h_next, double *u_next);
+PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
+                       double *cost, double *u);
 PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
 PROBE double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3]);
 PROBE void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
@@ -64,6 +66,7 @@ PROBE int probe_glitch(const ControllerPlannedParameters *p, const ControllerPla
 static const double UNIT = 50.0; /* s, the paper's satellite's T */
 static Workspace workspace;
 static Plan plans[2];
+static int32_t work; /* of the planner, as much as it wants */
 
 static Matrix nine(const double m[9])
 {
@@ -79,6 +82,7 @@ static void nine_of(Matrix m, double out[9])
 
 static Model model_of(const FlatModel *f)
 {
+    work = INT32_MAX;
     Model m;
     memset(&m, 0, sizeof m);
     m.J = matrix(f->J);
@@ -244,10 +248,16 @@ void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion 
     const Around around = around_of(a);
     const Motion motion = motion_of(x), next = controller_planned_advanced(&model, &around, &motion, u, h);
     Square square;
-    double columns[ERRORS][CONTROLS];
+    double columns[CONTROLS][ERRORS];
     controller_planned_linearise(&model, &around, &motion, &next, u, h, square, columns);
-    memcpy(A, square, sizeof square);
-    memcpy(G, columns, sizeof columns);
+    for (int i = 0; i < ERRORS; ++i) {
+        for (int j = 0; j < ERRORS; ++j) {
+            A[ERRORS * i + j] = square[j][i];
+        }
+        for (int j = 0; j < CONTROLS; ++j) {
+            G[CONTROLS * i + j] = columns[j][i];
+        }
+    }
 }
 
 double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
@@ -275,11 +285,11 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
     const Ahead ahead = ahead_of_flat(a, &field);
     Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage);
+    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage, &work);
     if (rate > 0.0) {
-        controller_planned_cascade(&model, &now, rate, plan, workspace.stage);
+        controller_planned_cascade(&model, &now, rate, plan, workspace.stage, &work);
     }
-    controller_planned_improve(&model, &now, iterations, plan, &workspace);
+    controller_planned_improve(&model, &now, iterations, plan, &workspace, &work);
     for (int i = 0; i < plan->stages; ++i) {
         flatten(&now, &path[i]);
         h[i] = plan->h[i];
@@ -298,7 +308,7 @@ int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, dou
     const int n = probe_plan(m, a, x, a->t, 0.0, 0, h, u[0], &cost, path);
     const Model model = model_of(m);
     const Motion now = motion_of(x);
-    controller_planned_improve(&model, &now, 1, &plans[0], &workspace);
+    controller_planned_improve(&model, &now, 1, &plans[0], &workspace, &work);
     memcpy(K, workspace.K, (size_t)n * sizeof workspace.K[0]);
     return n;
 }
@@ -311,9 +321,9 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
     const Ahead ahead = ahead_of_flat(a, &field);
     const Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage);
+    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage, &work);
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
-    controller_planned_improve(&model, &now, 0, plan, &workspace);
+    controller_planned_improve(&model, &now, 0, plan, &workspace, &work);
     return plan->cost;
 }
 
@@ -330,10 +340,33 @@ int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
     plans[0].stages = n;
     memcpy(plans[0].h, h, (size_t)n * sizeof h[0]);
     memcpy(plans[0].u, u, (size_t)n * sizeof plans[0].u[0]);
-    controller_planned_lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], workspace.stage);
+    controller_planned_lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], workspace.stage, &work);
     memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
     memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
     return plans[1].stages;
+}
+
+/* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the account. */
+int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least, double *cost,
+                 double *u)
+{
+    static Search search;
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    int calls = 0;
+    *least = account;
+    memset(&search, 0, sizeof search);
+    controller_planned_search_begin(&now, 0.0, &search);
+    for (; search.active && calls < 1000; ++calls) {
+        int32_t left = account;
+        controller_planned_search_on(&model, &ahead, INT32_MAX, &search, &workspace, &left);
+        *least = left < *least ? left : *least;
+    }
+    *cost = search.best.cost;
+    memcpy(u, search.best.u, sizeof search.best.u);
+    return calls;
 }
 
 void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3])

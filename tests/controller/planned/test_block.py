@@ -453,15 +453,18 @@ def test_the_feed_forward_is_the_plan_and_the_plan_moves_as_the_controller_belie
 def test_the_controls_of_a_sample_are_the_plans_in_the_middle_of_the_time_for_which_they_act(period):
     """Stages of 10 s are no multiple of 0.3 s nor of 0.35 s, so a sample has two: read at its start it would take the first
     for too long by 0.3 s, at its end the second too early by 0.35 s."""
-    plan = []
+    plan, cost = [], []
     with started(control_period=period, plan_period=1000.0) as it:
-        for i in range(round(45.0 / period)):
+        for i in range(round(60.0 / period)):
             plan.append(it.get("dipole_ff"))
+            cost.append(it.get("plan_cost"))
             feed(it, near_target((i + 1) * period))
             it.step(i * period, period)
-            assert it.get("phase") == 2
-    changes = [i for i, (a, b) in enumerate(pairwise(plan), 1) if not np.array_equal(a, b)]
-    assert changes == [math.ceil(round(end / period - 0.5, 9)) for end in (10.0, 20.0, 30.0, 40.0)]
+            assert it.get("phase") in {2, 3}
+    first = max(i for i in range(1, len(cost)) if cost[i] != cost[i - 1])  # sample of the plan that follows the search
+    assert 0 < first * period < 15.0
+    changes = [i - first for i, (a, b) in enumerate(pairwise(plan), 1) if i > first and not np.array_equal(a, b)]
+    assert changes[:4] == [math.ceil(round(end / period - 0.5, 9)) for end in (10.0, 20.0, 30.0, 40.0)]
 
 
 def test_while_steering_the_torque_is_that_of_the_feed_forward():

@@ -337,3 +337,23 @@ def test_the_field_ahead_keeps_what_was_measured_for_a_while():
     with_bias = core.Ahead(R0, V0, bias_N=bias)
     shares = [(core.around(with_bias, t)[0].B_N - core.around(AHEAD, t)[0].B_N) / bias for t in (0.0, 600.0, 1200.0)]
     assert shares == pytest.approx(np.outer(np.exp([0.0, -1.0, -2.0]), np.ones(3)), rel=1e-9)
+
+
+# ------------------------------------------------------------------------------------------- work of a sample
+
+
+def test_a_search_over_samples_ends_at_the_plan_of_one_without_pause():
+    at_once = core.search(SATELLITE, AHEAD, state(3, 0.01), 2**31 - 1)
+    spread = core.search(SATELLITE, AHEAD, state(3, 0.01))
+    assert at_once.calls == 1
+    assert spread.calls > 10
+    assert spread.cost == pytest.approx(at_once.cost, rel=1e-6)
+    assert spread.u == pytest.approx(at_once.u, abs=1e-3)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.01, 0.03, 0.05])
+@pytest.mark.parametrize("speed", [1.0, 1.3])
+def test_no_sample_takes_more_than_its_account_however_fast_the_satellite_turns_or_eccentric_its_orbit(rate, speed):
+    searched = core.search(SATELLITE, core.Ahead(R0, speed * V0), state(5, rate))
+    assert 0 <= searched.least < core.WORK_OF_SAMPLE / 2
+    assert 3 <= searched.calls < 100
