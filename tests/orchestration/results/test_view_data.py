@@ -76,7 +76,7 @@ def test_a_view_that_does_not_fit_is_refused_before_the_run(entry, said):
     [
         ("flight_tumble", "2 s", ("lvlh", "controller.R_d", None)),
         ("flight_estimated", "2 s", ("lvlh", None, "estimator.R_NB")),
-        ("mission_day", "20 s", ("supervisor.R_ref", "controller.R_d", None)),
+        ("track_ground_station", "20 s", ("supervisor.R_ref", "controller.R_d", None)),
     ],
 )
 def test_the_goal_is_what_is_connected_to_the_controller_and_a_plan_or_an_estimate_is_told_apart(
