@@ -87,7 +87,7 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     store(model->disturbance_B, y->disturbance_B);
     store(model->residual_B, y->residual_dipole_estimate_B);
     store_matrix(model->J, y->J_estimate_B);
-    y->rod_gain_estimate = x->identification.p[GAIN];
+    y->rod_gain_estimate = controller_planned_rods_gain(&x->identification);
     y->h_w_estimate = now->l;
 }
 

@@ -156,10 +156,8 @@ static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, d
 {
     memset(x, 0, sizeof *x);
     x->t = t;
-    const double inertia[3] = {law->p.J_B[0][0], law->p.J_B[1][1], law->p.J_B[2][2]};
     x->scales = scales_of(law, u);
-    controller_planned_identification_start(&x->scales, inertia, law->p.identify_spread, law->p.disturbance_time,
-                                            law->p.rate_noise, &x->identification);
+    controller_planned_identification_start(&law->p, &x->scales, &x->identification);
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

@@ -187,7 +187,7 @@ static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ah
 {
     if (due) {
         *work -= WORK_STEERING;
-        const double dipole = STEERING_DIPOLE * law->p.dipole_max * x->identification.p[GAIN];
+        const double dipole = STEERING_DIPOLE * law->p.dipole_max * controller_planned_rods_gain(&x->identification);
         controller_planned_steer(ahead, x->t, s->D_N, dipole, x->scales.time, law->steering_field, &x->steering);
     } else {
         x->steering.time = larger(x->steering.time - dt, 0.0);

@@ -3,14 +3,7 @@
 
 #include <string.h>
 
-static const double MODEL_SHARE = 0.1;                 /* of a change of rate by the model that may be wrong */
-static const double MODEL_REST_TIMES = 400.0;          /* 1/(T^2 rad/s^2) by which it may be wrong at rest */
-static const double CHANGE_MAX = 250.0;                /* 1/T^2 that rods and wheel may give to a light satellite */
-static const double GYROSCOPIC = 2.0;                  /* rad/s^2 per rad^2/s^2 that a body may give to itself */
-static const double CHANGE_NOISE = 20.0;               /* standard deviations of the rate by which a difference may be wrong */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
-static const double RATIO_MAX = 1e3;                   /* of step over noise, from which a measurement counts alone */
-static const double NOISE_MIN = 1e-300;                /* keeps a noise of zero from dividing */
 
 /* The rods' dipoles at their limit. */
 static void set_rods(const ControllerPlannedLaw *law, double dipole_max, Model *model)
@@ -41,19 +34,15 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
 
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
 {
-    const ControllerPlannedParameters *p = &law->p;
+    const double *p = x->identification.p;
     Model model = controller_planned_nominal(law, &x->scales);
-    model.J.a.x = x->identification.p[0];
-    model.J.b.y = x->identification.p[1];
-    model.J.c.z = x->identification.p[2];
-    Fault unused;
-    if (!is_inertia(model.J, "", &unused)) {
-        model.J = matrix(p->J_B); /* large products of inertia, which are not estimated, may not fit what is */
-    }
+    model.J = controller_planned_estimated_inertia(&x->identification);
     model.J_inverse = inverse(model.J);
-    set_rods(law, p->dipole_max * x->identification.p[GAIN], &model);
-    model.disturbance_B = vector(x->identification.p + TORQUE);
-    model.residual_B = vector(x->identification.p + DIPOLE);
+    for (int i = 0; i < 3; ++i) {
+        model.rods[i] = scale(p[GAINS + i], model.rods[i]);
+    }
+    model.disturbance_B = vector(p + TORQUE);
+    model.residual_B = vector(p + DIPOLE);
     return model;
 }
 
@@ -123,62 +112,40 @@ static void applied(const ControllerPlannedLaw *law, const ControllerPlannedStat
     }
 }
 
-/* Steady gain of a Kalman filter for a random walk, of the walk's step over the measurement's noise. */
-static double filter_gain(double step, double noise)
-{
-    const double ratio = step / larger(noise, NOISE_MIN);
-    return ratio > RATIO_MAX ? 1.0 : 0.5 * ratio * (sqrt(ratio * ratio + 4.0) - ratio);
-}
-
-/* The estimate of attitude and rate before the measurement, and how far the measurement moves it. */
-static void predict(const ControllerPlannedLaw *law, ControllerPlannedState *x, const double given[CONTROLS],
-                    const Around *around, double dt)
-{
-    const ControllerPlannedParameters *p = &law->p;
-    const double T = x->scales.time;
-    Model model = controller_planned_believed(law, x);
-    model.wheel_momentum_max = INFINITY;
-    Around then = *around;
-    then.B_N = apply(x->estimate.R, x->B_B);
-    x->predicted = controller_planned_advanced(&model, &then, &x->estimate, given, dt);
-
-    const Vector Omega = x->predicted.Omega;
-    const double change = norm(subtract(Omega, x->estimate.Omega)) + dt * dot(Omega, Omega);
-    const double step = MODEL_SHARE * change + dt / (MODEL_REST_TIMES * T * T);
-    x->rate_gain = filter_gain(step, p->rate_noise);
-    x->attitude_gain = filter_gain((sqrt(x->rate_gain) * p->rate_noise + step) * dt, p->attitude_noise);
-}
-
 Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l)
 {
     const Motion *was = &x->predicted;
-    const Vector turn = scale(x->attitude_gain, rotation_log(multiply(transposed(was->R), R)));
-    return (Motion){multiply(was->R, rotation_exp(turn)), add(was->Omega, scale(x->rate_gain, subtract(Omega, was->Omega))), l};
+    double innovation[MOTION], correction[MOTION] = {0.0};
+    store(rotation_log(multiply(transposed(was->R), R)), innovation);
+    store(subtract(subtract(Omega, x->identification.bias), was->Omega), innovation + RATE);
+    for (int i = 0; i < MOTION; ++i) {
+        for (int j = 0; j < MOTION; ++j) {
+            correction[i] += x->identification.gain[i][j] * innovation[j];
+        }
+    }
+    return (Motion){multiply(was->R, rotation_exp(vector(correction))), add(was->Omega, vector(correction + RATE)), l};
 }
 
-/* Disturbance, own dipole, inertia and rod gain from the sample that ends now. */
-static void learn(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *now, Vector B_B,
-                  const double given[CONTROLS], const Around *around, double dt)
+/* The motion before the measurement, its covariance, and what the measurement tells. */
+static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *measured, Vector B_B,
+                   const double given[CONTROLS], const Around *around, double dt)
 {
-    const ControllerPlannedParameters *p = &law->p;
-    const double T = x->scales.time;
-    const Vector change = scale(1.0 / dt, subtract(now->Omega, x->measured.Omega));
-    const double slower = smaller(norm(now->Omega), norm(x->measured.Omega));
-    if (!(norm(change) < GYROSCOPIC * slower * slower + CHANGE_MAX / (T * T) + CHANGE_NOISE * p->rate_noise / dt)) {
-        x->identification.elapsed = 0.0; /* no body changes its rate like that: the window begins anew */
-        return;
-    }
-    Model nominal = controller_planned_believed(law, x);
-    set_rods(law, p->dipole_max, &nominal);
-    const Vector tau_rods = cross(rods_dipole(&nominal, given), scale(0.5, add(x->B_B, B_B)));
-    /* The products of inertia are taken as they are given. */
-    Matrix products = matrix(p->J_B);
-    products.a.x = products.b.y = products.c.z = 0.0;
-    const Vector middle = scale(0.5, add(x->measured.Omega, now->Omega));
-    const Vector known = subtract(gravity_gradient(nominal.J, around, now->R),
-                                  add(cross(middle, apply(products, middle)), apply(products, change)));
-    controller_planned_identify(dt, law->wheel_axis, x->measured.Omega, now->Omega, x->measured.l, now->l, tau_rods, known,
-                                scale(0.5, add(x->B_B, B_B)), p->identify, &x->identification);
+    Model model = controller_planned_believed(law, x), nominal = controller_planned_nominal(law, &x->scales);
+    Around then = *around;
+    then.B_N = apply(x->estimate.R, x->B_B);
+    model.wheel_momentum_max = nominal.wheel_momentum_max = INFINITY;
+    nominal.disturbance_B = model.disturbance_B;
+    nominal.residual_B = model.residual_B;
+    x->predicted = controller_planned_advanced(&model, &then, &x->estimate, given, dt);
+    const Motion by_start = controller_planned_advanced(&nominal, &then, &x->estimate, given, dt);
+
+    const Vector rods[3] = {scale(given[0], nominal.rods[0]), scale(given[1], nominal.rods[1]),
+                            scale(given[2], nominal.rods[2])};
+    const Passed passed = {dt, &model, &then, x->estimate, x->predicted, scale(0.5, add(x->B_B, B_B)), rods};
+    controller_planned_propagate(&passed, &x->identification);
+    const Vector Omega = subtract(measured->Omega, vector(x->identification.p + BIAS));
+    controller_planned_learn(dt, rotation_log(multiply(transposed(x->predicted.R), measured->R)),
+                             subtract(Omega, x->predicted.Omega), subtract(Omega, by_start.Omega), &x->identification);
 }
 
 /* The measured field less the onboard model's B_N, smoothed. */
@@ -215,13 +182,11 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     }
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
-        learn(law, x, &measured, B_B, given, &around, dt);
-        predict(law, x, given, &around, dt);
+        filter(law, x, &measured, B_B, given, &around, dt);
     }
     /* Also after a measurement so wrong that nothing follows from it. */
     if (first || !is_finite(apply(x->predicted.R, x->predicted.Omega))) {
         x->predicted = measured;
-        x->rate_gain = x->attitude_gain = 1.0;
     }
     x->estimate = controller_planned_corrected(x, R, measured.Omega, measured.l);
     x->t_sample = x->t;

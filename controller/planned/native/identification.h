@@ -1,41 +1,56 @@
-/* Disturbance torque, own dipole, inertia and rod gain, from what was commanded and what was measured. */
+/* One Kalman filter for the motion and for what is not known of the satellite: bias of the measured rate, inertia, gains of the
+ * rods, disturbance torque, residual dipole. */
 #ifndef CONTROLLER_PLANNED_IDENTIFICATION_H
 #define CONTROLLER_PLANNED_IDENTIFICATION_H
 
-#include "scales.h"
+#include "motion.h"
 
-enum { UNKNOWNS = 10, GAIN = 3, TORQUE = 4, DIPOLE = 7 };
+/* Places in p; the inertia as J11, J22, J33, J23, J31, J12. */
+enum { BIAS = 0, INERTIA = 3, GAINS = 9, TORQUE = 12, DIPOLE = 15, UNKNOWNS = 18 };
+/* The errors of the estimate: turn of the body axes, rate, then those of p. */
+enum { RATE = 3, MOTION = 6, STATES = MOTION + UNKNOWNS };
 
-/* p = (J11, J22, J33, gain of the rods, disturbance torque, residual dipole) by a Kalman filter on windows of a few
- * seconds. */
 typedef struct {
-    double p[UNKNOWNS], P[UNKNOWNS][UNKNOWNS];
-    double start[TORQUE];         /* of inertias and gain */
-    double disturbance_max, walk; /* N m; its change in a window, one standard deviation */
-    double dipole_max;            /* A m2 */
-    double rate_noise;            /* rad/s */
-    double window;                /* s, of a balance of momentum */
-    double noise;                 /* N m s, of a balance */
-    double change_min;            /* rad/s, of the rate in a window that tells something of the inertia */
-    double known_min;             /* N m s, of a known impulse, below which the scale of p cannot be observed */
-    /* Sums over the window that is open. */
-    double elapsed;
-    Vector Omega_0;             /* rate at its beginning */
-    double l_0;                 /* wheel momentum at its beginning */
-    Vector products;            /* int (Om2 Om3, Om3 Om1, Om1 Om2) */
-    Vector rods, others, wheel; /* int of the rods' nominal torque, of known torques, of Omega x l a */
-    Vector field;               /* int of B */
+    double p[UNKNOWNS];     /* rad/s, kg m2, 1, N m, A m2 */
+    double start[UNKNOWNS]; /* p before the flight */
+    double P[STATES][STATES];
+    double gain[MOTION][MOTION]; /* of the last sample: correction of turn and rate by the innovations of both */
+    Vector bias;                 /* of the rate, before the last sample */
+    double excess[2];            /* squares of the innovations of attitude and rate over their variance, not below 1 */
+    double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
+    int32_t rejected;            /* samples in turn that were not believed */
+    double spread;               /* of inertia and gains before the flight, relative */
+    double limit[4];             /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
+    double variance[2];          /* rad2, rad2/s2, of a measurement */
+    double rate_density;         /* rad2/s3, of the model's error at rest */
+    double torque_density;       /* (N m)2/s, of the disturbance's change */
+    double lasts, forgets;       /* s, for which the model's error stays alike; of the average of innovations */
 } Identification;
 
-/* `spread`: standard deviation of inertias and gain, relative; `disturbance_time`, s, over which the disturbance is forgotten;
- * `rate_noise`, rad/s, of the measured rates. */
-void controller_planned_identification_start(const Scales *scales, const double inertia[3], double spread,
-                                             double disturbance_time, double rate_noise, Identification *id);
+/* A sample of dt that has passed. */
+typedef struct {
+    double dt;
+    const Model *model; /* as it was believed */
+    const Around *around;
+    Motion before, after; /* estimated, and predicted from it */
+    Vector B_B;           /* T, in the middle */
+    const Vector *rods;   /* (3) A m2, body axes: what each rod was to give, at gain 1 */
+} Passed;
 
-/* Adds a sample of dt: the rates and wheel momenta at its ends, the rods' torque at gain 1 and the other known torque
- * over it (gravity gradient, products of inertia), the field; `wheel_axis` a, unit. A window that is full is used; it tells of disturbance and dipole alone
- * where `inertia` is false. */
-void controller_planned_identify(double dt, Vector wheel_axis, Vector Omega, Vector Omega_next, double l, double l_next,
-                                 Vector tau_rods, Vector tau_known, Vector B_B, bool inertia, Identification *id);
+/* What is known before the flight: the parameters, and the first measurement. */
+void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id);
+
+/* The estimated inertia, or one between it and the start's where it is none of a body. */
+Matrix controller_planned_estimated_inertia(const Identification *id);
+
+/* The mean of the rods' gains. */
+double controller_planned_rods_gain(const Identification *id);
+
+/* The covariance after the sample. */
+void controller_planned_propagate(const Passed *passed, Identification *id);
+
+/* The correction by the measurement at the sample's end. `turn`, rad, and `rate`, rad/s, are the innovations, with the bias taken
+ * off; `nominal`, rad/s, is that of the rate predicted with inertia and gains as before the flight. */
+void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, Identification *id);
 
 #endif

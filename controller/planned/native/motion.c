@@ -96,25 +96,10 @@ Motion controller_planned_advanced(const Model *model, const Around *around, con
     return controller_planned_moved(model, around, x, v, h);
 }
 
-static Matrix sum(Matrix m, Matrix n)
-{
-    return (Matrix){add(m.a, n.a), add(m.b, n.b), add(m.c, n.c)};
-}
-
-static Matrix times(double s, Matrix m)
-{
-    return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
-}
-
 /* s I + M. */
 static Matrix with_diagonal(double s, Matrix m)
 {
     return (Matrix){{m.a.x + s, m.a.y, m.a.z}, {m.b.x, m.b.y + s, m.b.z}, {m.c.x, m.c.y, m.c.z + s}};
-}
-
-static Matrix hat(Vector v)
-{
-    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
 }
 
 /* v^ M. */

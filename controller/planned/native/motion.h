@@ -58,6 +58,22 @@ typedef struct {
 
 typedef double Square[ERRORS][ERRORS];
 
+/* v^, with v^ w = v x w. */
+static inline Matrix hat(Vector v)
+{
+    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
+}
+
+static inline Matrix sum(Matrix m, Matrix n)
+{
+    return (Matrix){add(m.a, n.a), add(m.b, n.b), add(m.c, n.c)};
+}
+
+static inline Matrix times(double s, Matrix m)
+{
+    return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
+}
+
 /* J Omega + l a, N m s, body axes. */
 static inline Vector momentum_of(const Model *model, const Motion *x)
 {

@@ -62,6 +62,9 @@ typedef struct {
     /* A.m2; Upper bound of the estimated dipole of the satellite itself; negative: computed from dipole_max
      * */
     double residual_dipole_max;
+    /* rad/s; Upper bound of the estimated bias of the measured rate; zero: the bias is not estimated, as
+     * where an estimator has removed it */
+    double rate_bias_max;
     /* Whether inertia and rod gain are identified in flight */
     bool identify;
     /* Relative standard deviation of the initial inertia and rod gain */

@@ -12,12 +12,11 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 1.45;
-static const double DISTURBANCE_MAX = 0.036;     /* of the rods' torque: more could not be opposed by rods in the hold */
-static const double RESIDUAL_DIPOLE_MAX = 0.008; /* of dipole_max */
-static const double BALANCE_NOISE = 0.00182, KNOWN_MIN = 0.0182;
-static const double WEIGHT_RATE = 0.8;                             /* T^2 */
-static const double WEIGHT_WHEEL = 0.018;                          /* over wheel_momentum_max^2 */
-static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* the same */
+static const double DISTURBANCE_MAX = 0.036;         /* of the rods' torque: more could not be opposed by rods in the hold */
+static const double RESIDUAL_DIPOLE_MAX = 0.05;      /* of dipole_max */
+static const double WEIGHT_RATE = 0.8;               /* T^2 */
+static const double WEIGHT_WHEEL = 0.018;            /* over wheel_momentum_max^2 */
+static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0; /* the same */
 static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
 
 /* To two digits: that is what these multiples are known to, and rounding elsewhere then changes none of them. */
@@ -86,8 +85,6 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .weight_near_limit = two_digits(WEIGHT_WHEEL_NEAR_LIMIT / (h * h)),
         .weight_rods = two_digits(WEIGHT_RODS * torque * torque),
         .weight_motor = two_digits(WEIGHT_MOTOR * torque * torque),
-        .balance_noise = two_digits(BALANCE_NOISE * momentum),
-        .known_min = two_digits(KNOWN_MIN * momentum),
         .K = {k - k / UNEVEN, k, k + k / UNEVEN},
         .L = {{l, 0.0, 0.0}, {0.0, l, 0.0}, {0.0, 0.0, l}},
         .plan_period = given_or(p->plan_period, PLAN_PERIOD * T),

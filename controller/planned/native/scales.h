@@ -22,8 +22,6 @@ typedef struct {
     double steering_limit;            /* N m s */
     double disturbance_max;           /* N m */
     double residual_dipole_max;       /* A m2 */
-    double balance_noise;             /* N m s, of the balance of momentum that identifies, at least */
-    double known_min;                 /* N m s, of a known impulse, below which inertia and gain show their ratios alone */
 } Scales;
 
 /* `a`: the orbit's semi-major axis, m. Parameters that are given win, but for the tunable gains. */

@@ -33,9 +33,7 @@ typedef struct {
     /* The last sample. */
     double t_sample;
     Motion measured;
-    /* The estimate at the sample: before the measurement, how far the measurement moved it, after it. */
-    Motion predicted, estimate;
-    double attitude_gain, rate_gain;
+    Motion predicted, estimate; /* at the sample, before the measurement and after it */
     Vector B_B;
     double u[CONTROLS]; /* asked for since */
     ControllerPlannedOutputs held;
