@@ -126,7 +126,11 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
         dOmega_d = controller_planned_acceleration(&model, &around, &x->reference, controls);
         tau = tracking_torque(&model, &e, dOmega_d, B_B, gravity_gradient(model.J, &around, now->R));
     }
-    store(tau, y->tau_cmd_B);
-    store(dOmega_d, y->dOmega_d);
     store_controls(p, controls, y);
+    /* The motor gives that against friction too. */
+    const double rate = y->wheel_torque_ff;
+    y->wheel_torque_ff += controller_planned_friction_torque(&x->friction, now->l, rate, p->control_period);
+    y->wheel_torque_ff = clip(y->wheel_torque_ff, -p->wheel_torque_max, p->wheel_torque_max);
+    store(subtract(tau, scale(y->wheel_torque_ff - rate, model.wheel_axis)), y->tau_cmd_B);
+    store(dOmega_d, y->dOmega_d);
 }

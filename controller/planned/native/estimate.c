@@ -183,6 +183,9 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
         filter(law, x, &measured, B_B, given, &around, dt);
+        if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
+            controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
+        }
     }
     /* Also after a measurement so wrong that nothing follows from it. */
     if (first || !is_finite(apply(x->predicted.R, x->predicted.Omega))) {

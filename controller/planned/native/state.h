@@ -3,6 +3,7 @@
 #ifndef CONTROLLER_PLANNED_STATE_H
 #define CONTROLLER_PLANNED_STATE_H
 
+#include "friction.h"
 #include "identification.h"
 #include "ports.h"
 #include "search.h"
@@ -30,6 +31,7 @@ typedef struct {
     Vector field_bias_N; /* measured field less that of the onboard model */
     double l_own;        /* wheel momentum by the controller's own account */
     Identification identification;
+    Friction friction;
     /* The last sample. */
     double t_sample;
     Motion measured;
