@@ -87,7 +87,12 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     store(model->disturbance_B, y->disturbance_B);
     store(model->residual_B, y->residual_dipole_estimate_B);
     store_matrix(model->J, y->J_estimate_B);
+    store_matrix(controller_planned_inertia_sigma(&x->identification), y->J_estimate_sigma_B);
     y->rod_gain_estimate = controller_planned_rods_gain(&x->identification);
+    store(vector(x->identification.p + GAINS), y->rod_gains_estimate);
+    store(vector(x->identification.p + BIAS), y->rate_bias_estimate_B);
+    y->wheel_friction_estimate = x->friction.p[0];
+    y->wheel_decay_estimate = x->friction.p[1];
     y->h_w_estimate = now->l;
 }
 

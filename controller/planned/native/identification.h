@@ -43,11 +43,18 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
 /* The estimated inertia, or one between it and the start's where it is none of a body. */
 Matrix controller_planned_estimated_inertia(const Identification *id);
 
+/* Standard deviations of its elements, kg m2. */
+Matrix controller_planned_inertia_sigma(const Identification *id);
+
 /* The mean of the rods' gains. */
 double controller_planned_rods_gain(const Identification *id);
 
 /* The covariance after the sample. */
 void controller_planned_propagate(const Passed *passed, Identification *id);
+
+/* The correction by one element of the innovation, at i: of the turn alone, or of rate and bias together. A column of `effect`
+ * is what each element of the innovation has corrected so far. */
+void controller_planned_correct(int i, double effect[STATES][MOTION], Identification *id);
 
 /* The correction by the measurement at the sample's end. `turn`, rad, and `rate`, rad/s, are the innovations, with the bias taken
  * off; `nominal`, rad/s, is that of the rate predicted with inertia and gains as before the flight. */

@@ -65,9 +65,9 @@ typedef struct {
     /* rad/s; Upper bound of the estimated bias of the measured rate; zero: the bias is not estimated, as
      * where an estimator has removed it */
     double rate_bias_max;
-    /* Whether inertia and rod gain are identified in flight */
+    /* Whether inertia, rod gains and friction of the wheel are identified in flight */
     bool identify;
-    /* Relative standard deviation of the initial inertia and rod gain */
+    /* Relative standard deviation of the initial inertia and rod gains */
     double identify_spread;
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
@@ -162,8 +162,18 @@ typedef struct {
     double residual_dipole_estimate_B[3];
     /* kg.m2; frame B; Estimated inertia, as the plan uses it */
     double J_estimate_B[3][3];
-    /* Estimated ratio of the rods' dipole to the commanded dipole */
+    /* kg.m2; frame B; Standard deviation of each element of the estimated inertia */
+    double J_estimate_sigma_B[3][3];
+    /* Estimated ratio of the rods' dipole to the commanded dipole, the mean of the three rods */
     double rod_gain_estimate;
+    /* The same of each rod */
+    double rod_gains_estimate[3];
+    /* rad/s; frame B; Estimated bias of the measured rate */
+    double rate_bias_estimate_B[3];
+    /* N.m; Estimated Coulomb friction of the wheel */
+    double wheel_friction_estimate;
+    /* 1/s; Estimated viscous friction of the wheel over the inertia of its rotor */
+    double wheel_decay_estimate;
     /* N.m.s; Wheel momentum that the controller uses: h_w, or its own estimate where h_w is not connected */
     double h_w_estimate;
     /* R_NB is a matrix of zeros, since there is no attitude: only rates are damped, and attitude_error is pi

@@ -26,6 +26,7 @@ AS_MEASURED = {
     "identify": False,
     "disturbance_max": 0.0,
     "residual_dipole_max": 0.0,
+    "rate_bias_max": 0.0,
 }
 """No estimator between the measurements and the law."""
 SEARCHED = 40.0
@@ -52,8 +53,10 @@ def near_target(t):
 
 
 def tumbling(t):
-    R, B = Rotation.from_rotvec([0.05 * t, 0, 1]).as_matrix(), core.field_at("igrf14", DAYS, 10, orbit(t)[0], t)
-    return {**near_target(t), "omega_B": [0.05, -0.04 + 1e-4 * t, 0.03], "R_NB": R, "b_B": R.T @ B}
+    """A spin about a principal axis, without torque."""
+    R, B = Rotation.from_rotvec([0.0, 0.07 * t, 0.0]).as_matrix(), core.field_at("igrf14", DAYS, 10, orbit(t)[0], t)
+    still = {"u_applied": [0.0, 0.0, 0.0, 0.0], "h_w": 0.0}
+    return {**near_target(t), **still, "omega_B": [0.0, 0.07, 0.0], "R_NB": R, "b_B": R.T @ B}
 
 
 def feed(it, values):
@@ -474,7 +477,7 @@ def test_while_steering_the_torque_is_that_of_the_feed_forward():
             assert y["phase"] == 1
             assert y["plan_cost"] == 0.0
             assert 20.0 < np.abs(y["dipole_ff"]).max() <= 25.0 * (1.0 + 1e-12)
-            given = np.cross(y["dipole_ff"] @ core.RODS * y["rod_gain_estimate"], u["b_B"]) - y["wheel_torque_ff"] * E1
+            given = np.cross((y["dipole_ff"] * y["rod_gains_estimate"]) @ core.RODS, u["b_B"]) - y["wheel_torque_ff"] * E1
             assert y["tau_cmd_B"] + np.cross(u["omega_B"], u["h_w"] * E1) == pytest.approx(given, abs=2e-6)
 
 
@@ -571,8 +574,8 @@ def test_noise_alone_does_not_draw_the_inertia_down():
     """Without rods and wheel only the ratios show: the scale of all must stay, whatever the noise."""
     found = tumble(J, 1.0, 300, seed=3, rate_noise=5e-5, rods=False, wheel=False)
     inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
-    assert inertia.mean() == pytest.approx(1.0, abs=0.02)
-    assert inertia == pytest.approx(np.ones(3), abs=0.03)
+    assert inertia.mean() == pytest.approx(1.0, abs=0.04)  # half of its deviation before the flight
+    assert inertia / inertia.mean() == pytest.approx(np.ones(3), abs=0.01)
 
 
 def test_ratios_are_found_without_any_torque():

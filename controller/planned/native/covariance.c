@@ -1,0 +1,141 @@
+/* The covariance of the Kalman filter: over a sample, and by a measurement. */
+#include <string.h>
+
+#include "identification.h"
+#include "rotation.h"
+
+static const double TURN_SHARE = 0.003; /* of the change of rate by turning: the model's error */
+static const double RODS_SHARE = 0.03;  /* of that by the rods */
+
+static void put_column(double G[MOTION][STATES], int column, Vector v)
+{
+    G[RATE][column] = v.x;
+    G[RATE + 1][column] = v.y;
+    G[RATE + 2][column] = v.z;
+}
+
+static void put_rows(double G[MOTION][STATES], int row, int column, Matrix m)
+{
+    store(m.a, &G[row][column]);
+    store(m.b, &G[row + 1][column]);
+    store(m.c, &G[row + 2][column]);
+}
+
+/* Columns of v -> J v in the six elements of J. */
+static void columns_of(Vector v, Vector columns[6])
+{
+    columns[0] = (Vector){v.x, 0.0, 0.0};
+    columns[1] = (Vector){0.0, v.y, 0.0};
+    columns[2] = (Vector){0.0, 0.0, v.z};
+    columns[3] = (Vector){0.0, v.z, v.y};
+    columns[4] = (Vector){v.z, 0.0, v.x};
+    columns[5] = (Vector){v.y, v.x, 0.0};
+}
+
+/* The derivative of turn and rate at the sample's end by all errors at its beginning. */
+static void sensitivity(const Passed *s, const Identification *id, double G[MOTION][STATES])
+{
+    const Model *model = s->model;
+    const double dt = s->dt;
+    const Vector Omega = scale(0.5, add(s->before.Omega, s->after.Omega));
+    const Vector change = subtract(s->after.Omega, s->before.Omega);
+    const Vector Pi = momentum_of(model, &(Motion){.Omega = Omega, .l = 0.5 * (s->before.l + s->after.l)});
+    const Vector rho = apply_transposed(s->before.R, s->around->r_hat_N);
+    const Matrix scaled = times(dt, model->J_inverse);
+    const Matrix gyroscopic = multiply(scaled, sum(hat(Pi), times(-1.0, multiply(hat(Omega), model->J))));
+    memset(G, 0, MOTION * sizeof G[0]);
+    put_rows(G, 0, 0, transposed(rotation_exp(scale(dt, Omega))));
+    put_rows(G, RATE, RATE, gyroscopic);
+    for (int i = 0; i < 3; ++i) {
+        G[i][RATE + i] = dt;
+        G[RATE + i][RATE + i] += 1.0;
+        put_column(G, MOTION + GAINS + i, apply(scaled, cross(s->rods[i], s->B_B)));
+    }
+    Vector by_change[6], by_rate[6], by_radius[6];
+    columns_of(change, by_change);
+    columns_of(Omega, by_rate);
+    columns_of(rho, by_radius);
+    for (int i = 0; i < 6 && id->spread > 0.0; ++i) {
+        const Vector gravity = scale(3.0 * s->around->rate_squared, cross(rho, by_radius[i]));
+        const Vector torque = subtract(subtract(gravity, cross(Omega, by_rate[i])), scale(1.0 / dt, by_change[i]));
+        put_column(G, MOTION + INERTIA + i, apply(scaled, torque));
+    }
+    put_rows(G, RATE, MOTION + TORQUE, scaled);
+    put_rows(G, RATE, MOTION + DIPOLE, multiply(scaled, hat(scale(-1.0, s->B_B))));
+}
+
+/* rad2/s2: what the model's error may add to each rate over the sample. */
+static double model_variance(const Passed *s, const Identification *id)
+{
+    Vector rods = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 3; ++i) {
+        rods = add(rods, scale(id->p[GAINS + i], s->rods[i]));
+    }
+    const double by_rods = RODS_SHARE * norm(apply(s->model->J_inverse, cross(rods, s->B_B)));
+    const double by_turning =
+        TURN_SHARE * norm(apply(s->model->J_inverse, cross(momentum_of(s->model, &s->before), s->before.Omega)));
+    const double density = id->rate_density + id->lasts * (by_rods * by_rods + by_turning * by_turning);
+    return id->excess[1] * density * s->dt;
+}
+
+/* F P F^T + Q: F is G in the motion's rows, the identity in those of p. */
+void controller_planned_propagate(const Passed *passed, Identification *id)
+{
+    double G[MOTION][STATES], GP[MOTION][STATES];
+    sensitivity(passed, id, G);
+    const double dt = passed->dt, variance = model_variance(passed, id);
+    for (int i = 0; i < MOTION; ++i) {
+        const int last = i < RATE ? MOTION : STATES;
+        for (int j = 0; j < STATES; ++j) {
+            double sum = 0.0;
+            for (int k = 0; k < last; ++k) {
+                sum += G[i][k] * id->P[k][j];
+            }
+            GP[i][j] = sum;
+        }
+    }
+    for (int i = 0; i < MOTION; ++i) {
+        for (int j = i; j < MOTION; ++j) {
+            double sum = 0.0;
+            for (int k = 0; k < (j < RATE ? MOTION : STATES); ++k) {
+                sum += GP[i][k] * G[j][k];
+            }
+            id->P[i][j] = id->P[j][i] = sum;
+        }
+        for (int j = MOTION; j < STATES; ++j) {
+            id->P[i][j] = id->P[j][i] = GP[i][j];
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        id->P[i][i] += variance * dt * dt / 3.0;
+        id->P[i][RATE + i] += 0.5 * variance * dt;
+        id->P[RATE + i][i] = id->P[i][RATE + i];
+        id->P[RATE + i][RATE + i] += variance;
+        id->P[MOTION + TORQUE + i][MOTION + TORQUE + i] += id->torque_density * dt;
+    }
+}
+
+void controller_planned_correct(int i, double effect[STATES][MOTION], Identification *id)
+{
+    double column[STATES];
+    const int other = i < RATE ? i : MOTION + BIAS + i - RATE;
+    for (int j = 0; j < STATES; ++j) {
+        column[j] = id->P[i][j] + (other != i ? id->P[other][j] : 0.0);
+    }
+    const double variance = id->variance[i / RATE] * id->excess[i / RATE];
+    const double spread = 1.0 / (variance + column[i] + (other != i ? column[other] : 0.0));
+    double left[MOTION];
+    for (int j = 0; j < MOTION; ++j) {
+        left[j] = (i == j) - effect[i][j] - (other != i ? effect[other][j] : 0.0);
+    }
+    for (int j = 0; j < STATES; ++j) {
+        const double factor = column[j] * spread;
+        for (int k = 0; k < MOTION; ++k) {
+            effect[j][k] += factor * left[k];
+        }
+        for (int k = j; k < STATES; ++k) {
+            id->P[j][k] -= factor * column[k];
+            id->P[k][j] = id->P[j][k];
+        }
+    }
+}
