@@ -143,15 +143,13 @@ static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law
     store((Vector){1.0, 1.0, 1.0}, y.rod_gains_estimate);
     y.h_w_estimate = controller_planned_has_h_w(u) ? u->h_w : 0.0;
     const Scales scales = scales_of(law, u);
-    Identification before;
-    controller_planned_identification_start(&law->p, &scales, &before);
-    store_matrix(controller_planned_inertia_sigma(&before), y.J_estimate_sigma_B);
     const Model model = controller_planned_nominal(law, &scales);
     const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
     double controls[CONTROLS];
     controller_planned_damp(law, u, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
     store_matrix(I, y.R_d);
     store_matrix(matrix(law->p.J_B), y.J_estimate_B);
+    store_matrix(controller_planned_sigma_before(&law->p), y.J_estimate_sigma_B);
     return y;
 }
 

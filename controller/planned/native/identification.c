@@ -32,10 +32,9 @@ static void forget(Identification *id, int first, int count, double deviation)
 static void begin_properties(Identification *id)
 {
     memcpy(id->p + INERTIA, id->start + INERTIA, (TORQUE - INERTIA) * sizeof id->p[0]);
-    for (int i = INERTIA; i < INERTIA + 3; ++i) {
-        forget(id, i, 1, id->spread * id->start[i]);
+    for (int i = 0; i < 6; ++i) {
+        forget(id, INERTIA + i, 1, id->inertia_spread[i]);
     }
-    forget(id, INERTIA + 3, 3, PRODUCTS * id->spread * (id->start[3] + id->start[4] + id->start[5]) / 3.0);
     forget(id, GAINS, 3, id->spread);
     id->evidence = 0.0;
 }
@@ -64,13 +63,33 @@ static void take_measured(Identification *id)
     }
 }
 
+Matrix controller_planned_sigma_before(const ControllerPlannedParameters *p)
+{
+    const Matrix J = matrix(p->J_B);
+    const double spread = p->identify ? p->identify_spread : 0.0;
+    const double product = PRODUCTS * spread * (J.a.x + J.b.y + J.c.z) / 3.0;
+    return (Matrix){{spread * J.a.x, product, product}, {product, spread * J.b.y, product}, {product, product, spread * J.c.z}};
+}
+
+/* The six elements of a symmetric matrix, in the order of p. */
+static void store_symmetric(Matrix m, double p[6])
+{
+    const double elements[6] = {m.a.x, m.b.y, m.c.z, m.b.z, m.c.x, m.a.y};
+    memcpy(p, elements, sizeof elements);
+}
+
+static Matrix symmetric(const double p[6])
+{
+    return (Matrix){{p[0], p[5], p[4]}, {p[5], p[1], p[3]}, {p[4], p[3], p[2]}};
+}
+
 void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id)
 {
     const double T = scales->time, inertia = scales->momentum * T;
-    const double properties[] = {p->J_B[0][0], p->J_B[1][1], p->J_B[2][2], p->J_B[1][2], p->J_B[2][0],
-                                 p->J_B[0][1], 1.0,          1.0,          1.0};
     memset(id, 0, sizeof *id);
-    memcpy(id->start + INERTIA, properties, sizeof properties);
+    store_symmetric(matrix(p->J_B), id->start + INERTIA);
+    store_symmetric(controller_planned_sigma_before(p), id->inertia_spread);
+    store((Vector){1.0, 1.0, 1.0}, id->start + GAINS);
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
     id->limit[1] = scales->disturbance_max;
@@ -90,12 +109,6 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     forget(id, TORQUE, 3, EXPECTED * id->limit[1]);
     forget(id, DIPOLE, 3, EXPECTED_DIPOLE * id->limit[2]);
     take_measured(id);
-}
-
-/* Of its six elements. */
-static Matrix symmetric(const double p[6])
-{
-    return (Matrix){{p[0], p[5], p[4]}, {p[5], p[1], p[3]}, {p[4], p[3], p[2]}};
 }
 
 Matrix controller_planned_estimated_inertia(const Identification *id)

@@ -19,7 +19,8 @@ typedef struct {
     double excess[2];            /* squares of the innovations of attitude and rate over their variance, not below 1 */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
-    double spread;               /* of inertia and gains before the flight, relative */
+    double spread;               /* of the gains before the flight */
+    double inertia_spread[6];    /* kg m2, of the inertia */
     double limit[4];             /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
     double variance[2];          /* rad2, rad2/s2, of a measurement */
     double rate_density;         /* rad2/s3, of the model's error at rest */
@@ -43,7 +44,8 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
 /* The estimated inertia, or one between it and the start's where it is none of a body. */
 Matrix controller_planned_estimated_inertia(const Identification *id);
 
-/* Standard deviations of its elements, kg m2. */
+/* Standard deviations of its elements, kg m2, before the flight and now. */
+Matrix controller_planned_sigma_before(const ControllerPlannedParameters *p);
 Matrix controller_planned_inertia_sigma(const Identification *id);
 
 /* The mean of the rods' gains. */
