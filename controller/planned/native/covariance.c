@@ -75,7 +75,7 @@ static double model_variance(const Passed *s, const Identification *id)
     const double by_turning =
         TURN_SHARE * norm(apply(s->model->J_inverse, cross(momentum_of(s->model, &s->before), s->before.Omega)));
     const double density = id->rate_density + id->lasts * (by_rods * by_rods + by_turning * by_turning);
-    return id->excess[1] * density * s->dt;
+    return id->excess[2] * density * s->dt;
 }
 
 /* F P F^T + Q: F is G in the motion's rows, the identity in those of p. */

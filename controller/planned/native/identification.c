@@ -13,6 +13,7 @@ static const double REST_NOISE = 2.5e-4;   /* 1/T, standard deviation of the rat
 static const double LASTS = 0.5;           /* T, for which the model's error stays alike */
 static const double GATE = 6.0;            /* standard deviations of an innovation that is believed */
 static const double EXCESS_TIME = 2.0;     /* T, over which innovations are averaged */
+static const double ALIKE = 0.2;           /* mean cosine of innovations in turn, above which the model is the cause */
 static const double EXCESS_MAX = 1e6;
 static const double EVIDENCE_MAX = 25.0; /* beyond which the start is taken again */
 
@@ -103,7 +104,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
         id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (p->disturbance_time * p->disturbance_time) : 0.0;
     id->lasts = LASTS * T;
     id->forgets = EXCESS_TIME * T;
-    id->excess[0] = id->excess[1] = 1.0;
+    id->excess[0] = id->excess[1] = id->excess[2] = 1.0;
     begin_properties(id);
     forget(id, BIAS, 3, EXPECTED * id->limit[0]);
     forget(id, TORQUE, 3, EXPECTED * id->limit[1]);
@@ -156,6 +157,21 @@ static void keep_all_within(Identification *id)
     keep_within(id->p + DIPOLE, id->limit[2]);
 }
 
+/* Variances that are too small for the mean squares of the innovations grow, and shrink again: of two innovations in turn that are
+ * alike the model is the cause, of others the noise of the measured rate. */
+static void widen(double dt, const double square[2], Vector rate, Identification *id)
+{
+    const double share = smaller(dt / id->forgets, 1.0), sizes = norm(rate) * norm(id->last);
+    const double growth = 1.0 + (square[1] - 1.0) * share;
+    if (sizes > 0.0 && isfinite(sizes)) {
+        id->alike += share * (dot(rate, id->last) / sizes - id->alike);
+    }
+    id->last = rate;
+    id->excess[0] = clip(id->excess[0] * (1.0 + (square[0] - 1.0) * share), 1.0, EXCESS_MAX);
+    id->excess[1] = clip(id->excess[1] * (id->alike < ALIKE ? growth : smaller(growth, 1.0)), 1.0, EXCESS_MAX);
+    id->excess[2] = clip(id->excess[2] * (id->alike >= ALIKE ? growth : smaller(growth, 1.0)), 1.0, EXCESS_MAX);
+}
+
 /* Whether the innovations fit their variances, or the measurement is exact; how far they do is averaged. */
 static bool is_believed(double dt, const double innovation[MOTION], Identification *id)
 {
@@ -169,10 +185,7 @@ static bool is_believed(double dt, const double innovation[MOTION], Identificati
         believed = believed && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
         square[kind] += (ratio <= GATE * GATE ? ratio : GATE * GATE) / 3.0;
     }
-    for (int kind = 0; kind < 2; ++kind) {
-        id->excess[kind] =
-            clip(id->excess[kind] * (1.0 + (square[kind] - 1.0) * smaller(dt / id->forgets, 1.0)), 1.0, EXCESS_MAX);
-    }
+    widen(dt, square, vector(innovation + RATE), id);
     return believed;
 }
 

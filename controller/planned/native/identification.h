@@ -16,7 +16,9 @@ typedef struct {
     double P[STATES][STATES];
     double gain[MOTION][MOTION]; /* of the last sample: correction of turn and rate by the innovations of both */
     Vector bias;                 /* of the rate, before the last sample */
-    double excess[2];            /* squares of the innovations of attitude and rate over their variance, not below 1 */
+    double excess[3];            /* of the variances over those given, not below 1: of attitude, of rate, of the model */
+    Vector last;                 /* innovation of the rate, rad/s */
+    double alike;                /* mean cosine between this innovation and the next */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
     double spread;               /* of the gains before the flight */
