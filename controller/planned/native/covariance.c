@@ -7,6 +7,9 @@
 static const double TURN_SHARE = 0.003; /* of the change of rate by turning: the model's error */
 static const double RODS_SHARE = 0.03;  /* of that by the rods */
 
+/* Of the states those that a measurement shows: motion and bias. */
+enum { MEASURED = MOTION + INERTIA };
+
 static void put_column(double G[MOTION][STATES], int column, Vector v)
 {
     G[RATE][column] = v.x;
@@ -78,6 +81,19 @@ static double model_variance(const Passed *s, const Identification *id)
     return id->excess[2] * density * s->dt;
 }
 
+/* Of row i of G and a column: only what is not zero in G. */
+static double product(const double G[MOTION][STATES], int i, const double column[STATES])
+{
+    double sum = 0.0;
+    for (int k = i < RATE ? 0 : RATE; k < MOTION; ++k) {
+        sum += G[i][k] * column[k];
+    }
+    for (int k = MOTION + INERTIA; k < STATES && i >= RATE; ++k) {
+        sum += G[i][k] * column[k];
+    }
+    return sum;
+}
+
 /* F P F^T + Q: F is G in the motion's rows, the identity in those of p. */
 void controller_planned_propagate(const Passed *passed, Identification *id)
 {
@@ -85,25 +101,13 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
     sensitivity(passed, id, G);
     const double dt = passed->dt, variance = model_variance(passed, id);
     for (int i = 0; i < MOTION; ++i) {
-        const int last = i < RATE ? MOTION : STATES;
         for (int j = 0; j < STATES; ++j) {
-            double sum = 0.0;
-            for (int k = 0; k < last; ++k) {
-                sum += G[i][k] * id->P[k][j];
-            }
-            GP[i][j] = sum;
+            GP[i][j] = product(G, i, id->P[j]);
         }
     }
     for (int i = 0; i < MOTION; ++i) {
-        for (int j = i; j < MOTION; ++j) {
-            double sum = 0.0;
-            for (int k = 0; k < (j < RATE ? MOTION : STATES); ++k) {
-                sum += GP[i][k] * G[j][k];
-            }
-            id->P[i][j] = id->P[j][i] = sum;
-        }
-        for (int j = MOTION; j < STATES; ++j) {
-            id->P[i][j] = id->P[j][i] = GP[i][j];
+        for (int j = i; j < STATES; ++j) {
+            id->P[i][j] = id->P[j][i] = j < MOTION ? product(G, j, GP[i]) : GP[i][j];
         }
     }
     for (int i = 0; i < 3; ++i) {
@@ -115,27 +119,51 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
     }
 }
 
-void controller_planned_correct(int i, double effect[STATES][MOTION], Identification *id)
+/* The correction by element i of the innovation: of the turn alone, or of rate and bias together. Of P the upper half. */
+static void correct(int i, const double innovation[MOTION], double correction[STATES], double gain[MEASURED][MOTION],
+                    Identification *id)
 {
-    double column[STATES];
-    const int other = i < RATE ? i : MOTION + BIAS + i - RATE;
+    double column[STATES], left[MOTION];
+    const int other = MOTION + BIAS + i - RATE;
+    const double both = i < RATE ? 0.0 : 1.0;
     for (int j = 0; j < STATES; ++j) {
-        column[j] = id->P[i][j] + (other != i ? id->P[other][j] : 0.0);
+        column[j] = j < i ? id->P[j][i] : id->P[i][j];
+    }
+    for (int j = 0; j < STATES && i >= RATE; ++j) {
+        column[j] += j < other ? id->P[j][other] : id->P[other][j];
     }
     const double variance = id->variance[i / RATE] * id->excess[i / RATE];
-    const double spread = 1.0 / (variance + column[i] + (other != i ? column[other] : 0.0));
-    double left[MOTION];
+    const double inverse_spread = 1.0 / (variance + column[i] + both * column[other]);
+    const double error = innovation[i] - correction[i] - both * correction[other];
     for (int j = 0; j < MOTION; ++j) {
-        left[j] = (i == j) - effect[i][j] - (other != i ? effect[other][j] : 0.0);
+        left[j] = (i == j) - gain[i][j] - both * gain[other][j];
     }
     for (int j = 0; j < STATES; ++j) {
-        const double factor = column[j] * spread;
-        for (int k = 0; k < MOTION; ++k) {
-            effect[j][k] += factor * left[k];
+        const double factor = column[j] * inverse_spread;
+        correction[j] += factor * error;
+        for (int k = 0; k < MOTION && j < MEASURED; ++k) {
+            gain[j][k] += factor * left[k];
         }
         for (int k = j; k < STATES; ++k) {
             id->P[j][k] -= factor * column[k];
-            id->P[k][j] = id->P[j][k];
         }
+    }
+}
+
+void controller_planned_correct(const double innovation[MOTION], Identification *id)
+{
+    double correction[STATES] = {0.0}, gain[MEASURED][MOTION];
+    memset(gain, 0, sizeof gain);
+    for (int i = 0; i < MOTION; ++i) {
+        correct(i, innovation, correction, gain, id);
+    }
+    for (int i = 0; i < STATES; ++i) {
+        for (int j = 0; j < i; ++j) {
+            id->P[i][j] = id->P[j][i];
+        }
+    }
+    memcpy(id->gain, gain, sizeof id->gain);
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        id->p[i] += correction[MOTION + i];
     }
 }

@@ -191,7 +191,7 @@ static bool is_believed(double dt, const double innovation[MOTION], Identificati
 
 void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, Identification *id)
 {
-    double innovation[MOTION], effect[STATES][MOTION];
+    double innovation[MOTION];
     store(turn, innovation);
     store(rate, innovation + RATE);
     id->bias = vector(id->p + BIAS);
@@ -206,16 +206,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     id->rejected = 0;
     const double expected = id->P[RATE][RATE] + id->variance[1] * id->excess[1];
     id->evidence = larger(id->evidence + 0.5 * (dot(rate, rate) - dot(nominal, nominal)) / expected, 0.0);
-    memset(effect, 0, sizeof effect);
-    for (int i = 0; i < MOTION; ++i) {
-        controller_planned_correct(i, effect, id);
-    }
-    memcpy(id->gain, effect, sizeof id->gain);
-    for (int i = 0; i < UNKNOWNS; ++i) {
-        for (int j = 0; j < MOTION; ++j) {
-            id->p[i] += effect[MOTION + i][j] * innovation[j];
-        }
-    }
+    controller_planned_correct(innovation, id);
     keep_all_within(id);
     if (id->evidence > EVIDENCE_MAX) {
         begin_properties(id);

@@ -56,9 +56,8 @@ double controller_planned_rods_gain(const Identification *id);
 /* The covariance after the sample. */
 void controller_planned_propagate(const Passed *passed, Identification *id);
 
-/* The correction by one element of the innovation, at i: of the turn alone, or of rate and bias together. A column of `effect`
- * is what each element of the innovation has corrected so far. */
-void controller_planned_correct(int i, double effect[STATES][MOTION], Identification *id);
+/* p, P and gain after a measurement with these innovations, rad and rad/s. */
+void controller_planned_correct(const double innovation[MOTION], Identification *id);
 
 /* The correction by the measurement at the sample's end. `turn`, rad, and `rate`, rad/s, are the innovations, with the bias taken
  * off; `nominal`, rad/s, is that of the rate predicted with inertia and gains as before the flight. */
