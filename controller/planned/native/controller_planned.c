@@ -160,7 +160,7 @@ static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, d
     x->t = t;
     x->scales = scales_of(law, u);
     controller_planned_identification_start(&law->p, &x->scales, &x->identification);
-    controller_planned_friction_start(&law->p, &x->friction);
+    controller_planned_friction_start(&law->p, x->scales.time, &x->friction);
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

@@ -95,9 +95,9 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
     return ahead;
 }
 
-/* What rods and wheel gave over the last sample: u_applied, or else what was asked for; the wheel from h_w where connected. */
-static void applied(const ControllerPlannedLaw *law, const ControllerPlannedState *x, const ControllerPlannedInputs *u,
-                    double dt, double given[CONTROLS])
+/* What rods and wheel gave over the last sample: u_applied, or else what was asked for; the wheel by h_w where connected. */
+static void applied(const ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, double dt,
+                    double given[CONTROLS])
 {
     const ControllerPlannedParameters *p = &law->p;
     memcpy(given, x->u, sizeof x->u);
@@ -108,7 +108,8 @@ static void applied(const ControllerPlannedLaw *law, const ControllerPlannedStat
         given[3] = u->u_applied[3] / p->wheel_torque_max;
     }
     if (controller_planned_has_h_w(u)) {
-        given[3] = (u->h_w - x->measured.l) / (dt * p->wheel_torque_max);
+        const double told = controller_planned_has_u_applied(u) ? u->u_applied[3] : x->held.wheel_torque_ff;
+        given[3] = controller_planned_wheel_rate(dt, told, x->measured.l, u->h_w, &x->friction) / p->wheel_torque_max;
     }
 }
 
@@ -164,9 +165,8 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const double dt = first ? p->control_period : x->t - x->t_sample;
     const Matrix R = matrix(u->R_NB);
     double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};
-    Ahead ahead = controller_planned_ahead_of(law, x, u);
-    ahead.bias_N = (Vector){0.0, 0.0, 0.0};
-    Around around = controller_planned_around_at(&ahead, x->t);
+    const TwoBody orbit = {x->t, p->gravitational_parameter, vector(u->r_N), vector(u->v_N)};
+    Around around = controller_planned_around_of(&law->field, &orbit, x->t);
     if (has_field(u)) {
         x->field_bias_N = field_bias(x, R, vector(u->b_B), around.B_N, dt, first);
     }

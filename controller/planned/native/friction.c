@@ -9,9 +9,14 @@ static const double EXPECTED = 0.1;     /* of the wheel's limits: standard devia
 static const double NOISE = 0.01;       /* of the torque's limit, of a sample */
 static const double CHANGES_TIME = 1e5; /* s, in which friction may become another */
 static const double SHARE_MAX = 0.5;    /* of the torque's limit: largest friction of either kind */
-static const double NEAR_LIMIT = 0.99;  /* of the momentum's limit, beyond which the motor may be stopped */
+static const double FORGETS = 2.0;      /* T, over which the noise of the measured momentum is found */
+static const double NOISY = 1.2; /* share of noise in the square, below one of which something of the measurement is taken */
+static const double GAIN_MIN = 0.05;   /* of the measurement where it is noise alone */
+static const double BELIEVED = 100.0;  /* torque limits, from which a change of momentum tells nothing of the wheel */
+static const double TINY = 1e-300;     /* keeps a variance of zero from dividing */
+static const double NEAR_LIMIT = 0.99; /* of the momentum's limit, beyond which the motor may be stopped */
 
-void controller_planned_friction_start(const ControllerPlannedParameters *p, Friction *friction)
+void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
 {
     const double torque = EXPECTED * p->wheel_torque_max, decay = torque / p->wheel_momentum_max;
     const double noise = NOISE * p->wheel_torque_max;
@@ -19,11 +24,22 @@ void controller_planned_friction_start(const ControllerPlannedParameters *p, Fri
     friction->variance = noise * noise;
     friction->torque_max = p->wheel_torque_max;
     friction->momentum_max = p->wheel_momentum_max;
+    friction->forgets = FORGETS * T;
     if (p->identify) {
         friction->P[0][0] = torque * torque;
         friction->P[1][1] = decay * decay;
         friction->density[0] = friction->P[0][0] / CHANGES_TIME;
         friction->density[1] = friction->P[1][1] / CHANGES_TIME;
+    }
+}
+
+/* p[i] from 0 to the limit; where it is moved the other goes with it, as their covariance has it. */
+static void keep_within(Friction *friction, int i, double limit)
+{
+    const double moved = clip(friction->p[i], 0.0, limit) - friction->p[i];
+    if (moved != 0.0) {
+        friction->p[1 - i] += friction->P[1 - i][i] / larger(friction->P[i][i], TINY) * moved;
+        friction->p[i] += moved;
     }
 }
 
@@ -48,9 +64,13 @@ void controller_planned_friction_learn(double dt, double torque, double l, doubl
             friction->P[i][j] -= column[i] * column[j] / spread;
         }
     }
-    friction->p[0] = clip(friction->p[0] + column[0] / spread * error, 0.0, SHARE_MAX * friction->torque_max);
-    friction->p[1] =
-        clip(friction->p[1] + column[1] / spread * error, 0.0, SHARE_MAX * friction->torque_max / friction->momentum_max);
+    for (int i = 0; i < 2; ++i) {
+        friction->p[i] += column[i] / spread * error;
+    }
+    const double most = SHARE_MAX * friction->torque_max;
+    keep_within(friction, 0, most);
+    keep_within(friction, 1, most / friction->momentum_max);
+    friction->p[0] = clip(friction->p[0], 0.0, most);
 }
 
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)
@@ -58,4 +78,22 @@ double controller_planned_friction_torque(const Friction *friction, double l, do
     const double next = l + rate * dt;
     const double side = next > 0.0 ? 1.0 : next < 0.0 ? -1.0 : 0.0;
     return friction->p[0] * side + friction->p[1] * l;
+}
+
+double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    const double measured = (l_next - l) / dt;
+    const double net = torque - controller_planned_friction_torque(friction, l, measured, dt);
+    const double slip = measured - net, share = smaller(dt / friction->forgets, 1.0);
+    if (!(fabs(slip) < BELIEVED * friction->torque_max)) {
+        return measured;
+    }
+    friction->square += share * (slip * slip - friction->square);
+    friction->product += share * (slip * friction->last - friction->product);
+    friction->last = slip;
+    /* White noise of the momentum alternates: its product is minus half of its square. */
+    const double noise = NOISY * larger(-2.0 * friction->product, 0.0);
+    const double gain = noise > 0.0 ? clip(1.0 - noise / friction->square, GAIN_MIN, 1.0) : 1.0;
+    friction->slip += gain * (slip - friction->slip);
+    return net + friction->slip;
 }

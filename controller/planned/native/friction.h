@@ -1,4 +1,4 @@
-/* The wheel's friction, from what its motor was commanded and how its momentum changed. */
+/* The wheel's friction and what the wheel did, from what its motor was commanded and how its measured momentum changed. */
 #ifndef CONTROLLER_PLANNED_FRICTION_H
 #define CONTROLLER_PLANNED_FRICTION_H
 
@@ -10,12 +10,19 @@ typedef struct {
     double variance;   /* (N m)2, of a sample's mean torque */
     double density[2]; /* (N m)2/s and 1/s3, of the changes of p */
     double torque_max, momentum_max;
+    /* Of the measured change less that of command and friction, N m: filtered; of the last sample; the means of its square and
+     * of its product with that of the sample before. */
+    double slip, last, square, product;
+    double forgets; /* s */
 } Friction;
 
-void controller_planned_friction_start(const ControllerPlannedParameters *p, Friction *friction);
+void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction);
 
 /* A sample of dt with the motor's torque, N m, and the momenta at its ends, N m s. */
 void controller_planned_friction_learn(double dt, double torque, double l, double l_next, Friction *friction);
+
+/* dl/dt over the sample, N m: the measured one, or where this is noise the one of command and friction. */
+double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction);
 
 /* The torque against friction, N m, that goes with a change of the momentum l by `rate`, N m, over dt. */
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt);

@@ -5,14 +5,20 @@
 static const double BIAS_FADES = 600.0;   /* s, over which the measured bias of the field loses its say */
 static const double CHANGE_LASTS = 200.0; /* s, for which a given rate goes on changing as it does now */
 
-Around controller_planned_around_at(const Ahead *ahead, double t)
+Around controller_planned_around_of(const OnboardField *field, const TwoBody *orbit, double t)
 {
     Vector r_N, v_N;
-    two_body_at(&ahead->orbit, t, &r_N, &v_N);
+    two_body_at(orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
+    return (Around){onboard_field_at(field, t, r_N), scale(1.0 / r, r_N), orbit->mu / (r * r * r)};
+}
+
+Around controller_planned_around_at(const Ahead *ahead, double t)
+{
+    Around around = controller_planned_around_of(ahead->field, &ahead->orbit, t);
     const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
-    return (Around){add(onboard_field_at(ahead->field, t, r_N), scale(share, ahead->bias_N)), scale(1.0 / r, r_N),
-                    ahead->orbit.mu / (r * r * r)};
+    around.B_N = add(around.B_N, scale(share, ahead->bias_N));
+    return around;
 }
 
 /* A motion through two targets with their rates: exp(turn^) from the first, turn a cubic of time. */

@@ -93,6 +93,8 @@ static inline Vector gravity_gradient(Matrix J, const Around *around, Matrix R)
     return scale(3.0 * around->rate_squared, cross(rho, apply(J, rho)));
 }
 
+/* With the field of the model alone, and with the bias that was measured. */
+Around controller_planned_around_of(const OnboardField *field, const TwoBody *orbit, double t);
 Around controller_planned_around_at(const Ahead *ahead, double t);
 Target controller_planned_target_at(const Ahead *ahead, double t);
 
