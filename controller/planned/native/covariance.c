@@ -115,6 +115,7 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
         id->P[i][RATE + i] += 0.5 * variance * dt;
         id->P[RATE + i][i] = id->P[i][RATE + i];
         id->P[RATE + i][RATE + i] += variance;
+        id->P[MOTION + BIAS + i][MOTION + BIAS + i] += id->excess[2] * id->bias_density * dt;
         id->P[MOTION + TORQUE + i][MOTION + TORQUE + i] += id->torque_density * dt;
     }
 }

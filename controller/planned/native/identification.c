@@ -8,6 +8,7 @@
 static const double EXPECTED = 0.25;       /* of a largest value: its standard deviation before the flight */
 static const double EXPECTED_DIPOLE = 0.4; /* the same of the residual dipole */
 static const double PRODUCTS = 0.5;        /* of the moments' deviation: that of the products of inertia */
+static const double BIAS_TIME = 1e5;       /* s, in which the bias of the rate may become another */
 static const double TRUST = 0.4;           /* largest change of inertia and gains, relative */
 static const double REST_NOISE = 2.5e-4;   /* 1/T, standard deviation of the rate after T at rest, by the model's error */
 static const double LASTS = 0.5;           /* T, for which the model's error stays alike */
@@ -99,6 +100,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->variance[0] = p->attitude_noise * p->attitude_noise;
     id->variance[1] = p->rate_noise * p->rate_noise;
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
+    id->bias_density = EXPECTED * EXPECTED * id->limit[0] * id->limit[0] / BIAS_TIME;
     /* The filter at rest then forgets over disturbance_time. */
     id->torque_density =
         id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (p->disturbance_time * p->disturbance_time) : 0.0;
@@ -158,18 +160,22 @@ static void keep_all_within(Identification *id)
 }
 
 /* Variances that are too small for the mean squares of the innovations grow, and shrink again: of two innovations in turn that are
- * alike the model is the cause, of others the noise of the measured rate. */
-static void widen(double dt, const double square[2], Vector rate, Identification *id)
+ * alike the model is the cause, of others the noise of what is measured. */
+static void widen(double dt, const double square[2], const Vector innovation[2], Identification *id)
 {
-    const double share = smaller(dt / id->forgets, 1.0), sizes = norm(rate) * norm(id->last);
-    const double growth = 1.0 + (square[1] - 1.0) * share;
-    if (sizes > 0.0 && isfinite(sizes)) {
-        id->alike += share * (dot(rate, id->last) / sizes - id->alike);
+    const double share = smaller(dt / id->forgets, 1.0);
+    double of_model = 0.0;
+    for (int kind = 0; kind < 2; ++kind) {
+        const double sizes = norm(innovation[kind]) * norm(id->last[kind]), growth = 1.0 + (square[kind] - 1.0) * share;
+        if (sizes > 0.0 && isfinite(sizes)) {
+            id->alike[kind] += share * (dot(innovation[kind], id->last[kind]) / sizes - id->alike[kind]);
+        }
+        id->last[kind] = innovation[kind];
+        const bool model = id->alike[kind] > ALIKE;
+        id->excess[kind] = clip(id->excess[kind] * (model ? smaller(growth, 1.0 - share) : growth), 1.0, EXCESS_MAX);
+        of_model = larger(of_model, model ? growth : smaller(growth, 1.0));
     }
-    id->last = rate;
-    id->excess[0] = clip(id->excess[0] * (1.0 + (square[0] - 1.0) * share), 1.0, EXCESS_MAX);
-    id->excess[1] = clip(id->excess[1] * (id->alike < ALIKE ? growth : smaller(growth, 1.0)), 1.0, EXCESS_MAX);
-    id->excess[2] = clip(id->excess[2] * (id->alike >= ALIKE ? growth : smaller(growth, 1.0)), 1.0, EXCESS_MAX);
+    id->excess[2] = clip(id->excess[2] * of_model, 1.0, EXCESS_MAX);
 }
 
 /* Whether the innovations fit their variances, or the measurement is exact; how far they do is averaged. */
@@ -185,7 +191,8 @@ static bool is_believed(double dt, const double innovation[MOTION], Identificati
         believed = believed && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
         square[kind] += (ratio <= GATE * GATE ? ratio : GATE * GATE) / 3.0;
     }
-    widen(dt, square, vector(innovation + RATE), id);
+    const Vector both[2] = {vector(innovation), vector(innovation + RATE)};
+    widen(dt, square, both, id);
     return believed;
 }
 

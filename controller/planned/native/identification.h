@@ -17,8 +17,8 @@ typedef struct {
     double gain[MOTION][MOTION]; /* of the last sample: correction of turn and rate by the innovations of both */
     Vector bias;                 /* of the rate, before the last sample */
     double excess[3];            /* of the variances over those given, not below 1: of attitude, of rate, of the model */
-    Vector last;                 /* innovation of the rate, rad/s */
-    double alike;                /* mean cosine between this innovation and the next */
+    Vector last[2];              /* innovations of attitude, rad, and rate, rad/s */
+    double alike[2];             /* mean cosine between the innovation and the next, of attitude and of rate */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
     double spread;               /* of the gains before the flight */
@@ -26,6 +26,7 @@ typedef struct {
     double limit[4];             /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
     double variance[2];          /* rad2, rad2/s2, of a measurement */
     double rate_density;         /* rad2/s3, of the model's error at rest */
+    double bias_density;         /* rad2/s3, of the bias's change */
     double torque_density;       /* (N m)2/s, of the disturbance's change */
     double lasts, forgets;       /* s, for which the model's error stays alike; of the average of innovations */
 } Identification;
