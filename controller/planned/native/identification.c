@@ -96,7 +96,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->limit[0] = p->rate_bias_max;
     id->limit[1] = scales->disturbance_max;
     id->limit[2] = scales->residual_dipole_max;
-    id->limit[3] = TRUST * inertia;
+    id->limit[3] = PRODUCTS * TRUST * inertia;
     id->variance[0] = p->attitude_noise * p->attitude_noise;
     id->variance[1] = p->rate_noise * p->rate_noise;
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);

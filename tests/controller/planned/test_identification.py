@@ -61,6 +61,7 @@ class Tumbles:
 
         h = DT / steps
         for _ in range(steps):
+
             def turned(w):
                 return self.R @ Rotation.from_rotvec(0.5 * h * w).as_matrix()
 
@@ -140,7 +141,9 @@ def test_the_inertia_is_that_of_least_squares_on_the_balance_of_momentum(tumbles
         R, b = (np.array([s[name][k] for s in record]) for name in ("R_NB", "b_B"))
         Omega = np.array([s["omega_B"][k] for s in record]) - truth.bias[k]
         x, e, z = Omega.T, np.zeros(len(Omega)), record
-        columns = np.array([[x[0], e, e], [e, x[1], e], [e, e, x[2]], [e, x[2], x[1]], [x[2], e, x[0]], [x[1], x[0], e]])
+        columns = np.array(
+            [[x[0], e, e], [e, x[1], e], [e, e, x[2]], [e, x[2], x[1]], [x[2], e, x[0]], [x[1], x[0], e]]
+        )
         momentum = np.einsum("tij,cjt->tic", R, columns)
         wheel = R[:, :, 0] * np.array([s["h_w"][k] for s in z])[:, None]
         u = np.array([s["u_applied"][k][:3] for s in record]) / 25.0
