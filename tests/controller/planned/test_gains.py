@@ -1,7 +1,5 @@
 """The planner's gains: feedback of the plan against a condensed least-squares problem, the filter's against Riccati's equation."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.linalg import block_diag, cho_factor, cho_solve, solve_discrete_are

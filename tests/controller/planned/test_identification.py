@@ -169,7 +169,7 @@ def test_each_rod_s_gain_and_the_bias_of_the_rate_are_found(tumbles):
 
 def test_the_wheel_s_friction_is_found_and_given_beside_the_wheel_s_torque():
     truth = Tumbles(3, 2, friction=(3e-4, 2e-3))
-    record, found = flown(truth)
+    _, found = flown(truth)
     assert estimated(found, "wheel_friction_estimate") == pytest.approx(3e-4, rel=0.05)
     assert estimated(found, "wheel_decay_estimate") == pytest.approx(2e-3, rel=0.2)
     without = flown(Tumbles(3, 2))[1]
