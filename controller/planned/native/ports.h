@@ -45,8 +45,8 @@ typedef struct {
     double wheel_momentum_max;
     /* s; Time between two plans; zero: computed from the satellite's data */
     double plan_period;
-    /* Iterations in one sample of the search for a first plan (180 in all). A smaller value makes each call
-     * shorter, and the search takes more samples */
+    /* Iterations in one sample of a search for a plan (180 in all), at most; the work of a sample is bounded
+     * besides. A smaller value makes each call shorter, and the search takes more samples */
     int32_t search_iterations;
     /* N.m.s; Steering ends, and the plan begins, below this distance from the target's momentum; zero:
      * computed from the satellite's data */
