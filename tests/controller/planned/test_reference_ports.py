@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Refused
 
 from . import core
-from .test_block import AS_MEASURED, SEARCHED, J, alike, lvlh, near_target, orbit, run, started, tumbling
+from .test_block import AS_MEASURED, KNOWN, SEARCHED, J, alike, lvlh, near_target, orbit, run, started, tumbling
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
@@ -38,7 +38,7 @@ def lost(inputs):
 @pytest.mark.parametrize(("by_ports", "parameters"), [(to_lvlh, {}), (held, {"reference": 2, "R_d0": INERTIAL})])
 def test_a_reference_by_the_ports_is_planned_for_as_the_same_one_by_the_parameter(by_ports, parameters):
     """Of LVLH and of an inertial attitude the ports give the present alone; the horizon has to follow from it."""
-    with started(near_target, **parameters, **AS_MEASURED) as by_parameter, started(by_ports, **AS_MEASURED) as it:
+    with started(near_target, **parameters, **KNOWN) as by_parameter, started(by_ports, **KNOWN) as it:
         a, b = (run(i, 0.0, SEARCHED, inputs=f) for i, f in ((by_parameter, near_target), (it, by_ports)))
     assert {y["phase"] for y in a} == {2}
     assert all(alike(x, y, 1e-6) for x, y in zip(a, b, strict=True))
