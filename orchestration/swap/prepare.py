@@ -92,7 +92,7 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface,
         origin = source.where(key) if source else scenario.source.where(("blocks", name, "map", *key))
         prepared.connections.append((Connection(f"{signal} -> {name}.{theirs}"), origin))
     prepared.models[name] = held(prepared.models[name], fitted)
-    prepared.notes += [f"{name}: {note}" for note in _notes(fitted)]
+    prepared.notes += [f"{name}: {note}" for note in _notes(fitted, entry)]
 
 
 def _connect(prepared: Prepared) -> None:
@@ -131,7 +131,7 @@ def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, fitted: Fi
     return errors
 
 
-def _notes(fitted: Fit) -> list[str]:
+def _notes(fitted: Fit, entry: BlockEntry) -> list[str]:
     """What a user should know of a fit, in few lines."""
     notes = [finding.text for finding in fitted.findings if finding.level == "warning"]
     if fitted.ignored:
@@ -141,7 +141,8 @@ def _notes(fitted: Fit) -> list[str]:
     if outputs:
         notes.append(f"its FMU lacks {_listed('output', outputs)}, not recorded then")
     for causality, what in (("output", "recorded under their own names"), ("parameter", "which keep the FMU's values")):
-        names = [variable.name for variable in fitted.extra if variable.causality == causality]
+        given = {str(name).partition("[")[0] for name in entry.start}
+        names = [v.name for v in fitted.extra if v.causality == causality and v.name not in given]
         if names:
             notes.append(f"its FMU has further {causality}s, {what}: {', '.join(names)}")
     return notes

@@ -3,13 +3,26 @@
 
 #include <string.h>
 
+enum { PORT_MAX = 65535 };
+
+static bool is_port(const char *text)
+{
+    long number = 0;
+    for (const char *at = text; *at != '\0'; ++at) {
+        if (*at < '0' || *at > '9' || (number = 10 * number + (*at - '0')) > PORT_MAX) {
+            return false;
+        }
+    }
+    return number > 0;
+}
+
 bool line_split(const char *address, char *host, size_t size, const char **port)
 {
     size_t n = strlen(address);
     while (n > 0 && address[n - 1] != ':') {
         --n;
     }
-    if (n == 0 || address[n] == '\0') {
+    if (n == 0 || !is_port(address + n)) {
         return false;
     }
     *port = address + n;

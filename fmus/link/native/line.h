@@ -34,7 +34,7 @@ double line_now(void);
 
 void line_sleep(double seconds);
 
-/* Splits HOST:PORT, or [HOST]:PORT for IPv6; false where there is no port or the host is too long. */
+/* Splits HOST:PORT, or [HOST]:PORT for IPv6; false where there is no port from 1 to 65535 or the host is too long. */
 bool line_split(const char *address, char *host, size_t size, const char **port);
 
 #endif

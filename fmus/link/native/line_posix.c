@@ -101,7 +101,7 @@ static bool open_socket(Line *line, const char *address, double until, char *rea
     const int kind = line->transport == LINE_UDP ? SOCK_DGRAM : SOCK_STREAM;
     struct addrinfo hints = {.ai_family = AF_UNSPEC, .ai_socktype = kind}, *list = NULL;
     if (!line_split(address, host, sizeof host, &port)) {
-        return failed(reason, size, "expected HOST:PORT");
+        return failed(reason, size, "expected HOST:PORT with a port from 1 to 65535");
     }
     const int error = getaddrinfo(host, port, &hints, &list);
     if (error != 0) {

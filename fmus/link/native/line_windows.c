@@ -95,7 +95,7 @@ static bool open_socket(Line *line, const char *address, double until, char *rea
     struct addrinfo hints = {.ai_family = AF_UNSPEC, .ai_socktype = kind}, *list = NULL;
     WSADATA data;
     if (!line_split(address, host, sizeof host, &port)) {
-        return failed(reason, size, "expected HOST:PORT");
+        return failed(reason, size, "expected HOST:PORT with a port from 1 to 65535");
     }
     if (WSAStartup(MAKEWORD(2, 2), &data) != 0) {
         return failed(reason, size, "Winsock does not start");
