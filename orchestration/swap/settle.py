@@ -189,6 +189,8 @@ def _entry(scenario: Scenario, key: Key) -> str:
         part = {"shade": "the shading of ", "mark": "the marks of "}.get(str(key[2]) if len(key) > 2 else "", "")
         what = "a panel of " if "panels" in key and not part else ""
         return f"{part}{what}the figure '{scenario.figures[int(key[1])].name}'"
+    if key[0] == "phases":
+        return "the phases"
     if key[0] == "view":
         return "a part of the view" if len(key) > 1 else "the view"
     return "a recorded signal" if len(key) > 2 else "all signals to be recorded, so all outputs are"

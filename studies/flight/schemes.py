@@ -28,7 +28,7 @@ def _text(scenario: str) -> str:
 def base(scenario: str = "tumble") -> Data:
     """A flight scenario as data that expects and draws nothing."""
     data: Data = json.loads(_text(scenario))
-    for key in ("expect", "figures"):
+    for key in ("expect", "figures", "phases"):
         data.pop(key, None)
     data["record"] = {"interval": 1.0}
     return data

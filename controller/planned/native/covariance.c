@@ -12,9 +12,9 @@ enum { MEASURED = MOTION + INERTIA };
 
 static void put_column(double G[MOTION][STATES], int column, Vector v)
 {
-    G[RATE][column] = v.x;
-    G[RATE + 1][column] = v.y;
-    G[RATE + 2][column] = v.z;
+    G[RATE_STATE][column] = v.x;
+    G[RATE_STATE + 1][column] = v.y;
+    G[RATE_STATE + 2][column] = v.z;
 }
 
 static void put_rows(double G[MOTION][STATES], int row, int column, Matrix m)
@@ -48,10 +48,10 @@ static void sensitivity(const Passed *s, const Identification *id, double G[MOTI
     const Matrix gyroscopic = multiply(scaled, sum(hat(Pi), times(-1.0, multiply(hat(Omega), model->J))));
     memset(G, 0, MOTION * sizeof G[0]);
     put_rows(G, 0, 0, transposed(rotation_exp(scale(dt, Omega))));
-    put_rows(G, RATE, RATE, gyroscopic);
+    put_rows(G, RATE_STATE, RATE_STATE, gyroscopic);
     for (int i = 0; i < 3; ++i) {
-        G[i][RATE + i] = dt;
-        G[RATE + i][RATE + i] += 1.0;
+        G[i][RATE_STATE + i] = dt;
+        G[RATE_STATE + i][RATE_STATE + i] += 1.0;
         put_column(G, MOTION + GAINS + i, apply(scaled, cross(s->rods[i], s->B_B)));
     }
     Vector by_change[6], by_rate[6], by_radius[6];
@@ -63,8 +63,8 @@ static void sensitivity(const Passed *s, const Identification *id, double G[MOTI
         const Vector torque = subtract(subtract(gravity, cross(Omega, by_rate[i])), scale(1.0 / dt, by_change[i]));
         put_column(G, MOTION + INERTIA + i, apply(scaled, torque));
     }
-    put_rows(G, RATE, MOTION + TORQUE, scaled);
-    put_rows(G, RATE, MOTION + DIPOLE, multiply(scaled, hat(scale(-1.0, s->B_B))));
+    put_rows(G, RATE_STATE, MOTION + TORQUE, scaled);
+    put_rows(G, RATE_STATE, MOTION + DIPOLE, multiply(scaled, hat(scale(-1.0, s->B_B))));
 }
 
 /* rad2/s2: what the model's error may add to each rate over the sample. */
@@ -85,10 +85,10 @@ static double model_variance(const Passed *s, const Identification *id)
 static double product(const double G[MOTION][STATES], int i, const double column[STATES])
 {
     double sum = 0.0;
-    for (int k = i < RATE ? 0 : RATE; k < MOTION; ++k) {
+    for (int k = i < RATE_STATE ? 0 : RATE_STATE; k < MOTION; ++k) {
         sum += G[i][k] * column[k];
     }
-    for (int k = MOTION + INERTIA; k < STATES && i >= RATE; ++k) {
+    for (int k = MOTION + INERTIA; k < STATES && i >= RATE_STATE; ++k) {
         sum += G[i][k] * column[k];
     }
     return sum;
@@ -112,9 +112,9 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
     }
     for (int i = 0; i < 3; ++i) {
         id->P[i][i] += variance * dt * dt / 3.0;
-        id->P[i][RATE + i] += 0.5 * variance * dt;
-        id->P[RATE + i][i] = id->P[i][RATE + i];
-        id->P[RATE + i][RATE + i] += variance;
+        id->P[i][RATE_STATE + i] += 0.5 * variance * dt;
+        id->P[RATE_STATE + i][i] = id->P[i][RATE_STATE + i];
+        id->P[RATE_STATE + i][RATE_STATE + i] += variance;
         id->P[MOTION + BIAS + i][MOTION + BIAS + i] += id->excess[2] * id->bias_density * dt;
         id->P[MOTION + TORQUE + i][MOTION + TORQUE + i] += id->torque_density * dt;
     }
@@ -125,15 +125,15 @@ static void correct(int i, const double innovation[MOTION], double correction[ST
                     Identification *id)
 {
     double column[STATES], left[MOTION];
-    const int other = MOTION + BIAS + i - RATE;
-    const double both = i < RATE ? 0.0 : 1.0;
+    const int other = MOTION + BIAS + i - RATE_STATE;
+    const double both = i < RATE_STATE ? 0.0 : 1.0;
     for (int j = 0; j < STATES; ++j) {
         column[j] = j < i ? id->P[j][i] : id->P[i][j];
     }
-    for (int j = 0; j < STATES && i >= RATE; ++j) {
+    for (int j = 0; j < STATES && i >= RATE_STATE; ++j) {
         column[j] += j < other ? id->P[j][other] : id->P[other][j];
     }
-    const double variance = id->variance[i / RATE] * id->excess[i / RATE];
+    const double variance = id->variance[i / RATE_STATE] * id->excess[i / RATE_STATE];
     const double inverse_spread = 1.0 / (variance + column[i] + both * column[other]);
     const double error = innovation[i] - correction[i] - both * correction[other];
     for (int j = 0; j < MOTION; ++j) {

@@ -118,13 +118,13 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
     const Motion *was = &x->predicted;
     double innovation[MOTION], correction[MOTION] = {0.0};
     store(rotation_log(multiply(transposed(was->R), R)), innovation);
-    store(subtract(subtract(Omega, x->identification.bias), was->Omega), innovation + RATE);
+    store(subtract(subtract(Omega, x->identification.bias), was->Omega), innovation + RATE_STATE);
     for (int i = 0; i < MOTION; ++i) {
         for (int j = 0; j < MOTION; ++j) {
             correction[i] += x->identification.gain[i][j] * innovation[j];
         }
     }
-    return (Motion){multiply(was->R, rotation_exp(vector(correction))), add(was->Omega, vector(correction + RATE)), l};
+    return (Motion){multiply(was->R, rotation_exp(vector(correction))), add(was->Omega, vector(correction + RATE_STATE)), l};
 }
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */

@@ -49,16 +49,16 @@ static void take_measured(Identification *id)
             id->P[i][j] = id->P[j][i] = 0.0;
         }
         for (int j = MOTION; j < STATES; ++j) {
-            id->P[RATE + i][j] = id->P[j][RATE + i] = -id->P[MOTION + BIAS + i][j];
+            id->P[RATE_STATE + i][j] = id->P[j][RATE_STATE + i] = -id->P[MOTION + BIAS + i][j];
         }
     }
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            id->P[RATE + i][RATE + j] = id->P[MOTION + BIAS + i][MOTION + BIAS + j];
+            id->P[RATE_STATE + i][RATE_STATE + j] = id->P[MOTION + BIAS + i][MOTION + BIAS + j];
         }
     }
     for (int i = 0; i < MOTION; ++i) {
-        id->P[i][i] += id->variance[i / RATE] * id->excess[i / RATE];
+        id->P[i][i] += id->variance[i / RATE_STATE] * id->excess[i / RATE_STATE];
         for (int j = 0; j < MOTION; ++j) {
             id->gain[i][j] = i == j;
         }
@@ -184,14 +184,14 @@ static bool is_believed(double dt, const double innovation[MOTION], Identificati
     double square[2] = {0.0, 0.0};
     bool believed = true;
     for (int i = 0; i < MOTION; ++i) {
-        const int kind = i / RATE, b = MOTION + BIAS + i - RATE;
+        const int kind = i / RATE_STATE, b = MOTION + BIAS + i - RATE_STATE;
         const double spread =
             id->variance[kind] * id->excess[kind] + id->P[i][i] + (kind == 1 ? 2.0 * id->P[i][b] + id->P[b][b] : 0.0);
         const double ratio = innovation[i] * innovation[i] / spread;
         believed = believed && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
         square[kind] += (ratio <= GATE * GATE ? ratio : GATE * GATE) / 3.0;
     }
-    const Vector both[2] = {vector(innovation), vector(innovation + RATE)};
+    const Vector both[2] = {vector(innovation), vector(innovation + RATE_STATE)};
     widen(dt, square, both, id);
     return believed;
 }
@@ -200,7 +200,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
 {
     double innovation[MOTION];
     store(turn, innovation);
-    store(rate, innovation + RATE);
+    store(rate, innovation + RATE_STATE);
     id->bias = vector(id->p + BIAS);
     if (!is_believed(dt, innovation, id)) {
         id->rejected += id->rejected < 2;
@@ -211,7 +211,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
         return;
     }
     id->rejected = 0;
-    const double expected = id->P[RATE][RATE] + id->variance[1] * id->excess[1];
+    const double expected = id->P[RATE_STATE][RATE_STATE] + id->variance[1] * id->excess[1];
     id->evidence = larger(id->evidence + 0.5 * (dot(rate, rate) - dot(nominal, nominal)) / expected, 0.0);
     controller_planned_correct(innovation, id);
     keep_all_within(id);

@@ -8,7 +8,7 @@
 /* Places in p; the inertia as J11, J22, J33, J23, J31, J12. */
 enum { BIAS = 0, INERTIA = 3, GAINS = 9, TORQUE = 12, DIPOLE = 15, UNKNOWNS = 18 };
 /* The errors of the estimate: turn of the body axes, rate, then those of p. */
-enum { RATE = 3, MOTION = 6, STATES = MOTION + UNKNOWNS };
+enum { RATE_STATE = 3, MOTION = 6, STATES = MOTION + UNKNOWNS };
 
 typedef struct {
     double p[UNKNOWNS];     /* rad/s, kg m2, 1, N m, A m2 */
