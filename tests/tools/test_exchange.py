@@ -30,11 +30,11 @@ def test_the_fault_of_the_lost_magnetometer_is_what_differs_without_it() -> None
     assert with_fault.time[(difference >= 2e-3).argmax()] == pytest.approx(32.8, abs=0.5)
 
 
-def test_u_applied_a_sample_later_explains_a_part_of_the_planned_controller_s_difference(tmp_path: Path) -> None:
+def test_u_applied_a_sample_later_explains_little_of_the_planned_controller_s_difference(tmp_path: Path) -> None:
     scenario = plain(SCENARIOS / "flight_vb.yaml", 0.5, 120.0)
     ours = np.asarray(orchestration.run(scenario)[ERROR])
     differences = []
     for late in ("", "u_applied"):
         (tmp_path / f"x{late}").mkdir()
         differences.append(np.abs(imitated(scenario, ERROR, tmp_path / f"x{late}", late) - ours).max())
-    assert differences == [pytest.approx(0.026, abs=1e-3), pytest.approx(0.021, abs=1e-3)]
+    assert differences == [pytest.approx(0.039, abs=1e-3), pytest.approx(0.039, abs=1e-3)]

@@ -10,14 +10,14 @@ static const double RODS_SHARE = 0.03;  /* of that by the rods */
 /* Of the states those that a measurement shows: motion and bias. */
 enum { MEASURED = MOTION + INERTIA };
 
-static void put_column(double G[MOTION][STATES], int column, Vector v)
+static void put_column(double G[MOTION][FILTER_STATES], int column, Vector v)
 {
     G[RATE_STATE][column] = v.x;
     G[RATE_STATE + 1][column] = v.y;
     G[RATE_STATE + 2][column] = v.z;
 }
 
-static void put_rows(double G[MOTION][STATES], int row, int column, Matrix m)
+static void put_rows(double G[MOTION][FILTER_STATES], int row, int column, Matrix m)
 {
     store(m.a, &G[row][column]);
     store(m.b, &G[row + 1][column]);
@@ -36,7 +36,7 @@ static void columns_of(Vector v, Vector columns[6])
 }
 
 /* The derivative of turn and rate at the sample's end by all errors at its beginning. */
-static void sensitivity(const Passed *s, const Identification *id, double G[MOTION][STATES])
+static void sensitivity(const Passed *s, const Identification *id, double G[MOTION][FILTER_STATES])
 {
     const Model *model = s->model;
     const double dt = s->dt;
@@ -82,13 +82,13 @@ static double model_variance(const Passed *s, const Identification *id)
 }
 
 /* Of row i of G and a column: only what is not zero in G. */
-static double product(const double G[MOTION][STATES], int i, const double column[STATES])
+static double product(double G[MOTION][FILTER_STATES], int i, const double column[FILTER_STATES])
 {
     double sum = 0.0;
     for (int k = i < RATE_STATE ? 0 : RATE_STATE; k < MOTION; ++k) {
         sum += G[i][k] * column[k];
     }
-    for (int k = MOTION + INERTIA; k < STATES && i >= RATE_STATE; ++k) {
+    for (int k = MOTION + INERTIA; k < FILTER_STATES && i >= RATE_STATE; ++k) {
         sum += G[i][k] * column[k];
     }
     return sum;
@@ -97,16 +97,16 @@ static double product(const double G[MOTION][STATES], int i, const double column
 /* F P F^T + Q: F is G in the motion's rows, the identity in those of p. */
 void controller_planned_propagate(const Passed *passed, Identification *id)
 {
-    double G[MOTION][STATES], GP[MOTION][STATES];
+    double G[MOTION][FILTER_STATES], GP[MOTION][FILTER_STATES];
     sensitivity(passed, id, G);
     const double dt = passed->dt, variance = model_variance(passed, id);
     for (int i = 0; i < MOTION; ++i) {
-        for (int j = 0; j < STATES; ++j) {
+        for (int j = 0; j < FILTER_STATES; ++j) {
             GP[i][j] = product(G, i, id->P[j]);
         }
     }
     for (int i = 0; i < MOTION; ++i) {
-        for (int j = i; j < STATES; ++j) {
+        for (int j = i; j < FILTER_STATES; ++j) {
             id->P[i][j] = id->P[j][i] = j < MOTION ? product(G, j, GP[i]) : GP[i][j];
         }
     }
@@ -121,16 +121,16 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
 }
 
 /* The correction by element i of the innovation: of the turn alone, or of rate and bias together. Of P the upper half. */
-static void correct(int i, const double innovation[MOTION], double correction[STATES], double gain[MEASURED][MOTION],
+static void correct(int i, const double innovation[MOTION], double correction[FILTER_STATES], double gain[MEASURED][MOTION],
                     Identification *id)
 {
-    double column[STATES], left[MOTION];
+    double column[FILTER_STATES], left[MOTION];
     const int other = MOTION + BIAS + i - RATE_STATE;
     const double both = i < RATE_STATE ? 0.0 : 1.0;
-    for (int j = 0; j < STATES; ++j) {
+    for (int j = 0; j < FILTER_STATES; ++j) {
         column[j] = j < i ? id->P[j][i] : id->P[i][j];
     }
-    for (int j = 0; j < STATES && i >= RATE_STATE; ++j) {
+    for (int j = 0; j < FILTER_STATES && i >= RATE_STATE; ++j) {
         column[j] += j < other ? id->P[j][other] : id->P[other][j];
     }
     const double variance = id->variance[i / RATE_STATE] * id->excess[i / RATE_STATE];
@@ -139,13 +139,13 @@ static void correct(int i, const double innovation[MOTION], double correction[ST
     for (int j = 0; j < MOTION; ++j) {
         left[j] = (i == j) - gain[i][j] - both * gain[other][j];
     }
-    for (int j = 0; j < STATES; ++j) {
+    for (int j = 0; j < FILTER_STATES; ++j) {
         const double factor = column[j] * inverse_spread;
         correction[j] += factor * error;
         for (int k = 0; k < MOTION && j < MEASURED; ++k) {
             gain[j][k] += factor * left[k];
         }
-        for (int k = j; k < STATES; ++k) {
+        for (int k = j; k < FILTER_STATES; ++k) {
             id->P[j][k] -= factor * column[k];
         }
     }
@@ -153,12 +153,12 @@ static void correct(int i, const double innovation[MOTION], double correction[ST
 
 void controller_planned_correct(const double innovation[MOTION], Identification *id)
 {
-    double correction[STATES] = {0.0}, gain[MEASURED][MOTION];
+    double correction[FILTER_STATES] = {0.0}, gain[MEASURED][MOTION];
     memset(gain, 0, sizeof gain);
     for (int i = 0; i < MOTION; ++i) {
         correct(i, innovation, correction, gain, id);
     }
-    for (int i = 0; i < STATES; ++i) {
+    for (int i = 0; i < FILTER_STATES; ++i) {
         for (int j = 0; j < i; ++j) {
             id->P[i][j] = id->P[j][i];
         }

@@ -24,7 +24,7 @@ enum { HALVINGS = 4 }; /* of what is estimated less the start, until it is the i
 static void forget(Identification *id, int first, int count, double deviation)
 {
     for (int i = MOTION + first; i < MOTION + first + count; ++i) {
-        for (int j = 0; j < STATES; ++j) {
+        for (int j = 0; j < FILTER_STATES; ++j) {
             id->P[i][j] = id->P[j][i] = 0.0;
         }
         id->P[i][i] = deviation * deviation;
@@ -45,10 +45,10 @@ static void begin_properties(Identification *id)
 static void take_measured(Identification *id)
 {
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < STATES; ++j) {
+        for (int j = 0; j < FILTER_STATES; ++j) {
             id->P[i][j] = id->P[j][i] = 0.0;
         }
-        for (int j = MOTION; j < STATES; ++j) {
+        for (int j = MOTION; j < FILTER_STATES; ++j) {
             id->P[RATE_STATE + i][j] = id->P[j][RATE_STATE + i] = -id->P[MOTION + BIAS + i][j];
         }
     }

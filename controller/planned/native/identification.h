@@ -8,12 +8,12 @@
 /* Places in p; the inertia as J11, J22, J33, J23, J31, J12. */
 enum { BIAS = 0, INERTIA = 3, GAINS = 9, TORQUE = 12, DIPOLE = 15, UNKNOWNS = 18 };
 /* The errors of the estimate: turn of the body axes, rate, then those of p. */
-enum { RATE_STATE = 3, MOTION = 6, STATES = MOTION + UNKNOWNS };
+enum { RATE_STATE = 3, MOTION = 6, FILTER_STATES = MOTION + UNKNOWNS };
 
 typedef struct {
     double p[UNKNOWNS];     /* rad/s, kg m2, 1, N m, A m2 */
     double start[UNKNOWNS]; /* p before the flight */
-    double P[STATES][STATES];
+    double P[FILTER_STATES][FILTER_STATES];
     double gain[MOTION][MOTION]; /* of the last sample: correction of turn and rate by the innovations of both */
     Vector bias;                 /* of the rate, before the last sample */
     double excess[3];            /* of the variances over those given, not below 1: of attitude, of rate, of the model */
