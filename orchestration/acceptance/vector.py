@@ -40,12 +40,11 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     name = name_of(loaded, block)
     if name is None:
         raise InputError(f"{shown(scenario)} has no block {block!r} that is the project's own; expected 'fmu: {block}'")
-    source = loaded.source
+    source = loaded.source.without([(key,) for key in ("expect", "figures", "holds", "faults", "timeline", "phases")])
     step = loaded.step * loaded.blocks[name].every
     changes = {
         "duration": min(loaded.duration, ROWS_MAX * step),
         "record": {"interval": step, "signals": [f"{name}.{port}" for port in _ports(loaded, name, block)]},
-        **dict.fromkeys(("expect", "figures", "holds", "faults", "timeline", "phases")),
     }
     for key, value in changes.items():
         source = source.with_entry((key,), value)

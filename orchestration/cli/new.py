@@ -117,9 +117,8 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         whole = read(folder / found.flown)
         loop = load_scenario(whole)
         sample = loop.step * max(entry.every for entry in loop.blocks.values())
-        for key, value in {"duration": sample, **dict.fromkeys(("record", "expect", "figures"))}.items():
-            whole = whole.with_entry((key,), value)
-        first = execute(load_scenario(whole))
+        short = whole.without([("record",), ("expect",), ("figures",)]).with_entry(("duration",), sample)
+        first = execute(load_scenario(short))
         if first.failure is not None:
             raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
     except (InputError, BlockError):

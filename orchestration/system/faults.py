@@ -85,19 +85,14 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
     return faults
 
 
-def _within(scenario: Scenario, key: Key, time: float) -> None:
-    if time > scenario.duration:
-        message = f"{time:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
-        raise InputError(scenario.error(key, message))
-
-
 def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span | None:
     """None for a fault that begins after the end of a run that was shortened by an option."""
     if fault.at > scenario.duration:
         if ("duration",) in scenario.source.options:
             notes.append(f"does not happen, since the run ends before: {sentence(fault)}")
             return None
-        _within(scenario, (*key, "at"), fault.at)
+        message = f"{fault.at:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
+        raise InputError(scenario.error((*key, "at"), message))
     first = count_of(scenario, (*key, "at"), fault.at, notes)
     return first, math.inf if fault.until is None else count_of(scenario, (*key, "until"), fault.until, notes)
 
