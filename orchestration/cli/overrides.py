@@ -23,7 +23,8 @@ def settings(sets: Iterable[str]) -> dict[str, Any]:
     for text in sets:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not name or not value:
-            raise InputError(f"--set {text}: expected block.parameter=value")
+            remedy = "; remedy for an empty text: ''" if equals and name else ""
+            raise InputError(f"--set {text}: expected block.parameter=value{remedy}")
         name = name.removeprefix("shared.")
         if (earlier := given.get(name)) is not None and not is_quiet():
             notes([f"--set {earlier} has no effect: --set {text}, which follows, counts"])

@@ -29,8 +29,7 @@ static LinkEnd wrong(Link *link, Fault *f, const char *expected, const char *fou
 
 bool link_silent(const Link *link, Fault *f)
 {
-    *f = (Fault){link->where, "an answer within link_time_out (see link_address)",
-                 link->reason[0] != '\0' ? link->reason : "none", 0.0};
+    *f = (Fault){link->where, "an answer within the time-out", link->reason[0] != '\0' ? link->reason : "none", 0.0};
     return false;
 }
 

@@ -15,6 +15,8 @@ typedef struct {
     bool open;
 } Line;
 
+enum { LINE_HOST = 256 }; /* chars of a host, its end included */
+
 /* Opens a line within the time; false with a reason of the operating system or of this code.
  *
  * address: HOST:PORT of UDP and TCP, the device of a serial line (/dev/ttyUSB0, COM3), or a pipe. A pipe is what QEMU calls

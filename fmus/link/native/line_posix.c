@@ -96,7 +96,7 @@ static int connected(const struct addrinfo *to, double until)
 /* A device that is started at the same time may not listen yet: tries again until the time is over. */
 static bool open_socket(Line *line, const char *address, double until, char *reason, size_t size)
 {
-    char host[256];
+    char host[LINE_HOST];
     const char *port;
     const int kind = line->transport == LINE_UDP ? SOCK_DGRAM : SOCK_STREAM;
     struct addrinfo hints = {.ai_family = AF_UNSPEC, .ai_socktype = kind}, *list = NULL;

@@ -25,6 +25,12 @@ bool link_check(const Parameters *p, Fault *f)
         *f = (Fault){"link_address", "HOST:PORT, a serial device or a pipe", "", 0.0};
         return false;
     }
+    char host[LINE_HOST];
+    const char *port;
+    if (p->link_transport <= LINE_TCP && !line_split(p->link_address, host, sizeof host, &port)) {
+        *f = (Fault){"link_address", "HOST:PORT with a port from 1 to 65535", p->link_address, 0.0};
+        return false;
+    }
     return true;
 }
 
