@@ -76,7 +76,7 @@ def _of_file(path: Path, lenient: bool) -> dict[str, Any]:
         "capabilities": [text for key, text in _CAPABILITIES.items() if getattr(said.coSimulation, key, False)],
         "experiment": {key: _time(getattr(experiment, name, None)) for key, name in times.items()},
         "not_valid": list(fmu.problems),
-        "variables": [_variable(v, fmu.starts) for v in fmu.model.variables.values()],
+        "variables": [_variable(v, fmu.model.starts) for v in fmu.model.variables.values()],
     }
 
 

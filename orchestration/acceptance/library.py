@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..fmu.archive import expected_library, libraries, platform_of
+from ..fmu.archive import libraries
+from ..fmu.co_simulation import CoSimulation
 from ..fmu.model import Model
 from ..swap.findings import Finding
-from ..system.rates import sample_time, steps_inside
 from . import binaries
 from .loader import Unresolved, unresolved
 
@@ -22,13 +22,13 @@ def files(folder: Path) -> dict[str, Path]:
 
 def look(description: Any, model: Model, files: Mapping[str, Path], findings: list[Finding]) -> None:
     """Its libraries and what it asks of its host; `files` are those of its binaries."""
-    flags = description.coSimulation
+    kind = CoSimulation.of(description)
     offered: dict[str, str] = {}
     for name in sorted(files):
         platform, _, file = name.removeprefix("binaries/").partition("/")
-        if file.rpartition(".")[0] == flags.modelIdentifier:
+        if file.rpartition(".")[0] == kind.identifier:
             offered[platform] = name
-    here, wanted = platform_of(description), expected_library(description)
+    here, wanted = kind.platform, kind.library
     if wanted in files:
         others = ", ".join(name for name in offered if name != here)
         text = f"{here}, this platform" + (f"; also {others}" if others else "; no other")
@@ -38,21 +38,20 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
         findings.append(Finding("error", "binary", text, f"build it for {here}, or run on one of its platforms"))
     for platform, name in offered.items():
         _library(platform, platform == here, model, files[name].read_bytes(), files, findings)
-    if flags.needsExecutionTool:
+    if kind.needs_tool:
         text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
-    if flags.canBeInstantiatedOnlyOncePerProcess:
+    if description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
         findings.append(Finding("note", "host", "one instance in a process only; in a process of its own it is alone"))
-    inside = steps_inside(description)
-    if inside or not flags.canHandleVariableCommunicationStepSize:
+    if kind.steps_inside or not kind.variable_step:
         try:
-            step = sample_time(description)
+            step = kind.sample_time()
         except ValueError as error:
             text, _, remedy = str(error).partition("; remedy: ")
             findings.append(Finding("error", "step", text, remedy))
             return
         if step is not None:
-            what = "steps inside by" if inside else "cannot vary its step of"
+            what = "steps inside by" if kind.steps_inside else "cannot vary its step of"
             text = f"it {what} {float(step):.10g} s; a scenario's step has to divide it or be a multiple of it"
             findings.append(Finding("note", "step", text))
         else:

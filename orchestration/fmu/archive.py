@@ -7,23 +7,22 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-
-import fmpy
-from fmpy.model_description import ValidationError, read_model_description
 
 from fmus import places
 from fmus.kept import kept, seen
 
 from ..errors import InputError, hint
 from . import zipped
+from .co_simulation import CoSimulation
 from .description import describe
 from .head import Head, line, read_head
-from .model import Element, Model
+from .model import Model
 from .starts import starts_of
 from .zipped import shown
 
@@ -34,10 +33,8 @@ __all__ = [
     "check_version",
     "described",
     "examined",
-    "expected_library",
     "libraries",
     "open_fmu",
-    "platform_of",
     "platforms",
     "read_head",
     "shown",
@@ -55,20 +52,20 @@ class Fmu:
 
     path: Path
     sha256: str
-    description: Any
-    """FMPy's ModelDescription."""
+    kind: CoSimulation
     model: Model
     problems: tuple[str, ...] = ()
     """What is not valid in its modelDescription.xml, where that was asked to be passed over."""
 
     @cached_property
-    def starts(self) -> Mapping[Element, Any]:
-        """Start values of its inputs and parameters, as `starts_of` has them."""
-        return starts_of(self.description, self.model)
+    def description(self) -> Any:
+        """FMPy's ModelDescription: it is read when it is asked for, since the import of FMPy takes 60 ms."""
+        return described(self.path, read_head(self.path), lenient=True)[0]
 
     @property
     def library(self) -> str:
-        return expected_library(self.description)
+        """Where the library for this platform stands in it."""
+        return self.kind.library
 
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
         """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
@@ -88,17 +85,6 @@ def check_version(path: Path, head: Head) -> None:
     if not VERSIONS.fullmatch(head.version or ""):
         version = f"is an FMU of FMI {head.version}" if head.version else "declares no fmiVersion"
         raise Unsupported(path, version, "FMI 2.0 or 3.0 for co-simulation")
-
-
-def platform_of(description: Any) -> str:
-    """What an FMU calls this platform: linux64 in FMI 2.0, x86_64-linux in 3.0."""
-    return str(fmpy.platform if description.fmiMajorVersion == 2 else fmpy.platform_tuple)
-
-
-def expected_library(description: Any) -> str:
-    """Where the library for this platform stands in an FMU."""
-    identifier = description.coSimulation.modelIdentifier
-    return f"binaries/{platform_of(description)}/{identifier}{fmpy.sharedLibraryExtension}"
 
 
 def libraries(names: Collection[str], platform: str) -> str:
@@ -135,10 +121,10 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
 
 
 def _opened(path: Path, lenient: bool) -> Fmu:
-    """One that this project has built, whose code runs here anyway, is read once for all processes."""
-    if not path.is_relative_to(places.work() / "fmus"):
+    """One that this project has built or brings along, whose code runs here anyway, is read once for all processes."""
+    if not any(path.is_relative_to(folder) for folder in (places.work() / "fmus", places.READY)):
         return _open(path, lenient)
-    return kept(Fmu, (path, lenient, _digest(path), _code(), fmpy.__version__), lambda: _open(path, lenient))
+    return kept(Fmu, (path, lenient, _digest(path), _code(), version("fmpy")), lambda: _open(path, lenient))
 
 
 @cache
@@ -160,7 +146,7 @@ def _open(path: Path, lenient: bool) -> Fmu:
     fmu = examined(path, lenient)
     names = zipped.names(path, "FMU")
     if fmu.library not in names:
-        found = libraries(names, platform_of(fmu.description))
+        found = libraries(names, fmu.kind.platform)
         raise InputError(f"{shown(path)} has no binary for this platform: expected {fmu.library}, found {found}")
     return fmu
 
@@ -175,7 +161,7 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
     # The version decides first: the schema's complaints about another version would only confuse.
     check_version(path, head)
     description, model, problems = described(path, head, lenient)
-    return Fmu(path, _digest(path), description, model, tuple(problems))
+    return Fmu(path, _digest(path), CoSimulation.of(description), model, tuple(problems))
 
 
 def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:
@@ -184,6 +170,9 @@ def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[s
     Raises InputError where it cannot be read or is not valid and `lenient` is not set, and Unsupported where it is not for
     co-simulation or has clocks.
     """
+    # Here, since it takes 60 ms and what is kept needs none of it.
+    from fmpy.model_description import ValidationError, read_model_description  # noqa: PLC0415
+
     problems: list[str] = []
     try:
         try:

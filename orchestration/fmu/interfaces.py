@@ -16,9 +16,8 @@ from ..paths import located
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 from .archive import Fmu, open_fmu
 from .model import Element, Helper, Model, Variable, shared
-from .starts import starts_of
 
-__all__ = ["Interface", "is_path", "own", "place", "reference", "starts_of"]
+__all__ = ["Interface", "is_path", "own", "place", "reference"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ def reference(name: str, folder: Path) -> Interface:
     """The interface of this name, or of the FMU at this path. Raises InputError."""
     if is_path(name):
         fmu = open_fmu(located(name, folder).resolve())
-        return Interface(fmu.model.name, fmu.model, starts_of(fmu.description, fmu.model))
+        return Interface(fmu.model.name, fmu.model, fmu.model.starts)
     if name not in own():
         ending = hint(name, own())
         raise InputError(f"this project has no interface {name!r}{ending}; the path of a reference FMU ends in .fmu")

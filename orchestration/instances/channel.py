@@ -19,6 +19,7 @@ from typing import IO
 
 import numpy as np
 
+from ..fmu.co_simulation import CoSimulation
 from ..fmu.model import Floats, Model
 
 STEP, CALL = b"s", b"c"
@@ -41,9 +42,8 @@ class Setup:
 
     name: str
     model: Model
-    guid: str
-    identifier: str
-    needs_tool: bool
+    kind: CoSimulation
+    library: str
     folder: Path
     """Where it has been unpacked."""
     memory: Path

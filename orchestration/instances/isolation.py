@@ -57,9 +57,7 @@ class IsolatedBlock:
         self._to, self._from = self._process.to, self._process.source
         self._listener = Listener(name, self._process.errors, verbose)
         self._watchdog = Watchdog(self._process, limits.timeout)
-        fmi = fmu.description.coSimulation
-        identity = fmu.description.guid, fmi.modelIdentifier, bool(fmi.needsExecutionTool)
-        setup = Setup(name, fmu.model, *identity, folder, shared, limits.memory, os.getpid())
+        setup = Setup(name, fmu.model, fmu.kind, fmu.library, folder, shared, limits.memory, os.getpid())
         with suppress(Closed):
             send(self._to, CALL, pickle.dumps(setup))
             send(self._to, CALL, pickle.dumps(("instantiate", ())))

@@ -1,60 +1,54 @@
-"""An FMU's library: loaded by FMPy, and an instance of it, in either version of FMI; slave.py does the rest."""
+"""An FMU's library, and an instance of it, in either version of FMI; slave.py does the rest.
+
+FMPy could do it, but takes 60 ms to be imported, and 2 ms for each library to look at the signatures of its own functions.
+"""
 
 from __future__ import annotations
 
 import atexit
 import ctypes as c
 import os
+import sys
 from collections.abc import Callable, Iterator
-from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave, fmi3IntermediateUpdateCallback, fmi3LogMessageCallback
 
 from .log import Log
 
 Calls = Iterator[tuple[str, tuple[Any, ...]]]
 """Functions of FMI by their names, with what they take behind the instance."""
+Arguments = tuple[Any, ...]
 
-_libraries: dict[Path, Any] = {}
-"""Libraries that instances share, by the folder of their FMU. Reading the signatures of FMPy's functions takes 2 ms each."""
+if sys.platform == "win32":
+    _unload = c.windll.kernel32.FreeLibrary
+else:
+    _unload = c.CDLL(None).dlclose
+_unload.argtypes = (c.c_void_p,)
+
+_libraries: dict[Path, c.CDLL] = {}
+"""Libraries that instances share, by their files."""
 
 
-_NEEDED_3 = (
-    *("fmi3InstantiateCoSimulation", "fmi3FreeInstance", "fmi3EnterInitializationMode"),
-    *("fmi3ExitInitializationMode", "fmi3DoStep", "fmi3Terminate"),
-)
+def _arguments_2(name: bytes, guid: bytes, folder: Path, log: Log) -> Arguments:
+    co_simulation, visible, logging = c.c_int(1), c.c_int(0), c.c_int(1)
+    return (
+        name,
+        co_simulation,
+        guid,
+        (folder / "resources").as_uri().encode(),
+        c.byref(log.callbacks_2),
+        visible,
+        logging,
+    )
 
 
-class _Library3(FMU3Slave):
-    """Loads a library that lacks functions which are not called here, such as those of model exchange."""
-
-    def _loadFunctions(self) -> None:
-        """FMPy would look for every function of FMI 3.0. Raises AttributeError."""
-        for name in _NEEDED_3:
-            getattr(self.dll, name)
-
-    def instantiate(self, log: Log) -> None:
-        self.callbacks = fmi3LogMessageCallback(log.receive)
-        function = self.dll["fmi3InstantiateCoSimulation"]
-        function.restype = c.c_void_p
-        texts = self.instanceName, self.guid, os.path.join(self.unzipDirectory, "resources", "")
-        visible, event_mode, early_return, logging = c.c_bool(), c.c_bool(), c.c_bool(), c.c_bool(True)
-        no_intermediate_variables = None, c.c_size_t(0)
-        self.component = function(
-            *(text.encode() for text in texts),
-            *(visible, logging, event_mode, early_return, *no_intermediate_variables),
-            *(None, self.callbacks, fmi3IntermediateUpdateCallback()),
-        )
-
-    def freeInstance(self) -> None:
-        function = self.dll["fmi3FreeInstance"]
-        function.restype = None
-        function(c.c_void_p(self.component))
-        self.freeLibrary()
+def _arguments_3(name: bytes, token: bytes, folder: Path, log: Log) -> Arguments:
+    visible, logging, event_mode, early_return = c.c_bool(), c.c_bool(True), c.c_bool(), c.c_bool()
+    no_intermediate_variables, no_environment, no_update = (None, c.c_size_t(0)), None, None
+    resources = os.path.join(folder, "resources", "").encode()
+    flags = visible, logging, event_mode, early_return
+    return name, token, resources, *flags, *no_intermediate_variables, no_environment, log.message_3, no_update
 
 
 def _initialize_2(stop: float) -> Calls:
@@ -71,32 +65,38 @@ def _initialize_3(stop: float) -> Calls:
 class Version:
     """What differs between the versions of FMI."""
 
-    library: Any
-    """FMPy's class."""
+    prefix: str
+    """What the names of its functions begin with."""
     instantiate: str
+    needed: tuple[str, ...]
+    """The further functions without which a library is refused, without prefix; it may lack those that are not called here."""
     token: str
     """What says that a description belongs to its binary."""
-    create: Callable[[Any, Log], None]
+    arguments: Callable[[bytes, bytes, Path, Log], Arguments]
+    """Of `instantiate`: of the instance's name, its token, the folder of the FMU and its log."""
     initialize: Callable[[float], Calls]
     """What takes an instance into initialization mode, for a run from 0 to the given end."""
     three: bool
     """Whether a Get or Set is told the number of values, besides that of references, and whether DoStep has answers."""
 
 
+_NEEDED = "FreeInstance", "EnterInitializationMode", "ExitInitializationMode", "DoStep", "Terminate"
 VERSIONS = {
     "fmi2": Version(
-        FMU2Slave,
+        "fmi2",
         "fmi2Instantiate",
+        ("SetupExperiment", *_NEEDED),
         "GUID",
-        lambda fmu, log: fmu.instantiate(callbacks=log.callbacks, loggingOn=True),
+        _arguments_2,
         _initialize_2,
         three=False,
     ),
     "fmi3": Version(
-        _Library3,
+        "fmi3",
         "fmi3InstantiateCoSimulation",
+        _NEEDED,
         "instantiation token",
-        lambda fmu, log: fmu.instantiate(log),
+        _arguments_3,
         _initialize_3,
         three=True,
     ),
@@ -104,24 +104,50 @@ VERSIONS = {
 """By what the names of FMI's functions begin with."""
 
 
-def load(version: Version, name: str, guid: str, identifier: str, folder: Path, shared: bool) -> Any:
-    """The library of an FMU that is unpacked in `folder`; raises what FMPy raises.
+class Library:
+    """A library that is loaded, and the instance that is made of it."""
 
-    `shared`: it is loaded once for all instances, and stays until the process ends.
-    """
-    if not shared:
-        return _loaded(version, name, guid, identifier, folder)
-    if folder not in _libraries:
-        _libraries[folder] = _loaded(version, name, guid, identifier, folder)
-        atexit.register(_libraries[folder].freeLibrary)  # Windows removes no file of a library that is loaded
-    library = copy(_libraries[folder])
-    library.instanceName = name
-    return library
+    def __init__(self, version: Version, folder: Path, file: str, shared: bool) -> None:
+        """Loads the file from the folder in which its FMU is unpacked. `shared`: once for all instances, until the process ends.
+
+        Raises OSError where it cannot be loaded, and AttributeError where it lacks a function.
+        """
+        self._version, self._folder, self._shared = version, folder, shared
+        self.component: int | None = None
+        path = folder / file
+        if shared and path in _libraries:
+            self.dll = _libraries[path]
+            return
+        self.dll = _loaded(path)
+        for name in (version.instantiate, *(f"{version.prefix}{name}" for name in version.needed)):
+            getattr(self.dll, name)
+        if shared:
+            _libraries[path] = self.dll
+            atexit.register(_unload, self.dll._handle)  # Windows removes no file of a library that is loaded
+
+    def instantiate(self, name: str, token: str, log: Log) -> None:
+        """Leaves the instance in `component`; None where the FMU gives none."""
+        function = self.dll[self._version.instantiate]
+        function.restype = c.c_void_p
+        self.component = function(*self._version.arguments(name.encode(), token.encode(), self._folder, log))
+
+    def free(self) -> None:
+        """Frees the instance, and unloads the library."""
+        function = self.dll[f"{self._version.prefix}FreeInstance"]
+        function.restype = None
+        function(c.c_void_p(self.component))
+        self.unload()
+
+    def unload(self) -> None:
+        """Unloads a library that is not shared."""
+        if not self._shared:
+            _unload(self.dll._handle)
 
 
-def _loaded(version: Version, name: str, guid: str, identifier: str, folder: Path) -> Any:
+def _loaded(path: Path) -> c.CDLL:
     here = os.getcwd()
+    os.chdir(path.parent)  # where some libraries look for others
     try:
-        return version.library(guid=guid, modelIdentifier=identifier, unzipDirectory=str(folder), instanceName=name)
+        return c.CDLL(str(path))
     finally:
-        os.chdir(here)  # FMPy leaves the folder changed where loading fails
+        os.chdir(here)

@@ -6,23 +6,32 @@ import ctypes as c
 import sys
 from collections import deque
 from collections.abc import Callable
+from functools import cache, cached_property
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
-from fmpy import calloc, free
-from fmpy.fmi2 import (
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
-from fmpy.logging import addLoggerProxy
-
 from ..errors import printable
+from ..fmu.platforms import PLATFORM, SUFFIX
 
 LINES_MAX = 20
 _LENGTH_MAX = 500
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _logs: dict[int, Log] = {}
+
+
+_Logger2 = c.CFUNCTYPE(None, c.c_void_p, c.c_char_p, c.c_int, c.c_char_p, c.c_char_p)
+_Logger3 = c.CFUNCTYPE(None, c.c_void_p, c.c_int, c.c_char_p, c.c_char_p)
+
+
+class _Callbacks2(c.Structure):
+    _fields_ = (
+        ("logger", _Logger2),
+        ("allocateMemory", c.c_void_p),
+        ("freeMemory", c.c_void_p),
+        ("stepFinished", c.c_void_p),
+        ("componentEnvironment", c.c_void_p),
+    )
 
 
 class Log:
@@ -38,12 +47,19 @@ class Log:
         self.lines: deque[str] = deque(maxlen=LINES_MAX)
         self.key = max(_logs, default=0) + 1
         _logs[self.key] = self
-        self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = _logger
-        self.callbacks.allocateMemory = _allocate
-        self.callbacks.freeMemory = _free
-        self.callbacks.componentEnvironment = c.c_void_p(self.key)
-        addLoggerProxy(c.byref(self.callbacks))
+
+    @cached_property
+    def callbacks_2(self) -> _Callbacks2:
+        """Those of FMI 2.0."""
+        allocate, free = (c.cast(function, c.c_void_p) for function in _memory())
+        callbacks = _Callbacks2(_logger, allocate, free, None, self.key)
+        _proxy().addLoggerProxy(c.byref(callbacks))
+        return callbacks
+
+    @cached_property
+    def message_3(self) -> Any:
+        """The one of FMI 3.0."""
+        return _Logger3(self.receive)
 
     def receive(self, environment: Any, status: int, category: Any, message: bytes | None) -> None:
         """The callback of FMI 3.0, whose messages have their arguments in their places."""
@@ -76,6 +92,18 @@ def _receive(environment: Any, instance: bytes | None, status: int, category: An
         log.add(status, (message or b"").decode("utf-8", "replace"))
 
 
-_logger = fmi2CallbackLoggerTYPE(_receive)
-_allocate = fmi2CallbackAllocateMemoryTYPE(calloc)
-_free = fmi2CallbackFreeMemoryTYPE(free)
+_logger = _Logger2(_receive)
+
+
+def _memory() -> tuple[Any, Any]:
+    """calloc and free of the C library."""
+    library = c.cdll.msvcrt if sys.platform == "win32" else c.CDLL(None)
+    return library.calloc, library.free
+
+
+@cache
+def _proxy() -> c.CDLL:
+    """FMPy's library of the proxy, loaded from its folder: to import FMPy takes 60 ms."""
+    spec = find_spec("fmpy")
+    folder = Path(spec.origin if spec and spec.origin else "").parent / "logging"
+    return c.CDLL(str(folder / PLATFORM / f"logging{SUFFIX}"))

@@ -20,9 +20,10 @@ from ..errors import BlockError
 from ..fmu.archive import Fmu
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..fmu.types import Native
-from . import calls, library
+from . import calls
 from .calls import ANSWERS, BEYOND, WARNING, Call, Exchange, Stepper, Stride
 from .layout import Arrays, Layout, exchanges
+from .library import VERSIONS, Library
 from .loading import in_words
 from .log import Log
 
@@ -44,30 +45,25 @@ class Slave:
         self._shared = shared
         self.name: str = name
         self.model: Model = fmu.model
-        self.version = library.VERSIONS[fmu.model.prefix]
+        self.version = VERSIONS[fmu.model.prefix]
         self._log = Log(name, echo=verbose)
         self._initialized = self._dead = False
         self._arrays = Arrays(fmu.model)
-        self._fmu = self._load(fmu, folder)
-        try:
-            self.version.create(self._fmu, self._log)
-        except Exception:
-            self._fmu.component = None
-        if not self._fmu.component:
-            if not self._shared:
-                self._fmu.freeLibrary()
+        self._library = self._load(fmu, folder)
+        self._library.instantiate(name, fmu.model.guid, self._log)
+        if not self._library.component:
+            self._library.unload()
             token = self.version.token
             hint = "" if self._log.lines else f"; it gives no reason, but often the {token} is not that of the binary"
-            if fmu.description.coSimulation.needsExecutionTool:
+            if fmu.kind.needs_tool:
                 hint += "; it needs the tool that made it to be at hand (needsExecutionTool)"
-            raise self._error(self.version.instantiate, f"gave no instance{hint}") from None
-        self.component = c.c_void_p(self._fmu.component)
-        self._argument = c.c_void_p.from_param(self._fmu.component)  # converted once, for the calls of every step
+            raise self._error(self.version.instantiate, f"gave no instance{hint}")
+        self.component = c.c_void_p(self._library.component)
+        self._argument = c.c_void_p.from_param(self._library.component)  # converted once, for the calls of every step
 
-    def _load(self, fmu: Fmu, folder: Path) -> Any:
-        identity = fmu.description.guid, fmu.description.coSimulation.modelIdentifier
+    def _load(self, fmu: Fmu, folder: Path) -> Library:
         try:
-            return library.load(self.version, self.name, *identity, folder, self._shared)
+            return Library(self.version, folder, fmu.library, self._shared)
         except Exception as error:
             raise self._error("loading its library", in_words(str(error).replace(f"{folder}{os.sep}", ""))) from None
 
@@ -200,16 +196,13 @@ class Slave:
         if self._initialized:
             with suppress(BlockError):  # a library without fmi2Terminate
                 self._function(f"{self.model.prefix}Terminate")(self.component)
-        if self._shared:
-            self._fmu.fmi2FreeInstance(self._fmu.component)
-        else:
-            self._fmu.freeInstance()
+        self._library.free()
 
     # ------------------------------------------------------------ helpers
 
     def _function(self, name: str) -> Any:
         try:
-            function = self._fmu.dll[name]
+            function = self._library.dll[name]
         except AttributeError:
             raise self._error(name, "is missing in its library") from None
         function.restype = c.c_int

@@ -18,6 +18,7 @@ from ..errors import BlockError
 from ..fmu.model import Element
 from . import confine
 from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send, write
+from .library import Library
 from .slave import Slave
 
 
@@ -28,18 +29,18 @@ class Watched(Slave):
         self._memory = memory
         super().__init__(*arguments)
 
-    def _load(self, *arguments: Any) -> Any:
+    def _load(self, *arguments: Any) -> Library:
         self._memory.call = "loading its library"
-        fmu = super()._load(*arguments)
-        free = fmu.freeInstance
+        library = super()._load(*arguments)
+        free = library.free
 
         def free_instance() -> None:
             self._memory.call = f"{self.model.prefix}FreeInstance"
             free()
 
-        fmu.freeInstance = free_instance
+        library.free = free_instance  # type: ignore[method-assign]
         self._memory.call = self.version.instantiate
-        return fmu
+        return library
 
     def _function(self, name: str) -> Any:
         self._memory.call = name
@@ -98,9 +99,7 @@ class Worker:
 
     def _do_instantiate(self) -> None:
         setup = self._setup
-        fmi = SimpleNamespace(modelIdentifier=setup.identifier, needsExecutionTool=setup.needs_tool)
-        description = SimpleNamespace(guid=setup.guid, coSimulation=fmi)
-        fmu = SimpleNamespace(model=setup.model, description=description)
+        fmu = SimpleNamespace(model=setup.model, kind=setup.kind, library=setup.library)
         self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
 
     def _do_mark(self) -> None:

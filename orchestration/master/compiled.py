@@ -16,11 +16,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import fmpy
 import numpy as np
 
 from fmus import places
 
+from ..fmu.platforms import PLATFORM, SUFFIX
 from ..fmu.types import CODES
 from ..instances.calls import Exchange, Part
 from ..instances.slave import Slave
@@ -224,7 +224,7 @@ class CompiledLoop:
 @cache
 def _library() -> c.CDLL | None:
     """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a compiler."""
-    path = places.ready(f"loop/{fmpy.platform}{fmpy.sharedLibraryExtension}")
+    path = places.ready(f"loop/{PLATFORM}{SUFFIX}")
     try:
         library = c.CDLL(str(path or _compiled(places.work() / "loop")))
     except (RuntimeError, OSError):  # no compiler, or no folder to write to: the loop in Python will do

@@ -115,7 +115,7 @@ def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
 
 def _parameters(fmu: Fmu, plan: Plan, block: str, handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
     """All parameters of an FMU with the values in force: its own, but where the scenario gives others."""
-    own = fmu.starts
+    own = fmu.model.starts
     declared = {element: value for element, value in own.items() if _is_parameter(fmu.model, element)}
     starts = handed_on[block] if block in handed_on else {s.element: s.value for s in plan.starts[block]}
     given = {element: value for element, value in starts.items() if _is_parameter(fmu.model, element)}

@@ -11,7 +11,6 @@ from ..scenario import extends
 from ..scenario import load as loading
 from ..scenario.scenario import Scenario
 from ..scenario.source import Source
-from ..ssp import reader as ssp
 
 
 def read(path: Path) -> Source:
@@ -19,7 +18,11 @@ def read(path: Path) -> Source:
     if path.suffix == ".fmu" and path.exists():
         remedy = f"remedy: orchestrate check {path} --as BLOCK, or orchestrate SCENARIO --swap BLOCK={path}"
         raise InputError(f"{path}: this is an FMU, expected a scenario; {remedy}")
-    return ssp.read(path) if path.suffix == ".ssp" and path.exists() else extends.read(path)
+    if path.suffix == ".ssp" and path.exists():
+        from ..ssp import reader  # here, since it takes 20 ms and few scenarios are archives  # noqa: PLC0415
+
+        return reader.read(path)
+    return extends.read(path)
 
 
 def load(scenario: str | Path | Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:

@@ -16,7 +16,7 @@ from ..errors import InputError, hint
 from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.model import Element, Variable
-from ..fmu.starts import scalars_of, starts_of
+from ..fmu.starts import scalars_of
 from ..quantities import convert
 from ..scenario.source import Source
 from ..system.wiring import Node
@@ -112,11 +112,10 @@ def _starts(path: Path, place: Path_, fmu: Fmu, structure: Structure, delayed: b
     An input that is fed takes the value that comes to it already at t = 0, unless there are delays.
     """
     variables = _variables(fmu)
-    own = starts_of(fmu.description, fmu.model)
     starts: dict[str, Any] = {}
     for name, (variable, position) in variables.items():
         if variable.causality == "input" and structure.source(End(place, name)) is None:
-            value = own.get(Element(variable.name, position))
+            value = fmu.model.starts.get(Element(variable.name, position))
             items: dict[Any, Any] = {number: item for item, number in variable.items}
             starts[variable.label(position)] = items.get(value, value)
     for name, given in structure.values.get(place, {}).items():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
 
 from ..errors import InputError
 from ..fmu.archive import Fmu
+from ..fmu.co_simulation import CoSimulation
 from ..instances.substeps import Substeps
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
@@ -34,7 +33,7 @@ def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
     source, errors = scenario.source, list[str]()
     for name, fmu in fmus.items():
         try:
-            source = _timed(found, source, name, fmu.description)
+            source = _timed(found, source, name, fmu.kind)
         except InputError as error:
             errors += error.messages
     if errors:
@@ -44,10 +43,10 @@ def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
     return found
 
 
-def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
+def _timed(found: Rates, source: Source, name: str, kind: CoSimulation) -> Source:
     scenario = found.scenario
     try:
-        own_step = sample_time(description)
+        own_step = kind.sample_time()
     except ValueError as error:
         raise InputError(scenario.error(("blocks", name, "fmu"), str(error))) from None
     if own_step is None:
@@ -56,7 +55,7 @@ def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
     given = entry.every if "every" in entry.model_fields_set else None
     step = base * (given or 1)
     ratio = own_step / step
-    inside = steps_inside(description)
+    inside = kind.steps_inside
     why = f"its FMU {'steps inside by' if inside else 'cannot vary its step of'} {float(own_step):.10g} s"
     key: Key = ("blocks", name, "every") if given else ("blocks", name, "fmu")
     if ratio == 1 or (inside and (1 / ratio).denominator == 1):
@@ -76,33 +75,6 @@ def _timed(found: Rates, source: Source, name: str, description: Any) -> Source:
     remedy = f"'every: {int(own_step / base)}'" if (own_step / base).denominator == 1 else _steps(own_step, base)
     message = f"{why}, which is no multiple of the step, {float(step):.10g} s; remedy: {remedy}"
     raise InputError(scenario.error(key, message))
-
-
-def sample_time(description: Any) -> Fraction | None:
-    """The step that an FMU insists on, or into which it divides all steps, s; None where it has none or does not say.
-
-    Raises ValueError.
-    """
-    if steps_inside(description):
-        name, step = "fixedInternalStepSize", description.coSimulation.fixedInternalStepSize
-    else:
-        experiment = description.defaultExperiment
-        name, step = "stepSize", experiment.stepSize if experiment is not None else None
-        if description.coSimulation.canHandleVariableCommunicationStepSize or step is None:
-            return None
-    number = float(step)
-    if not 0.0 < number < math.inf:
-        where = name if name != "stepSize" else "DefaultExperiment.stepSize"
-        raise ValueError(
-            f"its FMU cannot vary its step, and its {name} is {step}, expected a finite number above 0; "
-            f"remedy: declare {where} in the FMU"
-        )
-    return Fraction(repr(number))
-
-
-def steps_inside(description: Any) -> bool:
-    """Whether an FMU of FMI 3.0 divides each step into steps of a fixed length, of which it has to be a multiple."""
-    return description.coSimulation.fixedInternalStepSize is not None
 
 
 def _steps(own_step: Fraction, base: Fraction) -> str:

@@ -1,0 +1,75 @@
+"""What an FMU declares of its use for co-simulation, from what FMPy read of its modelDescription.xml."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from .platforms import PLATFORM, PLATFORM_3, SUFFIX
+
+
+@dataclass(frozen=True)
+class CoSimulation:
+    """How its library is called, what it needs and how it can be stepped."""
+
+    version: int
+    """FMI's major version."""
+    identifier: str
+    needs_tool: bool
+    """Whether it needs the tool that made it (needsExecutionTool)."""
+    variable_step: bool
+    """canHandleVariableCommunicationStepSize."""
+    inside: str | None
+    """fixedInternalStepSize, s, of FMI 3.0: it divides each step into steps of this length."""
+    step: str | None
+    """DefaultExperiment.stepSize, s."""
+
+    @classmethod
+    def of(cls, description: Any) -> CoSimulation:
+        flags, experiment = description.coSimulation, description.defaultExperiment
+        return cls(
+            description.fmiMajorVersion,
+            flags.modelIdentifier,
+            bool(flags.needsExecutionTool),
+            bool(flags.canHandleVariableCommunicationStepSize),
+            flags.fixedInternalStepSize,
+            experiment.stepSize if experiment is not None else None,
+        )
+
+    @property
+    def platform(self) -> str:
+        """What it calls this platform: linux64 in FMI 2.0, x86_64-linux in 3.0."""
+        return PLATFORM if self.version == 2 else PLATFORM_3
+
+    @property
+    def library(self) -> str:
+        """Where the library for this platform stands in the FMU."""
+        return f"binaries/{self.platform}/{self.identifier}{SUFFIX}"
+
+    @property
+    def steps_inside(self) -> bool:
+        """Whether it divides each step into steps of a fixed length, of which it has to be a multiple."""
+        return self.inside is not None
+
+    def sample_time(self) -> Fraction | None:
+        """The step that it insists on, or into which it divides all steps, s; None where it has none or does not say.
+
+        Raises ValueError.
+        """
+        name, step = "stepSize", self.step
+        if self.steps_inside:
+            name, step = "fixedInternalStepSize", self.inside
+        elif self.variable_step:
+            return None
+        if step is None:
+            return None
+        number = float(step)
+        if not 0.0 < number < math.inf:
+            where = name if name != "stepSize" else "DefaultExperiment.stepSize"
+            raise ValueError(
+                f"its FMU cannot vary its step, and its {name} is {step}, expected a finite number above 0; "
+                f"remedy: declare {where} in the FMU"
+            )
+        return Fraction(repr(number))
