@@ -12,8 +12,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from . import places
-from .block import Block, files_of, lenders
-from .kept import seen
+from .block import LENT, Block, files_of, lenders
+from .kept import kept, seen
 
 _HERE = Path(__file__).parent
 
@@ -29,54 +29,49 @@ def unchanging() -> Iterator[None]:
         _looked = None
 
 
-_looked: dict[Path, int] | None = None
+_looked: dict[Path, str] | None = None
 
 
 def fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made of: files by their content, packages by their versions.
 
-    Within a process the files are read anew only where one of their names, sizes or times has changed.
+    The files are read anew only where one of their names, sizes or times has changed, since this process or another read them.
     """
-    shared = hash((_state(_HERE), places.shared("LICENSE").stat().st_mtime_ns))
-    if _makers.get(flavour, (None,))[0] != shared:
-        _makers[flavour] = shared, _of_makers(flavour)
-    seen = hash((shared, block.interface.source, _state(block.folder)))
-    key = block.name, block.folder, flavour
-    if key not in _known or _known[key][0] != seen:
-        _known[key] = seen, _of_content(block, flavour, _makers[flavour][1].copy())
-    return _known[key][1]
+    owners = (block.folder, *(Block.named(owner).folder for owner in LENT.values()))
+    license_ = places.shared("LICENSE").stat()
+    files = block.name, flavour, block.interface.source, license_.st_size, license_.st_mtime_ns, _state(_HERE)
+    files = *files, *(_state(folder) for folder in owners)
+    if files not in _known:
+        packages = kept(tuple, ("packages", files), lambda: data_packages(block.folder))
+        versions = [(name, _version(name)) for name in ("pythonfmu", "ziglang", *packages)]
+        _known[files] = kept(str, ("fingerprint", files, versions), lambda: _of_content(block, flavour, versions))
+    return _known[files]
 
 
-_makers: dict[str, tuple[int, hashlib._Hash]] = {}
-_known: dict[tuple[str, Path, str], tuple[int, str]] = {}
+_known: dict[object, str] = {}
 
 
-def _state(folder: Path) -> int:
-    """A number that changes with the files of a folder."""
+def _state(folder: Path) -> str:
+    """A hash that changes with the files of a folder: their names, sizes and times."""
     looked = {} if _looked is None else _looked
     if folder not in looked:
-        looked[folder] = hash(tuple(seen(folder)))
+        looked[folder] = hashlib.sha256(repr(seen(folder)).encode()).hexdigest()
     return looked[folder]
 
 
-def _of_makers(flavour: str) -> hashlib._Hash:
-    """Of what makes FMUs of blocks."""
+def _of_content(block: Block, flavour: str, versions: Iterable[tuple[str, str]]) -> str:
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
     makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
     digest = hashlib.sha256()
     _add(digest, [places.shared("LICENSE"), *makers])
-    return digest
-
-
-def _of_content(block: Block, flavour: str, digest: hashlib._Hash) -> str:
     digest.update(block.interface.source.encode())
     _add(digest, files_of(block.folder))
     if flavour == "native":
         _add(digest, _files(block.folder / "native"))
         for owner in lenders(block.folder).values():
             _add(digest, [*_files(owner / "tables"), *_files(owner / "native")])
-    for name in ("pythonfmu", "ziglang", *data_packages(block.folder)):
-        digest.update(f"\n{name} {_version(name)}".encode())
+    for name, version_ in versions:
+        digest.update(f"\n{name} {version_}".encode())
     return digest.hexdigest()
 
 
@@ -92,14 +87,14 @@ def _files(folder: Path) -> list[Path]:
 _PACKAGES = re.compile(r"^PACKAGES = (\([^()]*\)|\[[^][]*\])", re.MULTILINE)
 
 
-def data_packages(folder: Path) -> list[str]:
+def data_packages(folder: Path) -> tuple[str, ...]:
     """The literals `PACKAGES` of the tables of a block and of those that lend to it. Read without importing them."""
     found: dict[str, None] = {}
     for owner in (folder, *lenders(folder).values()):
         for path in (owner / "tables" / "__init__.py", owner / "native" / "tables.py"):
             for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
                 found |= dict.fromkeys(ast.literal_eval(literal))
-    return list(found)
+    return tuple(found)
 
 
 @cache
