@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import os
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -52,13 +53,14 @@ def package_name(folder: Path) -> str:
 
 def files_of(folder: Path) -> list[Path]:
     """All files in a block's folder, sorted, without its C and without blocks in folders of their own."""
-    apart = {folder / "native", *filter(_is_block, folder.iterdir())}
+    apart = {folder / "native", *filter(is_block, folder.iterdir())}
     found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
     return sorted(path for path in found if apart.isdisjoint(path.parents))
 
 
-def _is_block(folder: Path) -> bool:
-    return (folder / "native").is_dir() or (folder / "block.py").is_file()
+def is_block(folder: str | Path) -> bool:
+    """Whether this is the folder of a block."""
+    return os.path.isdir(os.path.join(folder, "native")) or os.path.isfile(os.path.join(folder, "block.py"))
 
 
 @contextlib.contextmanager

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TypeVar, cast
 
 from . import places
-from .block import LENT, Block, files_of, lenders
+from .block import Block, files_of, is_block, lenders
 from .kept import kept, seen
+
+T = TypeVar("T")
 
 _HERE = Path(__file__).parent
 
@@ -29,7 +33,7 @@ def unchanging() -> Iterator[None]:
         _looked = None
 
 
-_looked: dict[Path, str] | None = None
+_looked: dict[object, str] | None = None
 
 
 def fingerprint(block: Block, flavour: str) -> str:
@@ -37,31 +41,52 @@ def fingerprint(block: Block, flavour: str) -> str:
 
     The files are read anew only where one of their names, sizes or times has changed, since this process or another read them.
     """
-    owners = (block.folder, *(Block.named(owner).folder for owner in LENT.values()))
     license_ = places.shared("LICENSE").stat()
-    files = block.name, flavour, block.interface.source, license_.st_size, license_.st_mtime_ns, _state(_HERE)
-    files = *files, *(_state(folder) for folder in owners)
-    if files not in _known:
-        packages = kept(tuple, ("packages", files), lambda: data_packages(block.folder))
-        versions = [(name, _version(name)) for name in ("pythonfmu", "ziglang", *packages)]
-        _known[files] = kept(str, ("fingerprint", files, versions), lambda: _of_content(block, flavour, versions))
-    return _known[files]
+    license_of = license_.st_size, license_.st_mtime_ns
+    own = block.name, flavour, block.interface.source, license_of, _state(_HERE, flavour), _state(block.folder)
+    owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
+    files = own, *map(_state, owners)
+    packages = _remembered(("packages", files), tuple, lambda: data_packages(block.folder))
+    versions = [(name, _version(name)) for name in ("pythonfmu", "ziglang", *packages)]
+    return _remembered(("fingerprint", files, *versions), str, lambda: _of_content(block, flavour, versions))
 
 
-_known: dict[object, str] = {}
+def _remembered(made_of: object, kind: type[T], make: Callable[[], T]) -> T:
+    """What `make` gives of the same, from this process or from disk."""
+    if made_of not in _known:
+        _known[made_of] = kept(kind, made_of, make)
+    return cast(T, _known[made_of])
 
 
-def _state(folder: Path) -> str:
-    """A hash that changes with the files of a folder: their names, sizes and times."""
+_known: dict[object, object] = {}
+
+
+def _state(folder: Path, flavour: str = "") -> str:
+    """A hash that changes with the files of a block's folder, or, with a flavour, of those here that make it, as `seen` has them."""
     looked = {} if _looked is None else _looked
-    if folder not in looked:
-        looked[folder] = hashlib.sha256(repr(seen(folder)).encode()).hexdigest()
-    return looked[folder]
+    key = folder, flavour
+    if key not in looked:
+        files = seen(folder, lambda inside: _makes(inside, flavour) if flavour else not is_block(inside))
+        if _states.get(key, (None,))[0] != files:
+            _states[key] = files, hashlib.sha256(repr(files).encode()).hexdigest()
+        looked[key] = _states[key][1]
+    return looked[key]
+
+
+_states: dict[object, tuple[object, str]] = {}
+
+
+def _makes(folder: str, flavour: str) -> bool:
+    """Whether FMUs of this flavour are made by what stands in a folder of this package."""
+    return folder[len(str(_HERE)) + 1 :].partition(os.sep)[0] in (*_ALWAYS, "interfaces", flavour)
+
+
+_ALWAYS = "contents", "native"
 
 
 def _of_content(block: Block, flavour: str, versions: Iterable[tuple[str, str]]) -> str:
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
-    makers += [path for folder in sorted({"contents", "native", flavour}) for path in _files(_HERE / folder)]
+    makers += [path for folder in sorted({*_ALWAYS, flavour}) for path in _files(_HERE / folder)]
     digest = hashlib.sha256()
     _add(digest, [places.shared("LICENSE"), *makers])
     digest.update(block.interface.source.encode())

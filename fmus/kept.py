@@ -40,8 +40,8 @@ def kept(kind: type[T], made_of: object, make: Callable[[], T]) -> T:
     return value
 
 
-def seen(folder: str | Path) -> list[tuple[str, int, int]]:
-    """Name, size and time of each file in a folder, which tell whether they have changed."""
+def seen(folder: str | Path, within: Callable[[str], bool] = lambda folder: True) -> list[tuple[str, int, int]]:
+    """Name, size and time of each file in a folder, which tell whether they have changed. `within`: of the folders in it that count."""
     files, folders = [], [str(folder)]
     for inside in folders:  # which grows meanwhile
         with os.scandir(inside) as entries:
@@ -49,7 +49,7 @@ def seen(folder: str | Path) -> list[tuple[str, int, int]]:
                 if not entry.is_dir():
                     status = entry.stat()
                     files.append((entry.path, status.st_size, status.st_mtime_ns))
-                elif entry.name != "__pycache__":
+                elif entry.name != "__pycache__" and within(entry.path):
                     folders.append(entry.path)
     return files
 

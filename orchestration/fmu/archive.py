@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import re
+import stat
+import time
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from fmus import places
 from fmus.kept import kept, seen
@@ -103,21 +105,44 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line.
 
     `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the same.
-    What has been read is kept for the file as it is: by the hash of its content, which is looked at every time.
+    What has been read is kept for the file as it is: by its size, time and number on the disk, or by the hash of its content.
     """
-    kept = _kept.get((path, lenient))
-    if (
-        kept is not None
-        and path.is_file()
-        and path.stat().st_size <= zipped.ARCHIVE_MAX
-        and _digest(path) == kept.sha256
-    ):
-        return kept
-    fmu = _opened(path, lenient)
-    while len(_kept) >= _KEPT_MAX:
-        del _kept[next(iter(_kept))]
-    _kept[path, lenient] = fmu
+    state = _state(path)
+    known, fmu = _kept.pop((path, lenient), (None, None))
+    if fmu is None or state is None or (state != known and not _same(path, state, fmu)):
+        fmu = _opened(path, lenient)
+        while len(_kept) >= _KEPT_MAX:
+            del _kept[next(iter(_kept))]
+    # What was written a moment ago may be written again at the same time by the clock of the disk.
+    settled = state is not None and time.time_ns() - state.time > _MOMENT
+    _kept[path, lenient] = state if settled else None, fmu
     return fmu
+
+
+class _State(NamedTuple):
+    """What tells of a file that it has been written or replaced."""
+
+    size: int
+    time: int
+    number: int
+
+
+_MOMENT = 2 * 10**9
+"""ns"""
+
+
+def _state(path: Path) -> _State | None:
+    """None where there is no file."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return _State(status.st_size, status.st_mtime_ns, status.st_ino) if stat.S_ISREG(status.st_mode) else None
+
+
+def _same(path: Path, state: _State, fmu: Fmu) -> bool:
+    """Whether a file has the content of this FMU."""
+    return state.size <= zipped.ARCHIVE_MAX and _digest(path) == fmu.sha256
 
 
 def _opened(path: Path, lenient: bool) -> Fmu:
@@ -133,7 +158,7 @@ def _code() -> list[tuple[str, int, int]]:
     return [*seen(Path(__file__).parents[1]), *seen(Path(places.__file__).parent)]
 
 
-_kept: dict[tuple[Path, bool], Fmu] = {}
+_kept: dict[tuple[Path, bool], tuple[_State | None, Fmu]] = {}
 _KEPT_MAX = 50
 
 

@@ -42,7 +42,7 @@ class Slave:
         `verbose` prints what it logs, or takes each line of it. `shared`: the library is loaded once for all instances,
         which only suits one without a state of its own, and stays until the process ends.
         """
-        self._shared = shared
+        self.shared = shared
         self.name: str = name
         self.model: Model = fmu.model
         self.version = VERSIONS[fmu.model.prefix]
@@ -63,7 +63,7 @@ class Slave:
 
     def _load(self, fmu: Fmu, folder: Path) -> Library:
         try:
-            return Library(self.version, folder, fmu.library, self._shared)
+            return Library(self.version, folder, fmu.library, self.shared)
         except Exception as error:
             raise self._error("loading its library", in_words(str(error).replace(f"{folder}{os.sep}", ""))) from None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from .pace import PYTHON_LOOP, pacer
 from .plan import Plan
 from .read import load
 from .refusal import refusal
+from .standby import Standby, standby
 
 Seers = tuple[Sequence[Node], Sequence[Seer]]
 
@@ -89,11 +90,10 @@ def execute(
     ready = opened.plan
     if check is not None:
         check(ready.columns, ready.models)
-    with ExitStack() as stack:
-        instances = opened.instantiate(stack, verbose)
-        blocks = {name: opened.adapted(block) for name, block in instances.items()}
-        result = run_blocks(ready, blocks, progress, compiled, seers, pacer)
-    for block in instances.values():
+    with standby(opened, tuple(seers[0]), verbose) as made:
+        result = run_blocks(ready, made.blocks, progress, compiled, seers, pacer, made)
+        made.sound = result.failure is None and not result.interrupted
+    for block in made.instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
     result.manifest = manifest(opened.described, ready, result)
     return result
@@ -106,8 +106,9 @@ def run_blocks(
     compiled: bool = False,
     seers: Seers = ((), ()),
     pacer: Pacer | None = None,
+    made: Standby | None = None,
 ) -> Result:
-    """Runs a plan on any blocks, and holds what they give against its expectations."""
+    """Runs a plan on any blocks, and holds what they give against its expectations. `made` keeps the bus from run to run."""
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
@@ -138,8 +139,11 @@ def run_blocks(
         ready.faults,
         watch,
         pacer,
+        made.bus if made is not None else None,
     )
     recording = master.run(ready.starts, progress)
+    if made is not None:
+        made.bus = master.bus
     if recording.failure and (refused := refusal(scenario, ready.models, recording.failure)):
         raise InputError(refused)
     if watch is None:
