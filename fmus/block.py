@@ -6,7 +6,7 @@ import contextlib
 import importlib
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -53,14 +53,15 @@ def package_name(folder: Path) -> str:
 
 def files_of(folder: Path) -> list[Path]:
     """All files in a block's folder, sorted, without its C and without blocks in folders of their own."""
-    apart = {folder / "native", *filter(is_block, folder.iterdir())}
+    inside = (path for path in folder.iterdir() if path.is_dir())
+    apart = {folder / "native", *(path for path in inside if is_block(os.listdir(path)))}
     found = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
     return sorted(path for path in found if apart.isdisjoint(path.parents))
 
 
-def is_block(folder: str | Path) -> bool:
-    """Whether this is the folder of a block."""
-    return os.path.isdir(os.path.join(folder, "native")) or os.path.isfile(os.path.join(folder, "block.py"))
+def is_block(names: Collection[str]) -> bool:
+    """Whether these are in the folder of a block."""
+    return "native" in names or "block.py" in names
 
 
 @contextlib.contextmanager

@@ -46,7 +46,7 @@ def fingerprint(block: Block, flavour: str) -> str:
     own = block.name, flavour, block.interface.source, license_of, _state(_HERE, flavour), _state(block.folder)
     owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
     files = own, *map(_state, owners)
-    packages = _remembered(("packages", files), tuple, lambda: data_packages(block.folder))
+    packages = _remembered(("packages", files), list, lambda: data_packages(block.folder))
     versions = [(name, _version(name)) for name in ("pythonfmu", "ziglang", *packages)]
     return _remembered(("fingerprint", files, *versions), str, lambda: _of_content(block, flavour, versions))
 
@@ -66,7 +66,7 @@ def _state(folder: Path, flavour: str = "") -> str:
     looked = {} if _looked is None else _looked
     key = folder, flavour
     if key not in looked:
-        files = seen(folder, lambda inside: _makes(inside, flavour) if flavour else not is_block(inside))
+        files = seen(folder, lambda inside, names: _makes(inside, flavour) if flavour else not is_block(names))
         if _states.get(key, (None,))[0] != files:
             _states[key] = files, hashlib.sha256(repr(files).encode()).hexdigest()
         looked[key] = _states[key][1]
@@ -112,14 +112,14 @@ def _files(folder: Path) -> list[Path]:
 _PACKAGES = re.compile(r"^PACKAGES = (\([^()]*\)|\[[^][]*\])", re.MULTILINE)
 
 
-def data_packages(folder: Path) -> tuple[str, ...]:
+def data_packages(folder: Path) -> list[str]:
     """The literals `PACKAGES` of the tables of a block and of those that lend to it. Read without importing them."""
     found: dict[str, None] = {}
     for owner in (folder, *lenders(folder).values()):
         for path in (owner / "tables" / "__init__.py", owner / "native" / "tables.py"):
             for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
                 found |= dict.fromkeys(ast.literal_eval(literal))
-    return tuple(found)
+    return list(found)
 
 
 @cache

@@ -40,17 +40,25 @@ def kept(kind: type[T], made_of: object, make: Callable[[], T]) -> T:
     return value
 
 
-def seen(folder: str | Path, within: Callable[[str], bool] = lambda folder: True) -> list[tuple[str, int, int]]:
-    """Name, size and time of each file in a folder, which tell whether they have changed. `within`: of the folders in it that count."""
+def seen(
+    folder: str | Path, counts: Callable[[str, list[str]], bool] = lambda folder, names: True
+) -> list[tuple[str, int, int]]:
+    """Name, size and time of each file in a folder, which tell whether they have changed.
+
+    `counts`: whether a folder in it counts, of its path and the names in it.
+    """
     files, folders = [], [str(folder)]
     for inside in folders:  # which grows meanwhile
-        with os.scandir(inside) as entries:
-            for entry in entries:
-                if not entry.is_dir():
-                    status = entry.stat()
-                    files.append((entry.path, status.st_size, status.st_mtime_ns))
-                elif entry.name != "__pycache__" and within(entry.path):
-                    folders.append(entry.path)
+        with os.scandir(inside) as listing:
+            entries = list(listing)
+        if inside is not folders[0] and not counts(inside, [entry.name for entry in entries]):
+            continue
+        for entry in entries:
+            if not entry.is_dir():
+                status = entry.stat()
+                files.append((entry.path, status.st_size, status.st_mtime_ns))
+            elif entry.name != "__pycache__":
+                folders.append(entry.path)
     return files
 
 

@@ -120,8 +120,10 @@ class Judge:
         inside, chosen = check.sight.chosen(time, columns)
         self._inside |= inside
         if chosen.any():
-            self._samples += int(chosen.sum())
-            (self._bound if check.expectation.zeros is None else self._count)(time[chosen], values[chosen])
+            self._samples += (samples := int(np.count_nonzero(chosen)))
+            if samples < len(time):
+                time, values = time[chosen], values[chosen]
+            (self._bound if check.expectation.zeros is None else self._count)(time, values)
 
     def _bound(self, time: Floats, values: Floats) -> None:
         check, always = self.check, self.check.expectation.always is not None
@@ -144,7 +146,9 @@ class Judge:
         self._sign = float(signs[-1])
 
     def _highlight(self, time: Floats, values: Floats) -> None:
-        largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
+        largest = values[:, 0]
+        if values.shape[1] > 1:
+            largest = values[np.arange(len(time)), np.abs(values).argmax(axis=1)]
         peak = int(np.abs(largest).argmax())
         self._final = float(largest[-1])
         if self._peak is None or abs(largest[peak]) > abs(self._peak[0]):

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import ctypes as c
+import os
 import sys
+import tempfile
 from collections import deque
 from collections.abc import Callable
 from functools import cache, cached_property
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+from fmus import places
 
 from ..errors import printable
 from ..fmu.platforms import PLATFORM, SUFFIX
@@ -103,7 +108,21 @@ def _memory() -> tuple[Any, Any]:
 
 @cache
 def _proxy() -> c.CDLL:
-    """FMPy's library of the proxy, loaded from its folder: to import FMPy takes 60 ms."""
+    """FMPy's library of the proxy, as a copy: it passes all messages of a process to one function, and FMPy sets it to its own.
+
+    The library is taken from FMPy's folder, since the import of FMPy takes 60 ms.
+    """
     spec = find_spec("fmpy")
-    folder = Path(spec.origin if spec and spec.origin else "").parent / "logging"
-    return c.CDLL(str(folder / PLATFORM / f"logging{SUFFIX}"))
+    source = Path(spec.origin if spec and spec.origin else "").parent / "logging" / PLATFORM / f"logging{SUFFIX}"
+    path = places.work() / "loop" / f"fmpy-{version('fmpy')}-logging{SUFFIX}"
+    try:
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+                file.write(source.read_bytes())
+            os.replace(file.name, path)
+        return c.CDLL(str(path))
+    except OSError:  # a folder in which nothing can be written
+        import fmpy.logging  # first, since it sets the function when it is imported  # noqa: F401, PLC0415
+
+        return c.CDLL(str(source))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,10 @@ from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..system import signals
 from ..system.wiring import Node
+
+
+def _nothing(result: RunData) -> dict[str, Any]:
+    return {}
 
 
 @dataclass(repr=False)
@@ -39,7 +44,6 @@ class RunData(Mapping[str, NDArray[Any]]):
     """Of those that a swapped block gives no signal for."""
     highlights: list[Highlight] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
-    manifest: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     steps: int = 0
     reached: float = 0.0
@@ -50,6 +54,13 @@ class RunData(Mapping[str, NDArray[Any]]):
     failure: BlockError | None = None
     interrupted: int = 0
     """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
+    described: Callable[[RunData], dict[str, Any]] = field(default=_nothing, compare=False)
+    """What makes the manifest."""
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """The scenario as resolved, parameters, versions and what came of the run, ready for JSON; made when it is asked for."""
+        return self.described(self)
 
     @property
     def labels(self) -> list[str]:

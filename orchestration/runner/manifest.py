@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -16,7 +16,6 @@ from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.data import RunData
-from ..results.result import Result
 from ..scenario import timeline
 from ..scenario.faults import sentence
 from ..scenario.source import copied
@@ -78,20 +77,20 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
     }
 
 
-def manifest(known: Mapping[str, Any], plan: Plan, result: Result) -> dict[str, Any]:
-    """The manifest of a run, ready for JSON. `known` is what `described` gives of its plan."""
+def manifest(known: Mapping[str, Any], notes: Sequence[str], finished: datetime, result: RunData) -> dict[str, Any]:
+    """The manifest of a run, ready for JSON. `known` is what `described` gives of its plan, `notes` are those of the plan."""
     ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
     of_run = {
         "outcome": ended,
         "failure": None if result.failure is None else str(result.failure),
         "flags": {name: {"ever": since is not None, "first": since} for name, since in result.flags.items()},
-        "notes": list(plan.notes),
+        "notes": list(notes),
         "steps": result.steps,
         "samples": len(result.time),
         "simulated_time": result.reached,
         "wall_time": result.wall,
         "steps_per_second": result.steps / result.wall if result.wall > 0.0 else None,
-        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "finished": finished.isoformat(timespec="seconds"),
     }
     if result.pace is not None:
         of_run["realtime"] = result.pace.data()

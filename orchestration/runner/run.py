@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
+from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +97,7 @@ def execute(
         made.sound = result.failure is None and not result.interrupted
     for block in made.instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
-    result.manifest = manifest(opened.described, ready, result)
+    result.described = partial(manifest, opened.described, tuple(ready.notes), datetime.now(UTC))
     return result
 
 

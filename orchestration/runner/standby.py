@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Hashable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 
 from ..errors import BlockError
@@ -61,6 +61,7 @@ def standby(opened: Opened, key: Hashable, verbose: bool) -> Iterator[Standby]:
         yield found
         if not verbose and found.stays:
             found.stack = stack.pop_all()
+            _close()
             _waiting.append(found)
             atexit.unregister(_close)
             atexit.register(_close)  # the last one, which is called first: before the libraries are unloaded
@@ -87,5 +88,6 @@ def _taken(opened: Opened, key: Hashable) -> Standby | None:
 
 def _close() -> None:
     """Ends what stands by."""
-    while _waiting:
-        _waiting.pop().stack.close()
+    with suppress(IndexError):  # another thread may take what stands by
+        while True:
+            _waiting.pop().stack.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, GetCoreSchemaHandler
@@ -10,6 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from .text import parse
 
+_KEPT_MAX = 1000
 _NAME = re.compile(r"(\S+?)((?:\[\s*\d+\s*(?:,\s*\d+\s*)*\])*)")
 _REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S.*)", re.DOTALL)
 
@@ -19,7 +21,9 @@ class _Text(str):
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(cls, core_schema.str_schema(strict=True))
+        # Names that do not change are made once for the same text: the next run reads the same.
+        make = cls if cls is Assignment else lru_cache(_KEPT_MAX)(cls)
+        return core_schema.no_info_after_validator_function(make, core_schema.str_schema(strict=True))
 
 
 class Name(_Text):

@@ -8,10 +8,13 @@ import os
 import re
 import tempfile
 import zipfile
+from ctypes import byref
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.fmi2 import defaultCallbacks
+from fmpy.logging import addLoggerProxy
 
 from orchestration import BlockError, InputError, run
 from orchestration.fmu.archive import open_fmu
@@ -122,6 +125,20 @@ def test_the_log_of_each_block_is_its_own(tmp_path):
     for slave in slaves:
         slave.close()
         slave.close()
+
+
+def test_what_fmus_log_reaches_their_logs_although_fmpy_sets_its_own_logger(tmp_path):
+    fmus.write_pair(tmp_path)
+    fmu = open_fmu(tmp_path / "motor.fmu")
+    fmu.extract(tmp_path / "one")
+    slave = Slave("one", fmu, tmp_path / "one")
+    addLoggerProxy(byref(defaultCallbacks))  # as FMPy does when it is imported
+    slave.set([(Element("fault", 0), 1)])
+    slave.wire([], [], [0, 0, 0, 0], np.zeros(0))
+    with pytest.raises(BlockError):
+        slave.do_step(0.0, 0.1)
+    assert slave.log == ("[error] cannot step from 0",)
+    slave.close()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the path of the temporary folder differs")

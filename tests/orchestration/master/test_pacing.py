@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from collections.abc import Callable
+from datetime import UTC, datetime
 from itertools import chain, repeat
 from time import perf_counter
 from types import SimpleNamespace
@@ -257,9 +258,9 @@ def test_the_manifest_has_the_counts_in_seconds():
     loaded = load({"name": "test", "blocks": {"slow": {"fmu": "mock"}}, **SCENARIO})
     ready = plan(loaded, {"slow": block("slow", clock, lambda t: 0.0).model})
     known = dict.fromkeys("scenario_file options scenario parameters names order faults fmus versions platform".split())
-    assert manifest(known, ready, result)["realtime"] == result.pace.data()
+    assert manifest(known, ready.notes, datetime.now(UTC), result)["realtime"] == result.pace.data()
     result.pace = None
-    assert "realtime" not in manifest(known, ready, result)
+    assert "realtime" not in manifest(known, ready.notes, datetime.now(UTC), result)
 
 
 def test_the_histogram_counts_every_step_between_edges_of_1_2_and_5():
