@@ -6,11 +6,13 @@ Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Any
 
 import click
 from rich.console import Console
 
+from orchestration import InputError
 from orchestration.cli.console import say
 from orchestration.cli.status import Commands
 
@@ -20,6 +22,9 @@ from .estimator import make as estimates
 from .flight import make as flights
 from .flight.tune import search
 from .of_scenario import momentum_bound, sizing
+from .optimum import page as least_times
+from .optimum.kept import FILE
+from .paper import ROOT
 from .processor import make as cost
 from .reproduction import make as paper
 from .satellites import make as satellites_flown
@@ -99,6 +104,26 @@ def estimator(jobs: int, runs: int) -> None:
     """The tables of docs/estimation.md, and its figures; half a minute. Needs the package ahrs (pip install ahrs)."""
     for shown in estimates.make(runs, jobs):
         Console().print(shown)
+
+
+@main.command()
+@click.option(
+    "--cases", default=50, show_default=True, type=click.IntRange(1, 1000), help="Nominal tumbles, from run 0."
+)
+@click.option("--page", is_flag=True, help="Write page and figure from docs/optimum.csv, without searching.")
+def optimum(cases: int, page: bool) -> None:
+    """Search the least time of tumbles by optimal control, for docs/optimum.md: about half a minute each, one process.
+
+    What is in docs/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
+    """
+    if not page:
+        if find_spec("casadi") is None:
+            raise InputError("the package casadi is not installed; remedy: pip install casadi")
+        from .optimum.make import make  # CasADi, a package of this study alone  # noqa: PLC0415
+
+        for line in make(cases, ROOT / "docs" / FILE):
+            say(line)
+    say(f"written: {least_times.publish()}")
 
 
 @main.command("flight-case")

@@ -11,26 +11,23 @@ import numpy as np
 from orchestration.scenario.source import Source
 
 from ..momentum_bound import MomentumBalance, Tolerance
-from ..setup import read
+from ..setup import Loop, read
 from .cases import RATE, Group
 from .schemes import Data, change
 
 
 def starts(group: Group) -> list[Data]:
     """What the bound needs of each flight: the plant with its start values, and what the blocks share."""
-    draws = group.case.job.draws
-    points = group.case.job.design.points(range(group.runs))
     found = []
-    for point in points.tolist():
+    for values in group.drawn():
         data = {"blocks": {"plant": dict(group.scenario["blocks"]["plant"])}, "shared": group.scenario["shared"]}
         data["blocks"]["plant"]["start"] = dict(data["blocks"]["plant"]["start"])
-        values = draws.given(draws.at(point))
         found.append(change(data, {name: value for name, value in values.items() if name.startswith("plant.")}))
     return found
 
 
-def bound(data: Mapping[str, Any]) -> float | None:
-    """The least time, s, from one of `starts` to 5 deg and RATE; None beyond 3000 s."""
+def loop(data: Mapping[str, Any]) -> Loop:
+    """The plant of one of `starts`, under the paper's controller and allocator."""
     wires = {
         "plant": {"R_NB": "controller", "omega_B": "controller", "r_N": "controller", "v_N": "controller"},
         "controller": {"tau_cmd_B": "allocator"},
@@ -40,7 +37,12 @@ def bound(data: Mapping[str, Any]) -> float | None:
     connections += [f"plant.{port} -> allocator.{port}" for port in ("b_B", "omega_B", "h_w")]
     blocks = {name: {"fmu": name} for name in wires} | {"plant": data["blocks"]["plant"]}
     scenario = {"name": "bound", "step": 0.1, "duration": 1.0, "shared": data["shared"]}
-    loop = read(Source({**scenario, "blocks": blocks, "connections": connections})).loop
-    rods = loop.plant.dipole_max * float(np.max(loop.plant.rod_gain))
-    balance = MomentumBalance(loop.plant, loop.controller, rods, Tolerance(math.radians(5.0), RATE), 3000.0)
+    return read(Source({**scenario, "blocks": blocks, "connections": connections})).loop
+
+
+def bound(data: Mapping[str, Any]) -> float | None:
+    """The least time, s, from one of `starts` to 5 deg and RATE; None beyond 3000 s."""
+    around = loop(data)
+    rods = around.plant.dipole_max * float(np.max(around.plant.rod_gain))
+    balance = MomentumBalance(around.plant, around.controller, rods, Tolerance(math.radians(5.0), RATE), 3000.0)
     return balance.least_time().least

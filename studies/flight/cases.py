@@ -61,6 +61,11 @@ class Group:
         }
         return crew.case(campaign, Path(__file__).parent)
 
+    def drawn(self) -> list[Data]:
+        """Start values of each run by `block.parameter`."""
+        job = self.case.job
+        return [job.draws.given(job.draws.at(point)) for point in job.design.points(range(self.runs)).tolist()]
+
 
 def metrics(duration: float, early: float, scenario: Data) -> list[Data]:
     """What each flight is measured by, all of the plant's truth; a flight is settled from when both errors are."""

@@ -20,8 +20,7 @@ from studies.flight.tried import TRIED, all_groups
 
 def drawn(group, n):
     """Start values of the first n runs, by name."""
-    draws, design = group.case.job.draws, replace(group, runs=n).case.job.design
-    return [draws.given(draws.at(point)) for point in design.points(range(n)).tolist()]
+    return replace(group, runs=n).drawn()
 
 
 def tried(name, n=5):

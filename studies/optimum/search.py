@@ -1,0 +1,96 @@
+"""The shortest motion that the optimiser finds: local minima from several courses, and the best of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..flight.cases import RATE
+from .courses import Course, of
+from .flown import Flight
+from .motion import Motion
+from .problem import ANGLE, FINE
+from .transcription import Solution, solve
+
+SLACK = 1.1
+"""T is sought up to so many times the time flown."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best of some solutions."""
+
+    solution: Solution
+    start: str
+    """The course that it came from."""
+    feasible: int
+    tried: int
+
+    @property
+    def course(self) -> Course:
+        return of(self.solution)
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """Of a tumble."""
+
+    whole: Found
+    """From its start."""
+    after: Found | None
+    """From the flown motion at the hand-over; None where the plan has it from the start."""
+    seconds: float
+    """Of processor time."""
+
+
+def search(flight: Flight) -> Optimum | None:
+    """The best found; None without a feasible motion.
+
+    After a hand-over the short problem from there is solved first. Its best, after the flown steering, is one of the starts.
+    """
+    began = time.process_time()
+    flown, handed_over = flight.course, flight.handed_over
+    motion = Motion(flight.plant, SLACK * flown.end)
+    starts = [("flown", flown)]
+    after = None
+    if handed_over > 0.0:
+        rest = Motion(flight.plant, SLACK * (flown.end - handed_over), handed_over)
+        after = _best(rest, _ways(rest, flown.late(handed_over)))
+        if after is not None:
+            starts = [(f"steering as flown, then {after.start}", flown.then(handed_over, after.course))]
+    else:
+        starts = list(_ways(motion, flown))
+        e1 = np.eye(3)[0]
+        starts += [
+            (f"flown, with a turn about {s}e1", flown.turned(v * e1, motion.turn)) for s, v in (("+", 1.0), ("-", -1.0))
+        ]
+    whole = _best(motion, starts)
+    if whole is None and handed_over > 0.0:
+        whole = _best(motion, [("flown", flown)])
+    return None if whole is None else Optimum(whole, after, time.process_time() - began)
+
+
+def refined(flight: Flight, found: Found) -> Found | None:
+    """The same with intervals of at most FINE; None where that is not feasible."""
+    motion = Motion(flight.plant, SLACK * flight.course.end)
+    solution = solve(motion.task(ANGLE, RATE), found.course.guess(FINE))
+    return Found(solution, found.start, found.feasible, found.tried) if solution.feasible else None
+
+
+def _ways(motion: Motion, flown: Course) -> Iterable[tuple[str, Course]]:
+    yield "flown", flown
+    yield "straight", flown.straight(motion.turn)
+    yield "the other way round", flown.straight(motion.turn, 1)
+
+
+def _best(motion: Motion, starts: Iterable[tuple[str, Course]]) -> Found | None:
+    task = motion.task(ANGLE, RATE)
+    found = [(name, solve(task, course.guess())) for name, course in starts]
+    feasible = [(name, solution) for name, solution in found if solution.feasible]
+    if not feasible:
+        return None
+    name, solution = min(feasible, key=lambda pair: pair[1].time)
+    return Found(solution, name, len(feasible), len(found))
