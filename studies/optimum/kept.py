@@ -24,7 +24,7 @@ class Line:
     flown_s: float
     handed_over_s: float
     best_after_s: float
-    """From the flown motion at the hand-over; `best_s` where the plan has it from the start."""
+    """From the flown motion at the hand-over; NaN where the plan has it from the start."""
     start: str
     feasible: int
     tried: int
@@ -36,6 +36,8 @@ class Line:
     check_rate_rad_s: float
     check_gap_deg: float
     held_on: bool
+    turned: bool
+    """Whether the search was made again from the best with a turn more."""
     seconds: float
 
 
@@ -47,6 +49,7 @@ def load(file: Path) -> list[Line]:
         "tried": int,
         "start": str,
         "held_on": "True".__eq__,
+        "turned": "True".__eq__,
     }
     with file.open(encoding="utf-8", newline="") as text:
         rows = csv.DictReader(text)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..flight.bound import bound, starts
 from ..flight.cases import SEEDS, Group, tumbles
@@ -14,7 +19,10 @@ from .check import Check, check
 from .courses import Course
 from .flown import Flight, fly
 from .kept import Line, load, save
-from .search import Found, Optimum, refined, search
+from .search import Found, Optimum, again, refined, search
+
+TURNS = 6
+"""Starts of the second search."""
 
 
 def group(runs: int) -> Group:
@@ -23,27 +31,71 @@ def group(runs: int) -> Group:
 
 
 def make(runs: int, file: Path) -> Iterator[str]:
-    """Writes a line for each of the first so many tumbles to `file`, and tells of each; those that are there already are kept.
+    """Writes a line for each of the first so many tumbles to `file`, and tells of each; then searches again from the best of each.
 
-    The best commands of each stand beside the datasets of the studies. A tumble without a checked motion has no line.
+    What is there already is kept. A tumble without a motion that the plant confirms has no line.
     """
-    done = load(file) if file.is_file() else []
+    lines = {line.run: line for line in load(file)} if file.is_file() else {}
     wanted = group(runs)
-    for run in sorted(set(range(runs)) - {line.run for line in done}):
-        flight = fly(wanted, run)
-        found = search(flight)
-        if found is None:
-            yield f"{run}: no motion found"
-            continue
-        whole, seen = _checked(flight, found.whole, wanted)
-        if not seen.held_on:
-            yield f"{run}: not confirmed by the plant: {seen}"
-            continue
-        least = bound(starts(wanted)[run])
-        done.append(_line(run, flight, found, whole, seen, np.nan if least is None else least))
-        save(file, done)
-        _keep(run, whole.course)
-        yield f"{run}: best found {done[-1].best_s:.0f} s, flown {done[-1].flown_s:.0f} s"
+    for run in range(runs):
+        if run not in lines:
+            line = _first(run, wanted)
+            if isinstance(line, str):
+                yield f"{run}: {line}"
+                continue
+            lines[run] = line
+            save(file, list(lines.values()))
+            yield f"{run}: best found {line.best_s:.0f} s, flown {line.flown_s:.0f} s"
+    for run, line in sorted(lines.items()):
+        if not line.turned and _file(run).is_file():
+            lines[run] = _second(line, wanted)
+            save(file, list(lines.values()))
+            yield f"{run}: best found {lines[run].best_s:.0f} s, before {line.best_s:.0f} s"
+
+
+def _first(run: int, wanted: Group) -> Line | str:
+    """The line of a tumble, or why there is none."""
+    flight = fly(wanted, run)
+    found = search(flight)
+    if found is None:
+        return "no motion found"
+    whole, seen = _checked(flight, found.whole, wanted)
+    if not seen.held_on:
+        return f"not confirmed by the plant: {seen}"
+    least = bound(starts(wanted)[run])
+    _keep(run, whole.course)
+    return _line(run, flight, found, whole, seen, math.nan if least is None else least)
+
+
+def _second(line: Line, wanted: Group) -> Line:
+    """The line after the search from its best."""
+    began = time.process_time()
+    flight = fly(wanted, line.run)
+    found = again(flight, _kept(line.run))
+    new = replace(line, turned=True, tried=line.tried + TURNS)
+    if found is not None:
+        new = replace(new, feasible=line.feasible + found.feasible)
+        whole, seen = _checked(flight, found, wanted)
+        if whole.course.end < line.best_s and seen.held_on:
+            _keep(line.run, whole.course)
+            new = replace(new, **_of(whole, seen))
+    return replace(new, seconds=line.seconds + time.process_time() - began)
+
+
+def _of(whole: Found, seen: Check) -> dict[str, Any]:
+    """What a line says of the best motion."""
+    best = whole.course
+    use = _use(best)
+    return {
+        "best_s": best.end,
+        "start": whole.start,
+        "rods_best": float(use[:3].mean()),
+        "wheel_best": float(use[3]),
+        "check_angle_deg": float(np.degrees(seen.angle)),
+        "check_rate_rad_s": seen.rate,
+        "check_gap_deg": float(np.degrees(seen.gap)),
+        "held_on": seen.held_on,
+    }
 
 
 def _checked(flight: Flight, found: Found, wanted: Group) -> tuple[Found, Check]:
@@ -62,33 +114,34 @@ def _use(course: Course) -> Array:
 
 
 def _line(run: int, flight: Flight, found: Optimum, whole: Found, seen: Check, least: float) -> Line:
-    best, flown = whole.course, flight.course
-    ours, theirs = _use(best), _use(flown)
+    use, after = _use(flight.course), found.after
     return Line(
         run=run,
         initial_rate_deg_s=float(np.degrees(np.linalg.norm(flight.plant.omega_B0))),
         bound_s=least,
-        best_s=best.end,
         flown_s=flight.settled,
         handed_over_s=flight.handed_over,
-        best_after_s=found.after.course.end if found.after is not None else best.end,
-        start=whole.start,
+        best_after_s=math.nan if after is None else after.course.end,
         feasible=whole.feasible,
-        tried=whole.tried + (found.after.tried if found.after is not None else 0),
-        rods_best=float(ours[:3].mean()),
-        rods_flown=float(theirs[:3].mean()),
-        wheel_best=float(ours[3]),
-        wheel_flown=float(theirs[3]),
-        check_angle_deg=float(np.degrees(seen.angle)),
-        check_rate_rad_s=seen.rate,
-        check_gap_deg=float(np.degrees(seen.gap)),
-        held_on=seen.held_on,
+        tried=whole.tried + (0 if after is None else after.tried),
+        rods_flown=float(use[:3].mean()),
+        wheel_flown=float(use[3]),
+        turned=False,
         seconds=found.seconds,
+        **_of(whole, seen),
     )
 
 
+def _file(run: int) -> Path:
+    return FOLDER / "optimum" / f"{run}.npz"
+
+
 def _keep(run: int, course: Course) -> None:
-    folder = FOLDER / "optimum"
-    folder.mkdir(parents=True, exist_ok=True)
+    _file(run).parent.mkdir(parents=True, exist_ok=True)
     Q = course.attitudes.as_matrix()
-    np.savez(folder / f"{run}.npz", times=course.times, Q=Q, Omega=course.Omega, l_w=course.l_w, u=course.u)
+    np.savez(_file(run), times=course.times, Q=Q, Omega=course.Omega, l_w=course.l_w, u=course.u)
+
+
+def _kept(run: int) -> Course:
+    with np.load(_file(run)) as of:
+        return Course(of["times"], Rotation.from_matrix(of["Q"]), of["Omega"], of["l_w"], of["u"])

@@ -59,7 +59,8 @@ def text(lines: Sequence[Line]) -> str:
     ratio, rods = flown / best, column(lines, "rods_flown")
     bounded = least > 1.0
     steered = column(lines, "handed_over_s") > 0.0
-    after, after_best = (flown - column(lines, "handed_over_s"))[steered], column(lines, "best_after_s")[steered]
+    rest = steered & np.isfinite(column(lines, "best_after_s"))
+    after, after_best = (flown - column(lines, "handed_over_s"))[rest], column(lines, "best_after_s")[rest]
     loss = flown - best
     return markdown.render(
         Path(__file__).parent,
@@ -92,13 +93,15 @@ def text(lines: Sequence[Line]) -> str:
             for name, which in (("steering, then plan", steered), ("plan from the start", ~steered))
             if which.any()
         ],
-        after_share=f"{100.0 * (after - after_best).sum() / loss[steered].sum():.0f}%" if steered.any() else "–",
-        after_flown=f"{np.median(after):.0f}" if steered.any() else "–",
-        after_best=f"{np.median(after_best):.0f}" if steered.any() else "–",
+        after_share=f"{100.0 * (after - after_best).sum() / loss[rest].sum():.0f}%" if rest.any() else "–",
+        after_flown=f"{np.median(after):.0f}" if rest.any() else "–",
+        after_best=f"{np.median(after_best):.0f}" if rest.any() else "–",
         check_angle=f"{column(lines, 'check_angle_deg').max():.2f}",
         check_rate=f"{column(lines, 'check_rate_rad_s').max():.2g}",
         check_gap=f"{column(lines, 'check_gap_deg').max():.2g}",
         held=sum(line.held_on for line in lines),
+        turned=sum(line.turned for line in lines),
+        shortened=sum(line.start.startswith("the best") for line in lines),
         rows=[_row(line) for line in lines],
         header=_HEADER,
         cases=max(line.run for line in lines) + 1,

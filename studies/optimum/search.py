@@ -18,6 +18,8 @@ from .transcription import Solution, solve
 SLACK = 1.1
 """T is sought up to so many times the time flown."""
 
+_SENSES = (("about", 1.0), ("against", -1.0))
+
 
 @dataclass(frozen=True)
 class Found:
@@ -62,15 +64,26 @@ def search(flight: Flight) -> Optimum | None:
         if after is not None:
             starts = [(f"steering as flown, then {after.start}", flown.then(handed_over, after.course))]
     else:
+        axis = flight.plant.body.wheel_axis
         starts = list(_ways(motion, flown))
-        e1 = np.eye(3)[0]
-        starts += [
-            (f"flown, with a turn about {s}e1", flown.turned(v * e1, motion.turn)) for s, v in (("+", 1.0), ("-", -1.0))
-        ]
+        starts += [(f"flown with a turn {way} the wheel", flown.turned(v * axis, motion.turn)) for way, v in _SENSES]
     whole = _best(motion, starts)
     if whole is None and handed_over > 0.0:
         whole = _best(motion, [("flown", flown)])
     return None if whole is None else Optimum(whole, after, time.process_time() - began)
+
+
+def again(flight: Flight, best: Course) -> Found | None:
+    """From the best so far with one turn more, either way about each body axis; None where none of it is feasible."""
+    motion = Motion(flight.plant, SLACK * best.end)
+    return _best(
+        motion,
+        [
+            (f"the best with a turn {way} e{i}", best.turned(sign * axis, motion.turn))
+            for i, axis in enumerate(np.eye(3), 1)
+            for way, sign in _SENSES
+        ],
+    )
 
 
 def refined(flight: Flight, found: Found) -> Found | None:
