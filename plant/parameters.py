@@ -233,8 +233,8 @@ def check(p: Parameters) -> None:
         raise ValueError(
             f"wheel_axis is {p.wheel_axis.tolist()}, of length {length:.9g}; expected a unit vector, to 1e-6"
         )
-    if not ((p.rod_gain >= 0.0) & (p.rod_gain <= ROD_GAIN_MAX)).all():
-        raise ValueError(f"rod_gain is {p.rod_gain.tolist()}; expected 0 to {ROD_GAIN_MAX:g}")
+    if not (np.abs(p.rod_gain) <= ROD_GAIN_MAX).all():
+        raise ValueError(f"rod_gain is {p.rod_gain.tolist()}; expected -{ROD_GAIN_MAX:g} to {ROD_GAIN_MAX:g}")
     if not (p.rod_period == 0.0 or p.rod_period >= ROD_PERIOD_MIN):
         raise ValueError(f"rod_period is {p.rod_period} s; expected 0 (always on) or at least {ROD_PERIOD_MIN:g} s")
     if not 0.0 <= p.rod_duty <= 1.0:

@@ -57,6 +57,7 @@ class Inputs:
     h_w: float
     dipole_ff: Array
     wheel_torque_ff: float
+    rod_gains: Array
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     """The commands that serve the demand best within the limits; x has no say in them."""
     _require_finite(u)
     B = math.hypot(*u.b_B.tolist())
-    R = rod_matrix(u.b_B, p.U) if B >= FIELD_MIN else np.zeros((3, 3))
+    gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
+    R = rod_matrix(u.b_B, p.U) * gains if B >= FIELD_MIN else np.zeros((3, 3))
     spin = spin_torque(u.omega_B, u.h_w, p.axis)
     limit = limits(u.h_w, p.command_period, p.dipole_max, p.wheel_torque_max, p.wheel_momentum_max)
     given = allocate(u.tau_cmd_B - spin, R, p.axis, limit, _preference(u, p, B >= FIELD_MIN))
@@ -147,7 +149,7 @@ def _preference(u: Inputs, p: Parameters, field: bool) -> Preference:
 
 
 def _require_finite(u: Inputs) -> None:
-    for name in ("tau_cmd_B", "b_B", "omega_B", "dipole_ff"):
+    for name in ("tau_cmd_B", "b_B", "omega_B", "dipole_ff", "rod_gains"):
         if not math.isfinite(sum((value := getattr(u, name)).tolist())):
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
     for name in ("h_w", "wheel_torque_ff"):

@@ -123,8 +123,8 @@ bool plant_check(const PlantParameters *p, Fault *f)
     }
     static const char *const gains[] = {"rod_gain[1]", "rod_gain[2]", "rod_gain[3]"};
     for (int i = 0; i < 3; ++i) {
-        if (!(p->rod_gain[i] >= 0.0 && p->rod_gain[i] <= 2.0)) {
-            return fault(f, gains[i], p->rod_gain[i], "0 to 2");
+        if (!(p->rod_gain[i] >= -2.0 && p->rod_gain[i] <= 2.0)) {
+            return fault(f, gains[i], p->rod_gain[i], "-2 to 2");
         }
     }
     if (!(p->rod_period == 0.0 || p->rod_period >= 1e-3)) {

@@ -53,7 +53,8 @@ typedef struct {
     double dipole_max;
     /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; of unit length to 1e-6 (normalised on use) */
     double rod_axes[3][3];
-    /* Ratio of each rod's dipole to its command, which is clipped at dipole_max first */
+    /* Ratio of each rod's dipole to its command, which is clipped at dipole_max first: 0 for a dead rod, -1
+     * for a reversed one */
     double rod_gain[3];
     /* s; Period in which the rods are first on and then off, so that the field can be measured, from t = 0.
      * 0: the rods are always on; otherwise at least 1 ms */

@@ -31,7 +31,7 @@ def started(**changes: Any) -> Instance:
     [
         ({"field_degree": 0}, "field_degree"),
         ({"field_degree": 14}, "field_degree"),
-        ({"rod_gain": [1.0, -0.1, 1.0]}, "rod_gain[2]"),
+        ({"rod_gain": [1.0, -2.1, 1.0]}, "rod_gain[2]"),
         ({"rod_gain": [1.0, 1.0, 2.1]}, "rod_gain[3]"),
         ({"rod_duty": -0.1}, "rod_duty"),
         ({"rod_duty": 1.1}, "rod_duty"),

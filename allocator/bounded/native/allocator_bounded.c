@@ -85,7 +85,8 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
 {
     (void)x;
     const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B), dipole_ff = vector(u->dipole_ff);
-    const NamedVector vectors[] = {{"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}};
+    const NamedVector vectors[] = {
+        {"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}, {"rod_gains", vector(u->rod_gains)}};
     const Named numbers[] = {{"h_w", u->h_w}, {"wheel_torque_ff", u->wheel_torque_ff}};
     if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
         return false;
@@ -95,12 +96,16 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     const double B = norm(b_B);
     const bool with_field = B >= FIELD_MIN;
     const Vector field = with_field ? b_B : (Vector){0.0, 0.0, 0.0};
-    const Vector rods[3] = {cross(U.a, field), cross(U.b, field), cross(U.c, field)}; /* [16] */
+    const bool with_gains = allocator_bounded_has_rod_gains(u);
+    const Vector gains = with_gains ? vector(u->rod_gains) : (Vector){1.0, 1.0, 1.0};
+    const Vector rods[3] = {scale(gains.x, cross(U.a, field)), scale(gains.y, cross(U.b, field)),
+                            scale(gains.z, cross(U.c, field))};                       /* [16] */
     const Vector axis = vector(law->axis), spin = scale(-u->h_w, cross(Omega, axis)); /* -l_w Omega x e1 [14] */
     const bool with_rods_ff = with_field && allocator_bounded_has_dipole_ff(u);
     const Commands given = allocate(law, u, rods, subtract(tau, spin), with_rods_ff);
 
-    const Vector by_rods = cross(apply_transposed(U, given.dipole), field);
+    const Vector dipole = {gains.x * given.dipole.x, gains.y * given.dipole.y, gains.z * given.dipole.z};
+    const Vector by_rods = cross(apply_transposed(U, dipole), field);
     const Vector by_wheel = subtract(spin, scale(given.dh_w, axis));
     store(given.dipole, y->dipole_cmd);
     y->wheel_torque_cmd = given.dh_w;

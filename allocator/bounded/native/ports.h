@@ -52,6 +52,9 @@ typedef struct {
     /* N.m; Feed-forward: the preferred dl_w/dt; -h_w/desaturation_time if not connected; optional; 1e9 means
      * not connected */
     double wheel_torque_ff;
+    /* What each rod gives of its commanded dipole, as it is known: 0 for a dead rod, negative for a reversed
+     * one; 1 if not connected; optional; 1e9 means not connected */
+    double rod_gains[3];
 } AllocatorBoundedInputs;
 
 typedef struct {
@@ -85,6 +88,13 @@ static inline bool allocator_bounded_has_dipole_ff(const AllocatorBoundedInputs 
 static inline bool allocator_bounded_has_wheel_torque_ff(const AllocatorBoundedInputs *u)
 {
     return !(fabs(u->wheel_torque_ff) >= ALLOCATOR_BOUNDED_ABSENT_MIN);
+}
+
+static inline bool allocator_bounded_has_rod_gains(const AllocatorBoundedInputs *u)
+{
+    return !(fabs(u->rod_gains[0]) >= ALLOCATOR_BOUNDED_ABSENT_MIN ||
+             fabs(u->rod_gains[1]) >= ALLOCATOR_BOUNDED_ABSENT_MIN ||
+             fabs(u->rod_gains[2]) >= ALLOCATOR_BOUNDED_ABSENT_MIN);
 }
 
 #endif

@@ -89,6 +89,11 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     store_matrix(model->J, y->J_estimate_B);
     store_matrix(controller_planned_inertia_sigma(&x->identification), y->J_estimate_sigma_B);
     y->rod_gain_estimate = controller_planned_rods_gain(&x->identification);
+    y->failed_rod = controller_planned_failed_rod(&x->identification);
+    y->rod_failed = y->failed_rod > 0;
+    y->wheel_failed = controller_planned_wheel_failed(&x->friction);
+    y->attitude_frozen = x->sensors.attitude_frozen;
+    y->field_failed = x->sensors.field_failed;
     store(vector(x->identification.p + GAINS), y->rod_gains_estimate);
     store(vector(x->identification.p + BIAS), y->rate_bias_estimate_B);
     y->wheel_friction_estimate = x->friction.p[0];
@@ -104,7 +109,8 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     const Model model = controller_planned_believed(law, x);
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Around around = controller_planned_around_at(&ahead, x->t);
-    const Vector B_B = has_field(u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);
+    const Vector B_B = uses_field(x, u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);
+    store(B_B, y->b_used_B);
     store_estimates(x, &model, now, y);
     if (x->phase == PHASE_DAMPING) {
         controller_planned_damp(law, u, &model, now->Omega, now->l, B_B, controls, y);

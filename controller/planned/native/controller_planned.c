@@ -145,6 +145,7 @@ static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law
     const Scales scales = scales_of(law, u);
     const Model model = controller_planned_nominal(law, &scales);
     const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
+    store(B_B, y.b_used_B);
     double controls[CONTROLS];
     controller_planned_damp(law, u, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
     store_matrix(I, y.R_d);
@@ -198,7 +199,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
         return false;
     }
     const double l = controller_planned_has_h_w(u) ? u->h_w : x->l_own;
-    const Motion now = controller_planned_corrected(x, matrix(u->R_NB), vector(u->omega_B), l);
+    const Motion now = controller_planned_corrected(x, attitude_of(x, u), vector(u->omega_B), l);
     controller_planned_command(law, x, u, &now, controls, y);
     return true;
 }

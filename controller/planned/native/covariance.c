@@ -36,7 +36,7 @@ static void columns_of(Vector v, Vector columns[6])
 }
 
 /* The derivative of turn and rate at the sample's end by all errors at its beginning. */
-static void sensitivity(const Passed *s, const Identification *id, double G[MOTION][FILTER_STATES])
+static void sensitivity(const Passed *s, Identification *id, double G[MOTION][FILTER_STATES])
 {
     const Model *model = s->model;
     const double dt = s->dt;
@@ -52,7 +52,8 @@ static void sensitivity(const Passed *s, const Identification *id, double G[MOTI
     for (int i = 0; i < 3; ++i) {
         G[i][RATE_STATE + i] = dt;
         G[RATE_STATE + i][RATE_STATE + i] += 1.0;
-        put_column(G, MOTION + GAINS + i, apply(scaled, cross(s->rods[i], s->B_B)));
+        id->watch.effect[i] = apply(scaled, cross(s->rods[i], s->B_B));
+        put_column(G, MOTION + GAINS + i, id->watch.effect[i]);
     }
     Vector by_change[6], by_rate[6], by_radius[6];
     columns_of(change, by_change);

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
 /* The rods' dipoles at their limit. */
@@ -39,7 +40,7 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     model.J = controller_planned_estimated_inertia(&x->identification);
     model.J_inverse = inverse(model.J);
     for (int i = 0; i < 3; ++i) {
-        model.rods[i] = scale(p[GAINS + i], model.rods[i]);
+        model.rods[i] = scale(fabs(p[GAINS + i]) > GAIN_MIN ? p[GAINS + i] : GAIN_MIN, model.rods[i]);
     }
     model.disturbance_B = vector(p + TORQUE);
     model.residual_B = vector(p + DIPOLE);
@@ -163,15 +164,25 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
 {
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
-    const Matrix R = matrix(u->R_NB);
+    const Vector bias = vector(x->identification.p + BIAS);
+    controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB), subtract(x->measured.Omega, bias),
+                                      subtract(vector(u->omega_B), bias), &x->sensors);
+    const Matrix R = attitude_of(x, u);
     double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};
     const TwoBody orbit = {x->t, p->gravitational_parameter, vector(u->r_N), vector(u->v_N)};
     Around around = controller_planned_around_of(&law->field, &orbit, x->t);
     if (has_field(u)) {
+        controller_planned_watch_field(dt, x->scales.time, law->field_tolerance, vector(u->b_B),
+                                       apply_transposed(R, around.B_N), &x->sensors);
+    }
+    if (uses_field(x, u)) {
         x->field_bias_N = field_bias(x, R, vector(u->b_B), around.B_N, dt, first);
     }
+    if (x->sensors.field_failed) {
+        x->field_bias_N = (Vector){0.0, 0.0, 0.0};
+    }
     around.B_N = add(around.B_N, x->field_bias_N);
-    const Vector B_B = has_field(u) ? vector(u->b_B) : apply_transposed(R, around.B_N);
+    const Vector B_B = uses_field(x, u) ? vector(u->b_B) : apply_transposed(R, around.B_N);
     if (!first) {
         applied(law, x, u, dt, given);
         const double l = x->l_own + dt * p->wheel_torque_max * given[3];
@@ -184,6 +195,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     if (!first) {
         filter(law, x, &measured, B_B, given, &around, dt);
         if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
+            controller_planned_watch_wheel(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
             controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
         }
     }

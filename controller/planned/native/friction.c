@@ -15,6 +15,9 @@ static const double GAIN_MIN = 0.05;   /* of the measurement where it is noise a
 static const double BELIEVED = 100.0;  /* torque limits, from which a change of momentum tells nothing of the wheel */
 static const double TINY = 1e-300;     /* keeps a variance of zero from dividing */
 static const double NEAR_LIMIT = 0.99; /* of the momentum's limit, beyond which the motor may be stopped */
+static const double MUCH = 0.2;        /* of the torque's limit: samples with less say little of a wheel that fails */
+static const double WATCHED = 0.2;     /* of `forgets`: time of such samples from which on a failure is known */
+static const double FAILED = 0.5;      /* share of the torque that the wheel gives, below which it has failed */
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
 {
@@ -71,6 +74,22 @@ void controller_planned_friction_learn(double dt, double torque, double l, doubl
     keep_within(friction, 0, most);
     keep_within(friction, 1, most / friction->momentum_max);
     friction->p[0] = clip(friction->p[0], 0.0, most);
+}
+
+void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    if (fabs(torque) < MUCH * friction->torque_max || larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
+        return;
+    }
+    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0);
+    friction->asked += share * (torque * torque - friction->asked);
+    friction->given += share * (torque * (l_next - l) / dt - friction->given);
+    friction->seen += dt;
+}
+
+bool controller_planned_wheel_failed(const Friction *friction)
+{
+    return friction->seen > WATCHED * friction->forgets && friction->given < FAILED * friction->asked;
 }
 
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)

@@ -14,12 +14,20 @@ typedef struct {
      * of its product with that of the sample before. */
     double slip, last, square, product;
     double forgets; /* s */
+    /* Of samples with much torque: its mean square, (N m)2, that with the change of momentum instead, and for how long, s. */
+    double asked, given, seen;
 } Friction;
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction);
 
 /* A sample of dt with the motor's torque, N m, and the momenta at its ends, N m s. */
 void controller_planned_friction_learn(double dt, double torque, double l, double l_next, Friction *friction);
+
+/* The same, for a wheel that fails. */
+void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction);
+
+/* Whether the wheel is stuck or drags: it has given less than half of what was asked of it. */
+bool controller_planned_wheel_failed(const Friction *friction);
 
 /* dl/dt over the sample, N m: the measured one, or where this is noise the one of command and friction. */
 double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction);

@@ -4,6 +4,9 @@
 #define CONTROLLER_PLANNED_IDENTIFICATION_H
 
 #include "motion.h"
+#include "rods_watch.h"
+
+static const double TRUST = 0.4; /* largest change of inertia and gains of a sound satellite, relative */
 
 /* Places in p; the inertia as J11, J22, J33, J23, J31, J12. */
 enum { BIAS = 0, INERTIA = 3, GAINS = 9, TORQUE = 12, DIPOLE = 15, UNKNOWNS = 18 };
@@ -21,6 +24,7 @@ typedef struct {
     double alike[2];             /* mean cosine between the innovation and the next, of attitude and of rate */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
+    RodsWatch watch;             /* for a rod that fails */
     double spread;               /* of the gains before the flight */
     double inertia_spread[6];    /* kg m2, of the inertia */
     double limit[4];             /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
@@ -28,6 +32,7 @@ typedef struct {
     double rate_density;         /* rad2/s3, of the model's error at rest */
     double bias_density;         /* rad2/s3, of the bias's change */
     double torque_density;       /* (N m)2/s, of the disturbance's change */
+    double time;                 /* T, s */
     double lasts, forgets;       /* s, for which the model's error stays alike; of the average of innovations */
 } Identification;
 
@@ -44,6 +49,15 @@ typedef struct {
 /* What is known before the flight: the parameters, and the first measurement. */
 void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id);
 
+/* Inertia and gains are those of before the flight again. */
+void controller_planned_begin_properties(Identification *id);
+
+/* A rod may have failed: the gains are sought in a wide range, and what else may have taken up the failure anew. */
+void controller_planned_suspect_rods(Identification *id);
+
+/* Attitude and rate are those that were measured; the rate's error is then that of noise and bias. */
+void controller_planned_take_measured(Identification *id);
+
 /* The estimated inertia, or one between it and the start's where it is none of a body. */
 Matrix controller_planned_estimated_inertia(const Identification *id);
 
@@ -51,8 +65,11 @@ Matrix controller_planned_estimated_inertia(const Identification *id);
 Matrix controller_planned_sigma_before(const ControllerPlannedParameters *p);
 Matrix controller_planned_inertia_sigma(const Identification *id);
 
-/* The mean of the rods' gains. */
+/* The mean magnitude of the rods' gains. */
 double controller_planned_rods_gain(const Identification *id);
+
+/* The rod, 1 to 3, whose gain is known to be farthest from that of a sound rod; 0: none. */
+int32_t controller_planned_failed_rod(const Identification *id);
 
 /* The covariance after the sample. */
 void controller_planned_propagate(const Passed *passed, Identification *id);

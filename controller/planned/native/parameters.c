@@ -4,6 +4,8 @@
 #include "gauss_models.h"
 
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
+static const double FIELD_WRONG = 4e-6;         /* T, from a model of all degrees */
+static const double LEFT_OUT = 3.0;             /* rms of what a model of few degrees leaves out */
 enum { SEARCH_ITERATIONS_MAX = 1000 };
 
 static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
@@ -60,6 +62,19 @@ static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
+/* T, rms over the Earth's surface of the degrees above `degree` (Lowes, 1966). */
+static double left_out(const GaussModel *model, int degree)
+{
+    const double *g = model->g[model->epochs - 1], *h = model->h[model->epochs - 1];
+    double square = 0.0;
+    for (int n = degree + 1; n <= ONBOARD_DEGREE_MAX; ++n) {
+        for (int k = (n - 1) * (n + 2) / 2; k < n * (n + 3) / 2; ++k) {
+            square += (n + 1) * (g[k] * g[k] + h[k] * h[k]);
+        }
+    }
+    return 1e-9 * sqrt(square);
+}
+
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
     const Named positive[] = {
@@ -92,4 +107,5 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
     (void)epoch_read(p->epoch, &epoch);
     onboard_field(&gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error, &law->field);
+    law->field_tolerance = FIELD_WRONG + LEFT_OUT * left_out(&gauss_models[p->field_model - 1], p->field_degree);
 }

@@ -168,6 +168,22 @@ typedef struct {
     double rod_gain_estimate;
     /* The same of each rod */
     double rod_gains_estimate[3];
+    /* A rod is dead, weak or reversed: its gain is more than 0.4 from 1, and known to 0.15 */
+    bool rod_failed;
+    /* The rod that has failed, 1 to 3; of several the one whose gain is farthest from 1; 0: none */
+    int32_t failed_rod;
+    /* The wheel is stuck or drags: it has given less than half of the torque that was commanded. Needs h_w
+     * and u_applied */
+    bool wheel_failed;
+    /* R_NB stays the same while omega_B turns the satellite; until it changes the attitude is that of the
+     * rate */
+    bool attitude_frozen;
+    /* b_B stays the same, or is further from the onboard model than 4 uT and what its degrees leave out; the
+     * model is used in its place */
+    bool field_failed;
+    /* T; frame B; Field that the controller uses: b_B, or that of the onboard model where b_B is not
+     * connected or has failed */
+    double b_used_B[3];
     /* rad/s; frame B; Estimated bias of the measured rate */
     double rate_bias_estimate_B[3];
     /* N.m; Estimated Coulomb friction of the wheel */

@@ -7,6 +7,7 @@
 #include "identification.h"
 #include "ports.h"
 #include "search.h"
+#include "sensors_watch.h"
 #include "steering.h"
 
 typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
@@ -32,6 +33,7 @@ typedef struct {
     double l_own;        /* wheel momentum by the controller's own account */
     Identification identification;
     Friction friction;
+    SensorsWatch sensors;
     /* The last sample. */
     double t_sample;
     Motion measured;
@@ -48,6 +50,7 @@ typedef struct {
     Matrix rod_axes; /* rows, unit */
     Vector wheel_axis;
     OnboardField field;
+    double field_tolerance; /* T, of a measured field to that of the model */
     Workspace workspace;
     Plan trial;
     Vector steering_field[STEERING_NODES];
@@ -57,6 +60,18 @@ typedef struct {
 static inline bool has_field(const ControllerPlannedInputs *u)
 {
     return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
+}
+
+/* The same, and whether the measurement is used. */
+static inline bool uses_field(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+{
+    return has_field(u) && !x->sensors.field_failed;
+}
+
+/* The measured attitude, or what stands in for one that is frozen. */
+static inline Matrix attitude_of(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+{
+    return x->sensors.attitude_frozen ? x->sensors.turned_R : matrix(u->R_NB);
 }
 
 /* Whether a plan is flown. */

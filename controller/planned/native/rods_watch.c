@@ -1,0 +1,25 @@
+#include "rods_watch.h"
+
+static const double FADES = 4.0;      /* T, over which innovations lose their say */
+static const double SUSPECTED = 25.0; /* squared deviations of the gains' changes */
+
+bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, RodsWatch *watch)
+{
+    if (watch->paused > 0.0) {
+        watch->paused -= dt;
+        return false;
+    }
+    const double kept = 1.0 - smaller(dt / (FADES * T), 1.0);
+    const Matrix E = {watch->effect[0], watch->effect[1], watch->effect[2]};
+    watch->M = sum(times(kept, watch->M), times(1.0 / S, multiply(E, transposed(E))));
+    watch->z = add(scale(kept, watch->z), scale(1.0 / S, apply(E, rate)));
+    return dot(watch->z, solve(sum(watch->M, identity), watch->z)) > SUSPECTED;
+}
+
+void controller_planned_pause_watch(RodsWatch *watch)
+{
+    watch->M = (Matrix){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    watch->z = (Vector){0.0, 0.0, 0.0};
+    watch->paused = watch->pause;
+    watch->pause *= 2.0;
+}
