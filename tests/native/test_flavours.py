@@ -86,8 +86,12 @@ def allocator_case(rng: np.random.Generator) -> tuple[Any, Any]:
 
 def allocator_bounded_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """From demands that are met to those many times too large, with and without feed-forward, in special fields too."""
-    absent = {"dipole_ff": np.full(3, 1e9), "wheel_torque_ff": 1e9}
-    connected = {"dipole_ff": rng.normal(scale=15.0, size=3), "wheel_torque_ff": rng.normal(scale=1e-3)}
+    absent = {"dipole_ff": np.full(3, 1e9), "wheel_torque_ff": 1e9, "rod_gains": np.full(3, 1e9)}
+    connected = {
+        "dipole_ff": rng.normal(scale=15.0, size=3),
+        "wheel_torque_ff": rng.normal(scale=1e-3),
+        "rod_gains": rng.choice([0.0, -1.0, 0.9, 1.1], 3),
+    }
     u = inputs(
         "allocator_bounded",
         tau_cmd_B=rng.normal(scale=rng.choice([0.0, 1e-6, 1e-4, 1e-3, 1e-2]), size=3),
@@ -398,7 +402,7 @@ def test_outputs_in_initialization_and_over_steps_agree(case: str) -> None:
     assert compared == 500
 
 
-@pytest.mark.parametrize("input_", ["dipole_ff", "wheel_torque_ff"])
+@pytest.mark.parametrize("input_", ["dipole_ff", "wheel_torque_ff", "rod_gains"])
 @pytest.mark.parametrize("share", [0.5, 1.0 - 1e-15, 1.0, 1.0 + 1e-15, 1.001, 1e3])
 def test_both_flavours_take_an_optional_input_for_unconnected_from_the_same_magnitude_on(
     input_: str, share: float
@@ -410,7 +414,7 @@ def test_both_flavours_take_an_optional_input_for_unconnected_from_the_same_magn
     unconnected = python.outputs(x, ordinary, p)
     for sign in (1.0, -1.0):
         size = sign * share * ABSENT_MIN
-        u = replace(ordinary, **{input_: np.array([3.0, size, -2.0]) if input_ == "dipole_ff" else size})
+        u = replace(ordinary, **{input_: size if input_ == "wheel_torque_ff" else np.array([3.0, size, -2.0])})
         y = python.outputs(x, u, p)
         with Instance("allocator_bounded") as native:
             native.set_all(p)

@@ -165,13 +165,15 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     const Vector bias = vector(x->identification.p + BIAS);
-    controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB), subtract(x->measured.Omega, bias),
-                                      subtract(vector(u->omega_B), bias), &x->sensors);
+    if (p->find_failures) {
+        controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB),
+                                          subtract(x->measured.Omega, bias), subtract(vector(u->omega_B), bias), &x->sensors);
+    }
     const Matrix R = attitude_of(x, u);
     double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};
     const TwoBody orbit = {x->t, p->gravitational_parameter, vector(u->r_N), vector(u->v_N)};
     Around around = controller_planned_around_of(&law->field, &orbit, x->t);
-    if (has_field(u)) {
+    if (p->find_failures && has_field(u)) {
         controller_planned_watch_field(dt, x->scales.time, law->field_tolerance, vector(u->b_B),
                                        apply_transposed(R, around.B_N), &x->sensors);
     }

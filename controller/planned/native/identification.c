@@ -137,7 +137,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     store(turn, innovation);
     store(rate, innovation + RATE_STATE);
     id->bias = vector(id->p + BIAS);
-    const bool suspected = id->spread > 0.0 && watch(dt, rate, id);
+    const bool suspected = id->watched && watch(dt, rate, id);
     if (suspected) {
         controller_planned_suspect_rods(id);
     }
@@ -153,7 +153,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     const double expected = id->P[RATE_STATE][RATE_STATE] + id->variance[1] * id->excess[1];
     id->evidence = larger(id->evidence + 0.5 * (dot(rate, rate) - dot(nominal, nominal)) / expected, 0.0);
     controller_planned_correct(innovation, id);
-    if (keep_all_within(id) && !id->watch.wide) {
+    if (keep_all_within(id) && id->watched && !id->watch.wide) {
         controller_planned_suspect_rods(id);
     }
     if (id->evidence > EVIDENCE_MAX) {

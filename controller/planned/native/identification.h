@@ -24,6 +24,7 @@ typedef struct {
     double alike[2];             /* mean cosine between the innovation and the next, of attitude and of rate */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
+    bool watched;                /* whether it is looked for */
     RodsWatch watch;             /* for a rod that fails */
     double spread;               /* of the gains before the flight */
     double inertia_spread[6];    /* kg m2, of the inertia */

@@ -69,6 +69,9 @@ typedef struct {
     bool identify;
     /* Relative standard deviation of the initial inertia and rod gains */
     double identify_spread;
+    /* Whether failed rods and sensors are looked for and flown without. Set it to false where an estimator
+     * gives attitude, rate and field: their errors are not those of sensors */
+    bool find_failures;
     /* m3/s2; mu of the Earth (WGS 84) */
     double gravitational_parameter;
     /* UTC at t = 0, ISO 8601, with the time of day; with Z, +00:00, -00:00 or no zone at its end */

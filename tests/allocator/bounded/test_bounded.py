@@ -81,7 +81,8 @@ def cost_and_box(u, p):
         low = min((-p.wheel_momentum_max - u.h_w) / p.command_period, 0.0)
     d_p = np.clip(u.wheel_torque_ff if with_wheel else -u.h_w / p.desaturation_time, low, high)
     w_w = p.wheel_weight_ff if with_wheel else p.wheel_weight
-    by_actuator = [np.cross(axis, u.b_B) for axis in p.U] + [-E1]
+    gains = u.rod_gains if np.abs(u.rod_gains).max() < 1e9 else np.ones(3)
+    by_actuator = [gain * np.cross(axis, u.b_B) for gain, axis in zip(gains, p.U, strict=True)] + [-E1]
     A = np.vstack([np.column_stack(by_actuator), p.rod_weight * e[:3], w_w * e[3:]])
     r = u.tau_cmd_B + u.h_w * np.cross(u.omega_B, E1)
     y = np.concatenate([r, p.rod_weight * m_p, [w_w * d_p]])
@@ -246,7 +247,10 @@ def test_renaming_rods_renames_their_dipoles():
     for u, p in PROBLEMS["any"][:100]:
         order = RNG.permutation(3)
         y = given(u, p)
-        z = given(replace(u, dipole_ff=u.dipole_ff[order]), replace(p, rod_axes=p.rod_axes[order]))
+        z = given(
+            replace(u, dipole_ff=u.dipole_ff[order], rod_gains=u.rod_gains[order]),
+            replace(p, rod_axes=p.rod_axes[order]),
+        )
         np.testing.assert_allclose(z.dipole_cmd, y.dipole_cmd[order], rtol=0, atol=1e-7)
         np.testing.assert_allclose(z.wheel_torque_cmd, y.wheel_torque_cmd, rtol=0, atol=1e-11)
 
@@ -260,6 +264,40 @@ def test_turning_a_rod_end_for_end_turns_its_dipole_over():
             replace(p, rod_axes=p.rod_axes * signs[:, None]),
         )
         np.testing.assert_allclose(z.dipole_cmd, signs * y.dipole_cmd, rtol=0, atol=1e-7)
+
+
+def test_with_gains_of_the_rods_scipy_finds_no_better_commands():
+    for u, p in PROBLEMS["any"][:100]:
+        known = replace(u, rod_gains=RNG.choice([0.0, -1.0, 0.5, 0.9, 1.1], 3))
+        A, y, low, high = cost_and_box(known, p)
+        scale = np.array([25.0, 25.0, 25.0, 3e-3])
+        best = lsq_linear(A * scale, y, (low / scale, high / scale), method="bvls", tol=1e-15).cost
+        assert 0.5 * np.sum((A @ commands(given(known, p)) - y) ** 2) <= best * (1.0 + 1e-9) + 1e-22
+
+
+def test_a_reversed_rod_gets_the_opposite_dipole_and_a_dead_one_what_is_preferred():
+    u = inputs(
+        BLOCK, tau_cmd_B=[2e-4, -1e-4, 3e-4], b_B=[2e-5, 1e-5, -3e-5], dipole_ff=[1.0, -2.0, 3.0], wheel_torque_ff=0.0
+    )
+    sound = given(u)
+    turned = given(replace(u, dipole_ff=u.dipole_ff * [1, -1, 1], rod_gains=np.array([1.0, -1.0, 1.0])))
+    np.testing.assert_allclose(turned.dipole_cmd, sound.dipole_cmd * [1, -1, 1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(turned.tau_residual_B, sound.tau_residual_B, rtol=0, atol=1e-15)
+    dead = given(replace(u, rod_gains=np.array([1.0, 1.0, 0.0])))
+    assert dead.dipole_cmd[2] == pytest.approx(3.0)
+    by_two = np.cross(P.U[:2].T @ dead.dipole_cmd[:2], u.b_B) - dead.wheel_torque_cmd * E1
+    np.testing.assert_allclose(dead.tau_residual_B, u.tau_cmd_B - by_two, rtol=0, atol=1e-15)
+
+
+def test_a_weak_rod_gives_all_that_it_has():
+    """Of a demand along what the rod gives, the command of one at 0.9 is 1/0.9 of that of a sound one, up to the limit."""
+    b = np.array([0.0, 0.0, 3e-5])
+    along = np.cross(P.U[0], b)
+    u = inputs(BLOCK, tau_cmd_B=20.0 * along, b_B=b, dipole_ff=[20.0, 0.0, 0.0], wheel_torque_ff=0.0)
+    weak = replace(u, rod_gains=np.array([0.9, 1.0, 1.0]))
+    y = given(replace(weak, dipole_ff=np.array([20.0 / 0.9, 0.0, 0.0])))
+    assert y.dipole_cmd[0] == pytest.approx(20.0 / 0.9, rel=1e-6)
+    assert np.linalg.norm(y.tau_residual_B) < 1e-12
 
 
 def test_turning_the_satellite_about_the_wheel_turns_nothing_that_is_commanded():
@@ -445,11 +483,15 @@ def test_it_takes_the_place_of_the_papers_allocator():
     for name in (*same, *(v.name for v in theirs.of("input"))):
         a, b = ours.variables[name], theirs.variables[name]
         assert (a.causality, a.type, a.shape, a.unit, a.frame) == (b.causality, b.type, b.shape, b.unit, b.frame)
-    assert [v.name for v in ours.of("input") if v.name not in theirs.variables] == ["dipole_ff", "wheel_torque_ff"]
+    assert [v.name for v in ours.of("input") if v.name not in theirs.variables] == [
+        "dipole_ff",
+        "wheel_torque_ff",
+        "rod_gains",
+    ]
     assert all(v.optional for v in ours.of("input") if v.name not in theirs.variables)
 
 
-@pytest.mark.parametrize("name", ["tau_cmd_B", "b_B", "omega_B", "h_w", "dipole_ff", "wheel_torque_ff"])
+@pytest.mark.parametrize("name", ["tau_cmd_B", "b_B", "omega_B", "h_w", "dipole_ff", "wheel_torque_ff", "rod_gains"])
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_inputs_that_are_not_finite_are_refused_by_name(name, bad):
     u = inputs(BLOCK)

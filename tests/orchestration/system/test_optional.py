@@ -229,7 +229,7 @@ def test_it_fits_and_check_says_that_it_does_without(here):
     findings = json.loads(result.stdout)
     assert findings["fits"], result.stdout
     told = [f["text"] for f in findings["findings"] if f["topic"] == "optional"]
-    assert [text.split(",")[0] for text in told] == ["input dipole_ff", "input wheel_torque_ff"]
+    assert [text.split(",")[0] for text in told] == ["input dipole_ff", "input wheel_torque_ff", "input rod_gains"]
     assert all("theirs runs without it, and a scenario's connection to it is dropped" in text for text in told)
 
 
