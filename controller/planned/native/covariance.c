@@ -42,6 +42,7 @@ static void sensitivity(const Passed *s, Identification *id, double G[MOTION][FI
     const double dt = s->dt;
     const Vector Omega = scale(0.5, add(s->before.Omega, s->after.Omega));
     const Vector change = subtract(s->after.Omega, s->before.Omega);
+    id->watch.rate = norm(Omega);
     const Vector Pi = momentum_of(model, &(Motion){.Omega = Omega, .l = 0.5 * (s->before.l + s->after.l)});
     const Vector rho = apply_transposed(s->before.R, s->around->r_hat_N);
     const Matrix scaled = times(dt, model->J_inverse);

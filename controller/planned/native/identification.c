@@ -153,7 +153,8 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     const double expected = id->P[RATE_STATE][RATE_STATE] + id->variance[1] * id->excess[1];
     id->evidence = larger(id->evidence + 0.5 * (dot(rate, rate) - dot(nominal, nominal)) / expected, 0.0);
     controller_planned_correct(innovation, id);
-    if (keep_all_within(id) && id->watched && !id->watch.wide) {
+    const bool beyond = keep_all_within(id);
+    if (beyond && id->watched && !id->watch.wide && !(id->watch.paused > 0.0)) {
         controller_planned_suspect_rods(id);
     }
     if (id->evidence > EVIDENCE_MAX) {

@@ -12,6 +12,7 @@ typedef struct {
     Vector effect[3]; /* rad/s, of each rod at gain 1 on the rate over the last sample */
     Matrix M;
     Vector z;
+    double rate;   /* rad/s, of the satellite in the middle of it */
     bool wide;     /* gains are sought beyond those of sound rods */
     double paused; /* s, for which nothing is watched, since the filter has begun anew */
     double pause;  /* s, the next of these; each is twice as long as the last */

@@ -37,7 +37,7 @@ controller.wheel_torque_ff -> allocator.wheel_torque_ff
 """
 
 
-def fly(connections, allocator="allocator_bounded", duration=1500.0):
+def fly(connections, allocator="allocator_bounded", duration=1500.0, faults=()):
     """A tumble of 2.5 deg/s in SI units and within the true limits."""
     return orchestration.run(
         {
@@ -51,6 +51,7 @@ def fly(connections, allocator="allocator_bounded", duration=1500.0):
             },
             "connections": [line for line in connections.splitlines() if line],
             "record": {"interval": 1.0},
+            "faults": list(faults),
         }
     )
 

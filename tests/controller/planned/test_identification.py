@@ -90,14 +90,14 @@ def measured(truth):
     }
 
 
-def flown(truth, **changes):
-    """What was measured, sample by sample, and the last outputs (n) of controllers that looked at it."""
+def flown(truth, spoil=lambda i, sample: sample, samples=SAMPLES, **changes):
+    """What was measured, sample by sample, and the last outputs (n) of controllers that looked at it, spoiled."""
     found, record = [], [measured(truth)]
-    for i in range(SAMPLES):
+    for i in range(samples):
         if i % 20 == 0:
             truth.command()
         truth.fly()
-        record.append(measured(truth))
+        record.append(spoil(i, measured(truth)))
     for k in range(truth.n):
         with Instance(BLOCK) as it:
             feed(it, {"rate_noise": RATE_NOISE, "attitude_noise": ATTITUDE_NOISE, **changes})

@@ -1,0 +1,112 @@
+"""Rods, wheel and sensors that fail: that they are found, and what is used in their place."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import core
+from .test_closed_loop import ALWAYS, FORWARD, MEASURED, errors, fly
+from .test_identification import Tumbles, estimated, flown
+from .truth import DAYS, orbit
+
+GAINS = np.array([[0.0, 1.0, 1.0], [1.0, 0.2, 1.0], [1.0, 1.0, -1.0], [1.05, -0.5, 0.95], [0.0, 1.0, 0.0]])
+FAILED = [1, 2, 3, 2]
+"""Of the first four; of the last 1 or 3."""
+
+
+def failing():
+    truth = Tumbles(3, len(GAINS))
+    truth.gains = GAINS.copy()
+    return truth
+
+
+def test_dead_weak_and_reversed_rods_are_found_within_80_s_of_a_tumble():
+    found = flown(failing())[1]
+    assert estimated(found, "rod_gains_estimate") == pytest.approx(GAINS, abs=0.1)
+    assert [int(y["failed_rod"]) for y in found[:4]] == FAILED
+    assert found[4]["failed_rod"] in (1, 3)
+    assert all(y["rod_failed"] for y in found)
+
+
+def test_rods_that_are_sound_are_not_suspected():
+    """Gains of 0.75 to 1.25 and an inertia that is 8% off: nothing of a failure, and the same estimates as without a search."""
+    with_search, without = (flown(Tumbles(4, 3), find_failures=search)[1] for search in (True, False))
+    for sound, same in zip(with_search, without, strict=True):
+        assert not any(sound[name] for name in ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed"))
+        assert np.array_equal(sound["rod_gains_estimate"], same["rod_gains_estimate"])
+        assert np.array_equal(sound["J_estimate_B"], same["J_estimate_B"])
+
+
+def test_failures_are_not_looked_for_where_that_is_not_wanted():
+    found = flown(failing(), find_failures=False)[1]
+    assert not any(y["rod_failed"] for y in found)
+    assert (np.abs(estimated(found, "rod_gains_estimate") - 1.0) <= 0.4 + 1e-12).all()
+
+
+def frozen(name, since):
+    """The measurement stays as it is at the sample `since`."""
+    held = {}
+
+    def spoil(i, sample):
+        held.setdefault(name, sample[name]) if i >= since else None
+        return sample | held
+
+    return spoil
+
+
+def test_a_frozen_attitude_is_found_and_the_rate_turns_on_the_last_one():
+    """After 30 s at 4.6 deg/s, 2.4 rad from what is measured."""
+    truth = Tumbles(5, 2)
+    record, found = flown(truth, frozen("R_NB", 100))
+    for k, y in enumerate(found):
+        assert y["attitude_frozen"]
+        target = np.column_stack(lvlh(*orbit(truth.t)))
+        expected = Rotation.from_matrix(target.T @ truth.R[k]).magnitude()
+        assert y["attitude_error"] == pytest.approx(expected, abs=0.02)
+        assert Rotation.from_matrix(record[-1]["R_NB"][k].T @ truth.R[k]).magnitude() > 0.5
+    assert not any(y["attitude_frozen"] for y in flown(Tumbles(5, 1))[1])
+
+
+def lvlh(r, v):
+    """Its axes in N: Z to the Earth, Y against the orbit's normal."""
+    z = -r / np.linalg.norm(r)
+    y = -np.cross(r, v) / np.linalg.norm(np.cross(r, v))
+    return np.cross(y, z), y, z
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [frozen("b_B", 60), lambda i, sample: sample | {"b_B": sample["b_B"] + (i > 60) * np.array([6e-6, -4e-6, 8e-6])}],
+    ids=["frozen", "with a bias of 11 uT"],
+)
+def test_a_field_that_is_frozen_or_biased_is_found_and_the_model_used(spoil):
+    truth = Tumbles(6, 2)
+    y = flown(truth, spoil)[1][0]
+    assert y["field_failed"]
+    true = core.field_at("igrf14", DAYS, 10, orbit(truth.t)[0], truth.t) @ truth.R[0]
+    assert np.linalg.norm(y["b_used_B"] - true) < 3e-7
+    assert y["rod_gains_estimate"] == pytest.approx(truth.gains[0], abs=0.15)
+
+
+@pytest.mark.parametrize(("given", "failed"), [(0.0, True), (0.3, True), (0.8, False), (1.0, False)])
+def test_a_wheel_that_gives_less_than_half_of_its_torque_has_failed(given, failed):
+    truth = Tumbles(7, 1)
+    start = truth.h_w.copy()
+
+    def spoil(i, sample):
+        return sample | {"h_w": start + given * (sample["h_w"] - start)}
+
+    assert bool(flown(truth, spoil)[1][0]["wheel_failed"]) == failed
+
+
+def test_a_rod_that_dies_in_flight_is_found_and_the_satellite_settles_without_it():
+    """Native FMUs, the allocator told the gains: rod 2 gives nothing from 60 s on. The plant's truth judges."""
+    told = ALWAYS.replace("plant.b_B -> allocator.b_B", "controller.b_used_B -> allocator.b_B")
+    told += MEASURED + FORWARD + "controller.rod_gains_estimate -> allocator.rod_gains"
+    result = fly(told, faults=[{"at": "60 s", "set": "plant.rod_gain[2] = 0"}])
+    at = result.time[np.argmax(result["controller.failed_rod"] == 2)]
+    assert 60.0 < at < 160.0
+    assert result["controller.rod_gains_estimate"][-1] == pytest.approx([1.0, 0.0, 1.0], abs=0.05)
+    angle, rate = errors(result)
+    assert angle[-200:].max() < np.radians(1.0)
+    assert rate[-200:].max() < 1e-3
