@@ -166,8 +166,8 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const double dt = first ? p->control_period : x->t - x->t_sample;
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
-        controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB),
-                                          subtract(x->measured.Omega, bias), subtract(vector(u->omega_B), bias), &x->sensors);
+        controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB), x->estimate.Omega,
+                                          subtract(vector(u->omega_B), bias), &x->sensors);
     }
     const Matrix R = attitude_of(x, u);
     double given[CONTROLS] = {0.0, 0.0, 0.0, 0.0};

@@ -1,13 +1,13 @@
 #include "rods_watch.h"
 
 static const double FADES = 4.0;       /* T, over which innovations lose their say */
-static const double FAST = 6.0;        /* 1/T, rate above which nothing is watched */
+static const double TOO_FAST = 6.0;    /* 1/T, rate above which nothing is watched */
 static const double AFTER_FAST = 10.0; /* T, for which nothing is watched after such a rate */
 static const double SUSPECTED = 25.0;  /* squared deviations of the gains' changes */
 
 bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, RodsWatch *watch)
 {
-    if (watch->rate > FAST / T) { /* an error of the inertia says more than the rods */
+    if (watch->rate > TOO_FAST / T) { /* an error of the inertia says more than the rods */
         watch->M = times(0.0, watch->M);
         watch->z = scale(0.0, watch->z);
         watch->paused = larger(watch->paused, AFTER_FAST * T);

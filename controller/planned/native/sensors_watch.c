@@ -6,6 +6,7 @@ static const double FROZEN = 0.04;       /* T, for which an attitude that repeat
 static const double FIELD_FROZEN = 0.4;  /* T, the same of a field, which a coarse resolution may repeat for longer */
 static const double TURN_MIN = 1e-3;     /* rad by the rate, below which an attitude may repeat */
 static const double NOISE = 6.0;         /* the same in deviations of its noise */
+static const double JUMP = 0.02;         /* rad in a sample, by which actuators change no rate */
 static const double RESIDUAL_TIME = 1.2; /* T, over which the field's residual is smoothed */
 static const double STRENGTH = 0.25;     /* of the tolerance: an attitude that is wrong changes no strength */
 static const double RIGHT = 0.5;         /* of the tolerance, below which a field is used again */
@@ -19,7 +20,9 @@ void controller_planned_watch_attitude(double dt, double T, double noise, Matrix
         watch->attitude_frozen = false;
         return;
     }
-    const Vector turn = scale(0.5 * dt, add(Omega_before, Omega));
+    /* A rate that jumps is no rate. */
+    const bool jumps = !(dt * norm(subtract(Omega, Omega_before)) < JUMP);
+    const Vector turn = scale(dt, jumps ? Omega_before : scale(0.5, add(Omega_before, Omega)));
     watch->R_repeats += dt;
     watch->turned += norm(turn);
     watch->turned_R = multiply(watch->turned_R, rotation_exp(turn));
