@@ -39,6 +39,7 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "J_B": (FULL,),
             "L0": (0.02 * FULL,),
             "rod_axes": (rod_axes,),
+            "find_failures": (False,),  # a field drawn at random has failed
         },
         "estimator": {
             "rate_source": ("gyro", "dynamics"),
@@ -100,7 +101,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
         "dipole_ff": 3.0 * rng.normal(size=3),
         "wheel_torque_ff": 1e-4 * rng.normal(),
-        "rod_gains": rng.choice([1.0, 0.9, 0.0, -1.0], 3),
+        "rod_gains": [1.1, 0.9, -1.0],
         "dipole_cmd": 20.0 * rng.normal(size=3),
         "wheel_torque_cmd": 3e-3 * rng.normal(),
         "R_d": Rotation.random(random_state=rng).as_matrix(),
