@@ -137,7 +137,7 @@ def test_an_input_of_which_one_element_is_not_connected_counts_as_not_connected(
     connected: dict[str, Any] = {
         "h_w": 0.01, "b_B": [2e-5, -1e-5, 3e-5], "u_applied": [1.0, 2.0, -3.0, 1e-4],
         "R_d": Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix(), "Omega_d": [0.01, 0.02, 0.03],
-        "dipole_ff": [3.0, -4.0, 5.0], "wheel_torque_ff": 1e-4,
+        "dipole_ff": [3.0, -4.0, 5.0], "wheel_torque_ff": 1e-4, "rod_gains": [0.9, -1.0, 0.5],
         "R_ref": Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix(), "Omega_ref": [1e-3, 2e-3, 3e-3],
         "dOmega_ref": [1e-5, 2e-5, 3e-5], "t_ahead": np.linspace(90.0, 1500.0, 16),
         "turn_ahead": np.full((16, 3), 0.2), "Omega_ahead": np.full((16, 3), 1e-3),
