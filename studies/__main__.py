@@ -20,6 +20,7 @@ from .allocators import make as allocator_runs
 from .allocators import page as allocator_page
 from .estimator import make as estimates
 from .flight import make as flights
+from .flight.rivals import compare
 from .flight.tune import search
 from .of_scenario import momentum_bound, sizing
 from .optimum import page as least_times
@@ -124,6 +125,15 @@ def optimum(cases: int, page: bool) -> None:
         for line in make(cases, ROOT / "docs" / FILE):
             say(line)
     say(f"written: {least_times.publish()}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=10, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles.")
+def rival(jobs: int, cases: int) -> None:
+    """Fly a controller from the literature on tumbles of docs/flight.md beside ours, and print the table of docs/rival.md."""
+    for line in compare(cases, jobs):
+        say(line)
 
 
 @main.command("flight-case")

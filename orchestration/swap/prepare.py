@@ -7,6 +7,7 @@ what does not fit, leaves out what refers to ignored outputs, and says all of it
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from ..errors import InputError
 from ..fmu.archive import Fmu, shown
@@ -168,13 +169,21 @@ def _hook(prepared: Prepared, interfaces: Mapping[str, Interface]) -> Hook:
                 f"what the interface {interface.name} says is taken"
             )
 
-    def hook(block: str, element: Element) -> frozenset[Element] | None:
-        interface = interfaces.get(block)
+    return _Feedthrough(prepared, interfaces)
+
+
+@dataclass(frozen=True)
+class _Feedthrough:
+    """That of our interfaces. No local function, since the workers of a campaign get it pickled."""
+
+    prepared: Prepared
+    interfaces: Mapping[str, Interface]
+
+    def __call__(self, block: str, element: Element) -> frozenset[Element] | None:
+        interface = self.interfaces.get(block)
         known = interface.model.feedthrough.get(element) if interface is not None else None
         if known is None:
             return None
-        theirs = prepared.models[block].variables
-        more = (e for name in prepared.fits[block].feeding for e in theirs[name].elements)
+        theirs = self.prepared.models[block].variables
+        more = (e for name in self.prepared.fits[block].feeding for e in theirs[name].elements)
         return frozenset(e for e in known if e.variable in theirs) | frozenset(more)
-
-    return hook

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fmus.interface import load
+from fmus.build import Block, ensure
+from fmus.interface import Interface, load, parse
 from orchestration.runner.read import read
 
 from ..paper import ROOT, constants
@@ -18,6 +20,8 @@ Data = dict[str, Any]
 
 TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
 """Gains of law [8] in SI units with the bounded allocator: the best of `python -m studies flight-tune`."""
+RIVAL = {"slow": 0.035, "K": 6.1e-4, "L": 0.069, "detumble_gain": 280.0, "look_ahead": 118.0}
+"""Of studies/flight/rival: the best of a random search on tumbles that nothing else flies (docs/rival.md)."""
 
 
 @cache
@@ -62,11 +66,15 @@ def without(data: Data, *targets: str) -> Data:
     return data
 
 
-def fit(data: Data, block: str, fmu: str, every: int | None = None) -> Data:
-    """Puts another of the project's blocks in a block's place, with the connections that both ends have; in place."""
+def fit(data: Data, block: str, fmu: str, every: int | None = None, interface: Interface | None = None) -> Data:
+    """Puts another block in a block's place, with the connections that both ends have; in place.
+
+    `fmu`: the name of one of the project's blocks, or a file with this interface.
+    """
     entry = {"fmu": fmu, "every": every or data["blocks"][block]["every"]}
-    ports = {v.name for v in load(fmu).variables.values() if v.causality != "parameter"}
-    known = {v.name for v in load(fmu).of("parameter")}
+    given = load(fmu) if interface is None else interface
+    ports = {v.name for v in given.variables.values() if v.causality != "parameter"}
+    known = {v.name for v in given.of("parameter")}
     entry["start"] = {k: v for k, v in data["blocks"][block].get("start", {}).items() if k in known}
     data["blocks"][block] = entry
 
@@ -93,4 +101,18 @@ def tuned(data: Data, gains: Mapping[str, Any] = TUNED) -> Data:
     return change(data, {f"controller.{k}": v for k, v in gains.items()})
 
 
-SCHEMES: dict[str, Callable[[Data], Data]] = {"planned": lambda data: data, "tuned": tuned, "paper": papers}
+def literature(data: Data, gains: Mapping[str, Any] = RIVAL) -> Data:
+    """Detumbling of arXiv 2407.02724 and a proportional-derivative law (studies/flight/rival), with the bounded allocator."""
+    folder = Path(__file__).parent / "rival"
+    block = Block(parse((folder / "interface.toml").read_text("utf-8"), "interface.toml"), folder)
+    fit(data, "controller", str(ensure(block, "python")), interface=block.interface)
+    data["blocks"]["controller"]["isolation"] = "none"
+    return change(data, {f"controller.{k}": v for k, v in gains.items()})
+
+
+SCHEMES: dict[str, Callable[[Data], Data]] = {
+    "planned": lambda data: data,
+    "tuned": tuned,
+    "paper": papers,
+    "literature": literature,
+}

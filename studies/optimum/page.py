@@ -94,6 +94,7 @@ def text(lines: Sequence[Line]) -> str:
             if which.any()
         ],
         after_share=f"{100.0 * (after - after_best).sum() / loss[rest].sum():.0f}%" if rest.any() else "–",
+        plan_share=f"{100.0 * (loss[~steered].sum() + (after - after_best).sum()) / loss.sum():.0f}%",
         after_flown=f"{np.median(after):.0f}" if rest.any() else "–",
         after_best=f"{np.median(after_best):.0f}" if rest.any() else "–",
         check_angle=f"{column(lines, 'check_angle_deg').max():.2f}",
