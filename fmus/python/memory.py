@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..variables import Interface, Variable
+from .asked import Asked, look
 
 Values = list[Any]
 
@@ -56,24 +57,31 @@ class Layout:
         self.settable = self.parameter_references | _references(v for v in variables if v.causality == "input")
         self.tunable = self.settable - _references(v for v in variables if v.variability == "fixed")
         self.bounds = {r: bounds for v in variables if (bounds := _bounds(v)) for r in v.value_references}
+        self._asked: dict[tuple[str, tuple[int, ...]], Asked] = {}
         self._get = (
             attrgetter(*(v.name for v in outputs)) if len(outputs) > 1 else lambda out: (getattr(out, outputs[0].name),)
         )
-        self._places = [(v, v.value_references[0], len(v.elements)) for v in outputs]
+        self._places = [(v.value_references[0], v.value_references[-1] + 1, _writer(v)) for v in outputs]
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
         twice = self._real_places * 2  # since of a single place it gives no tuple
         self._reals: Callable[[Values], Sequence[float]] = itemgetter(*twice) if twice else lambda values: ()
 
+    def asked(self, kind: str, references: list[int]) -> Asked:
+        """Of these value references, for the functions of this type."""
+        key = kind, tuple(references)
+        if key not in self._asked:
+            if len(self._asked) >= _ASKED_MAX:
+                self._asked.clear()
+            whole = self.of_type[kind], self.settable, self.tunable
+            some = self.output_references, self.parameter_references, self.bounds.keys()
+            self._asked[key] = look(references, whole, some)
+        return self._asked[key]
+
     def store(self, outputs: Any, values: Values) -> Values:
         """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite."""
         values = values.copy()
-        for (variable, first, count), value in zip(self._places, self._get(outputs), strict=True):
-            if variable.shape:
-                values[first : first + count] = value.ravel().tolist()
-            elif variable.type == "enumeration":
-                values[first] = variable.items.index(value) + 1
-            else:
-                values[first] = _SCALARS[variable.type](value)
+        for (first, after, write), value in zip(self._places, self._get(outputs), strict=True):
+            values[first:after] = write(value)
         if not math.isfinite(sum(self._reals(values))):
             for r in self._real_places:
                 if not math.isfinite(values[r]):
@@ -83,6 +91,20 @@ class Layout:
         return values
 
 
+def _writer(variable: Variable) -> Callable[[Any], list[Any]]:
+    """What makes the elements of a variable of its value."""
+    if len(variable.shape) == 1:
+        return np.ndarray.tolist
+    if variable.shape:
+        return lambda value: value.ravel().tolist()
+    if variable.type == "enumeration":
+        return lambda value: [variable.items.index(value) + 1]
+    convert = _SCALARS[variable.type]
+    return lambda value: [convert(value)]
+
+
+_ASKED_MAX = 100
+"""Lists of value references that are kept."""
 FMI_TYPES = ("Real", "Integer", "Boolean", "String")
 """Those with functions to get and set; an enumeration goes as an Integer in FMI 2.0."""
 

@@ -147,35 +147,34 @@ class BlockSlave(Fmi2Slave):
     # ------------------------------------------------------------ Get and Set
 
     def _get(self, kind: str, references: list[int]) -> list[Any]:
-        if not self.layout.of_type[kind].issuperset(references):
+        asked = self.layout.asked(kind, references)
+        if not asked.known:
             wrong = next(r for r in references if r not in self.layout.of_type[kind])
             raise Refused(f"get{kind}: there is no {kind} with the value reference {wrong}")
-        if self._dirty and not self.layout.output_references.isdisjoint(references):
+        if self._dirty and asked.outputs:
             p, u = self._read()
             state = self._state if self._state is not None else self.block.start(p, u)
             self._values = self.layout.store(self.block.outputs(state, u, p), self._values)
             self._dirty = False
-        values = self._values
-        return [values[r] for r in references]
+        return asked.take(self._values)
 
     def _set(self, kind: str, references: list[int], values: Sequence[Any]) -> None:
         if self._mode == _TERMINATED:
             raise Refused(f"set{kind}: the block is terminated")
-        allowed = self.layout.tunable if self._state is not None else self.layout.settable
-        if not (allowed.issuperset(references) and self.layout.of_type[kind].issuperset(references)):
+        asked = self.layout.asked(kind, references)
+        if not (asked.known and (asked.tunable if self._state is not None else asked.settable)):
+            allowed = self.layout.tunable if self._state is not None else self.layout.settable
             self._refuse_set(
                 kind, next(r for r in references if r not in allowed or r not in self.layout.of_type[kind])
             )
-        if not self.layout.bounds.keys().isdisjoint(references):
+        if asked.bounded:
             for r, value in zip(references, values, strict=True):
                 low, high = self.layout.bounds.get(r, (-math.inf, math.inf))
                 if not low <= value <= high:
                     raise Refused(f"set{kind}: {self.layout.names[r]} = {value}; expected {low} to {high}")
-        stored = self._values
-        for r, value in zip(references, values, strict=True):
-            stored[r] = value
+        asked.put(self._values, values)
         self._u = None
-        if not self.layout.parameter_references.isdisjoint(references):
+        if asked.parameters:
             self._p = None
         self._dirty = True
 

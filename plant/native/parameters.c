@@ -143,28 +143,21 @@ bool plant_check(const PlantParameters *p, Fault *f)
            is_above_ground(p, &orbit, f) && (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
 }
 
-/* An octagonal cylinder: eight sides and two ends, width across the flats. The normals of four sides lie along the two
- * axes across; from (along, across, across) to body axes in their cyclic order. */
-static void lay_plates(const PlantParameters *p, Plates *plates)
+/* Width across the flats; from (along, across, other) to body axes in their cyclic order. */
+static Cylinder cylinder_of(const PlantParameters *p)
 {
-    static const double half_root = 0.70710678118654752440; /* of two: cos 45 deg */
-    static const double c[8] = {1.0, half_root, 0.0, -half_root, -1.0, -half_root, 0.0, half_root};
-    const double edge = (2.0 * half_root - 1.0) * p->body_width;
+    static const double edge = 0.41421356237309504880; /* of the width: tan 22.5 deg */
+    const Vector x = {1.0, 0.0, 0.0}, y = {0.0, 1.0, 0.0}, z = {0.0, 0.0, 1.0};
     const double coefficient = 0.5 * p->drag_factor * p->drag_coefficient;
-    for (int i = 0; i < PLATES; ++i) {
-        const bool side = i < 8;
-        const double along = side ? 0.0 : i == 8 ? 1.0 : -1.0;
-        const double across = side ? c[i] : 0.0, other = side ? c[(i + 6) % 8] : 0.0;
-        const Vector normal = p->body_axis == PLANT_BODY_AXIS_X   ? (Vector){along, across, other}
-                              : p->body_axis == PLANT_BODY_AXIS_Y ? (Vector){other, along, across}
-                                                                  : (Vector){across, other, along};
-        const double area = side ? edge * p->body_length : 2.0 * edge * p->body_width;
-        const double distance = 0.5 * (side ? p->body_width : p->body_length);
-        plates->x[i] = normal.x;
-        plates->y[i] = normal.y;
-        plates->z[i] = normal.z;
-        plates->arms[i] = scale(coefficient * area, subtract(scale(distance, normal), vector(p->center_of_mass_B)));
+    const double side = coefficient * edge * p->body_width * p->body_length;
+    const double end = 2.0 * coefficient * edge * p->body_width * p->body_width;
+    Cylinder cylinder = {x, y, z, side, end, 0.5 * end * p->body_length - side * p->body_width, vector(p->center_of_mass_B)};
+    if (p->body_axis == PLANT_BODY_AXIS_Y) {
+        cylinder.along = y, cylinder.across = z, cylinder.other = x;
+    } else if (p->body_axis == PLANT_BODY_AXIS_Z) {
+        cylinder.along = z, cylinder.across = x, cylinder.other = y;
     }
+    return cylinder;
 }
 
 /* The rotation of a quaternion, scalar first. */
@@ -189,7 +182,7 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));
-    lay_plates(p, &plant->plates);
+    plant->cylinder = cylinder_of(p);
 
     (void)epoch_read(p->epoch, &date);
     (void)orbit_of(p, &date, &environment->orbit, &unused);

@@ -34,21 +34,17 @@ static Vector gravity_gradient(const PlantLaw *plant, Vector pull_B)
 }
 
 /* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i,
- * F_i = -1/2 rho C_d A_i max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500. */
+ * F_i = -1/2 rho C_d A_i max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500.
+ * Of two plates n and -n, max(0, v.n) (d n - c) + max(0, -v.n) (-d n - c) = d (v.n) n - |v.n| c; over the four pairs of sides
+ * the first sums to 2 d (v - (v.e) e), e along the cylinder, and v x v is zero. */
 static Vector drag(const PlantLaw *plant, Vector v_B, double density)
 {
-    const Plates *plates = &plant->plates;
-    double facing[PLATES];
-    Vector arms = {0.0, 0.0, 0.0};
-    for (int i = 0; i < PLATES; ++i) {
-        facing[i] = plates->x[i] * v_B.x + plates->y[i] * v_B.y + plates->z[i] * v_B.z;
-    }
-    for (int i = 0; i < PLATES; ++i) {
-        if (facing[i] > 0.0) {
-            arms = add(arms, scale(facing[i], plates->arms[i]));
-        }
-    }
-    return cross(arms, scale(-density, v_B));
+    static const double root = 1.41421356237309504880; /* of two: sides at 45 deg see |x + y| + |x - y| = 2 max(|x|, |y|) */
+    const Cylinder *body = &plant->cylinder;
+    const double v = dot(body->along, v_B);
+    const double across = fabs(dot(body->across, v_B)), other = fabs(dot(body->other, v_B));
+    const double area = body->side * (across + other + root * larger(across, other)) + body->end * fabs(v); /* times speed */
+    return cross(subtract(scale(body->slenderness * v, body->along), scale(area, body->center_of_mass)), scale(-density, v_B));
 }
 
 static bool same(const Matrix *R, const Matrix *S)

@@ -18,13 +18,14 @@ typedef struct {
     double dipole_mean[3]; /* of the rods over the last step, A m2 */
 } PlantState;
 
-enum { PLATES = 10 };
-
-/* Flat plates: their outward normals, and C_d/2 times area times arm from the centre of mass. */
+/* An octagonal cylinder, eight sides and two ends: its axis, and the two axes across along which the normals of four sides lie.
+ * Areas are times C_d/2: of a side and of an end. */
 typedef struct {
-    double x[PLATES], y[PLATES], z[PLATES];
-    Vector arms[PLATES];
-} Plates;
+    Vector along, across, other;
+    double side, end;
+    double slenderness;    /* end times its distance from the middle, minus twice the same of a side, m3 */
+    Vector center_of_mass; /* from the middle, m */
+} Cylinder;
 
 /* What orbit and attitude alone make of the surroundings, in body axes. */
 typedef struct {
@@ -41,7 +42,7 @@ typedef struct {
     Wheel wheel;
     Matrix rods_to_body; /* columns u_i */
     Matrix R_NB0;
-    Plates plates;
+    Cylinder cylinder;
     Environment environment;
     Loads loads; /* the last ones asked for: a step ends, gives its outputs and goes on at one attitude */
     bool field_extrapolated;
