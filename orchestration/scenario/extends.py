@@ -1,4 +1,7 @@
-"""A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values replace."""
+"""A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values replace.
+
+A list of the form `{add: [...]}` adds its entries to the list below.
+"""
 
 from __future__ import annotations
 
@@ -133,6 +136,9 @@ def _lay_under(
             parts.setdefault(place[len(key)], {})[place] = line
     for name, value in over.items():
         place, part = (*key, name), parts.get(name, {})
+        if _is_addition(value) and isinstance(data.get(name), list):
+            _add(data[name], place, value["add"], part, above, below)
+            continue
         if isinstance(value, dict) and isinstance(data.get(name), dict) and not _is_value(place):
             _lay_under(below, above, place, data[name], value, part)
         else:
@@ -145,6 +151,24 @@ def _lay_under(
             data[name] = copied(value)  # in its place: what a campaign draws depends on the order
         below.lines.update(part)
         below.files.update((p, file) for p in part if (file := above.files.get(p, above.file)))
+
+
+def _is_addition(value: Any) -> bool:
+    return isinstance(value, dict) and value.keys() == {"add"} and isinstance(value["add"], list)
+
+
+def _add(
+    entries: list[Any], key: Key, added: list[Any], lines: Mapping[Key, int], above: Source, below: Source
+) -> None:
+    """Puts the entries behind those of the list under a key, with the lines that they have in `above`."""
+    first, at = len(entries), len(key) + 1
+    entries += copied(added)
+    for place, line in lines.items():
+        if isinstance(number := place[at] if len(place) > at else None, int):
+            moved = (*key, first + number, *place[at + 1 :])
+            below.lines[moved] = line
+            if file := above.files.get(place, above.file):
+                below.files[moved] = file
 
 
 def _forget(source: Source, key: Key) -> None:

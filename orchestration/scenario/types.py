@@ -101,6 +101,11 @@ class Model(BaseModel):
 
 def _whole_or_extending(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
+    for entry in schema["properties"].values():
+        if entry.get("type") == "array":
+            whole = {key: entry.pop(key) for key in ("type", "items")}
+            add = {"type": "object", "properties": {"add": whole}, "required": ["add"], "additionalProperties": False}
+            entry["anyOf"] = [whole, add]
 
 
 class Extending(Model):
@@ -110,7 +115,7 @@ class Extending(Model):
 
     extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
     """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's values. Mappings
-    are merged, lists and values replaced, a null takes an entry out; later files go before earlier ones, this one before all."""
+    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, a null takes an entry out; later files go before earlier ones, this one before all."""
 
     @field_validator("extends")
     @classmethod

@@ -83,8 +83,9 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
         {"disturbance_time", p->disturbance_time}, {"gravitational_parameter", p->gravitational_parameter},
     };
     const Named not_negative[] = {
-        {"attitude_noise", p->attitude_noise}, {"rate_noise", p->rate_noise},           {"plan_period", p->plan_period},
-        {"steering_limit", p->steering_limit}, {"identify_spread", p->identify_spread}, {"rate_bias_max", p->rate_bias_max},
+        {"attitude_noise", p->attitude_noise},   {"rate_noise", p->rate_noise},           {"plan_period", p->plan_period},
+        {"steering_limit", p->steering_limit},   {"identify_spread", p->identify_spread}, {"rate_bias_max", p->rate_bias_max},
+        {"momentum_weight", p->momentum_weight},
     };
     const Named bounds[] = {{"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max}};
     const NamedVector field_error = {"field_error", vector(p->field_error)};

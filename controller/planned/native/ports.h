@@ -51,6 +51,9 @@ typedef struct {
     /* N.m.s; Steering ends, and the plan begins, below this distance from the target's momentum; zero:
      * computed from the satellite's data */
     double steering_limit;
+    /* Twice what a wheel momentum of wheel_momentum_max costs a plan per second; a tenth keeps the attitude
+     * nearer to the target under a lasting disturbance, with more momentum in the wheel */
+    double momentum_weight;
     /* rad; Standard deviation of the measured attitude about each axis, as the estimator assumes it */
     double attitude_noise;
     /* rad/s; Standard deviation of the measured rate in each axis, as the estimator assumes it */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -23,6 +24,27 @@ def test_mappings_merge_lists_and_values_replace_and_a_null_takes_out(loop):
     result = run("over.yaml", {"motor.inertia": 0.7})
     assert result["motor.speed"][0] == 3.0
     assert result.manifest["scenario"]["blocks"]["motor"]["start"]["inertia"] == 0.7
+
+
+def test_entries_are_added_to_a_list_and_keep_their_lines(loop):
+    below = load("loop.yaml").source.data["connections"]
+    (loop.parent / "part.yaml").write_text("expect: {add: [{name: x, signal: motor.sped, always: {below: 1}}]}\n")
+    (loop.parent / "over.yaml").write_text(
+        "extends: [loop.yaml, part.yaml]\nconnections:\n  add:\n    - motor.speed -> regulator.gain\n    - a.b -> c.d\n"
+    )
+    with pytest.raises(InputError) as error:
+        run("over.yaml")
+    assert re.findall(r"(\w+\.yaml:\d+: \w+\[\d\])", str(error.value)) == [
+        f"over.yaml:4: connections[{len(below) + 1}]",
+        f"over.yaml:5: connections[{len(below) + 2}]",
+        "part.yaml:1: expect[2]",
+    ]
+
+
+def test_an_addition_without_a_list_below_is_refused_where_it_stands(loop):
+    (loop.parent / "over.yaml").write_text("extends: loop.yaml\ndelays: {add: [a.b]}\n")
+    with pytest.raises(InputError, match=r"over\.yaml:2: delays: expected a list"):
+        load("over.yaml")
 
 
 def test_later_files_go_before_earlier_ones_and_a_value_of_several_names_is_replaced_as_a_whole(loop):
