@@ -26,7 +26,10 @@ from ..orchestration.acceptance import teams
 
 ROOT = Path(__file__).parents[2]
 FLOWN = ("paper_no_singularity", "flight_tumble")
-CALM = ("flight_hold", "flight_tumble", "flight_vb", "flight_vc", "measured_no_singularity", "paper_singularity")
+CALM = (
+    *("flight_estimated", "flight_hold", "flight_star_tracker", "flight_tumble", "flight_vb", "flight_vc"),
+    *("flight_without_gyro", "measured_no_singularity", "paper_singularity"),
+)
 EXAMPLE = ROOT / "examples" / "hardware_allocator"
 MENDED = {"b_B": "+y -x +z", "dipole_cmd": "+z +x +y", "wheel_torque_cmd": "opposite sign"}
 """What the example's drivers behave as."""

@@ -38,6 +38,13 @@ def paper():
     return Loop(read(SCENARIOS / "paper_no_singularity.yaml"))
 
 
+@pytest.fixture(scope="module")
+def estimated():
+    loop = Loop(read(SCENARIOS / "flight_estimated.yaml").with_value("duration", "60 s", "--duration"))
+    assert loop.fly()[0] is None
+    return loop
+
+
 # ---------------------------------------------------------------- what is tried
 
 
@@ -157,6 +164,15 @@ def test_an_attitude_read_by_its_quaternion_with_the_scalar_in_the_wrong_place_i
             found, _ = paper.fly(attitude, wrong)
             assert found is not None
             assert found.time < 1.0
+
+
+@pytest.mark.parametrize("variable", ["b_B_measured", "r_N_measured", "omega_B", "R_NB"])
+def test_the_checks_of_a_loop_with_an_estimator_show_its_wrong_axes_within_a_minute(estimated, variable):
+    """As wired no check fails in this time."""
+    each = next(p for p in ports_of(estimated, ["estimator"]) if p.variable == variable)
+    for wrong in [w for w in wrongs(each) if w.kind == "axes"][::12]:
+        found, _ = estimated.fly(each, wrong)
+        assert found is not None, wrong.name
 
 
 def test_the_test_card_has_the_signs_of_the_physics(paper):
