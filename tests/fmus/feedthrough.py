@@ -100,7 +100,6 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "u_applied": [*(0.1 * rng.normal(size=3)), 1e-5 * rng.normal()],
         "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
         "dipole_ff": 3.0 * rng.normal(size=3),
-        "rod_gains": rng.uniform(0.8, 1.2, size=3),
         "wheel_torque_ff": 1e-4 * rng.normal(),
         "rod_gains": [1.1, 0.9, -1.0],
         "dipole_cmd": 20.0 * rng.normal(size=3),
