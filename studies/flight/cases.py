@@ -27,6 +27,8 @@ EARLY, LONG = 1.1 * ORBIT, 3.0 * ORBIT
 """After this time, s, it is told apart what becomes of a flight; how long it lasts, s."""
 HOLD = 2000.0
 """The hold's error is that of so many last seconds."""
+ALARMS = ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed")
+"""What the planned controller says of failures."""
 RATE = 1e-3
 """Settled: below the angle and this rate, rad/s, from then to the end of the flight."""
 
@@ -92,6 +94,7 @@ def metrics(duration: float, early: float, scenario: Data) -> list[Data]:
     }
     if scenario["blocks"]["controller"]["fmu"] == "controller_planned":
         found["steered"] = {"signal": "controller.phase", "reaches": {"above": 1}}
+        found |= {name: {"signal": f"controller.{name}", "reaches": {"equals": True}} for name in ALARMS}
     return [{"name": name, **metric} for name, metric in found.items()]
 
 
