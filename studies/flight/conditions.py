@@ -28,6 +28,7 @@ def tried(flights: Flights) -> list[list[str]]:
                 angle(held, np.median),
                 angle(held, np.max),
                 became(flights, t.name),
+                told(flights, t.name),
             ]
         )
     return rows
@@ -40,6 +41,15 @@ def became(flights: Flights, group: str) -> str:
     if not lost.any():
         return f"{then.sum()}, all stay" if then.any() else "0"
     return f"{then.sum()}, {lost.sum()} lose it, up to {degrees(float(flights.column(group, 'later_max_deg')[lost].max()))}"
+
+
+def told(flights: Flights, group: str) -> str:
+    """In how many flights the controller said that a part had failed, which, and when."""
+    times = flights.told(group)
+    if not len(times):
+        return "0"
+    names = sorted({name for line in flights.of(group) for name in line["told"].split()})
+    return f"{len(times)} ({', '.join(f'`{name}`' for name in names)}), {np.median(times):.0f} s, {times.max():.0f} s"
 
 
 def notable(flights: Flights) -> list[Mapping[str, str]]:

@@ -16,13 +16,13 @@ from orchestration.campaign.flying.rows import Rows
 
 from .. import markdown
 from ..paper import ORBIT, Array
-from .cases import HOLD, Group
+from .cases import ALARMS, HOLD, Group
 
 GOALS = {"nominal": (0.09, 0.20, 0.01), "errors": (0.10, 0.23, 0.1)}
 """Median and worst time to 5 deg, orbits, and hold error, deg rms."""
 COLUMNS = (
     "group run node_deg duration_s settled_5deg_s settled_1deg_s early_5deg_s momentum_bound_s initial_rate_deg_s hold_rms_deg "
-    "wheel_max_mNms later_rms_deg later_max_deg later_wheel_mNms remark"
+    "wheel_max_mNms later_rms_deg later_max_deg later_wheel_mNms told told_s remark"
 ).split()
 
 
@@ -51,6 +51,10 @@ class Flights:
     def lost(self, group: str) -> Array:
         """Which were settled below 5 deg at EARLY and lost it again (n,)."""
         return np.isfinite(self.column(group, "early_5deg_s")) & ~np.isfinite(self.times(group))
+
+    def told(self, group: str) -> Array:
+        """When the planned controller first said that a part had failed, s, in those flights where it did."""
+        return self.column(group, "told_s")[[bool(line["told"]) for line in self.of(group)]]
 
     def hold_errors(self, group: str) -> Array:
         """Rms angle, deg, over the last HOLD seconds of the flights that are settled below 5 deg."""
@@ -97,9 +101,11 @@ def lines(group: Group, rows: Rows, bounds: Sequence[float | None]) -> list[dict
             "later_max_deg": (math.degrees(m["later_max"]), ".3g"),
             "later_wheel_mNms": (1e3 * m["later_wheel"], ".3g"),
         }
+        told = [name for name in ALARMS if math.isfinite(m.get(name, math.inf))]
+        numbers["told_s"] = (min((m[name] for name in told), default=math.inf), ".0f")
         line = {name: format(value, form) if math.isfinite(value) else "" for name, (value, form) in numbers.items()}
         text = f"the run failed: {reasons.get(int(index), '')}" if rows.failed[i] else remark(group, m)
-        found.append({"group": group.name, "run": f"{index}", **line, "remark": text})
+        found.append({"group": group.name, "run": f"{index}", **line, "told": " ".join(told), "remark": text})
     return found
 
 

@@ -16,7 +16,7 @@ from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT, Array
 from . import conditions
 from .calls import Calls
-from .cases import BESIDE, EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS, TRIES, share
+from .cases import EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS
 from .figures import errors
 from .kept import GOALS, Flights, angle, quantile
 from .schemes import TUNED
@@ -45,15 +45,16 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
         results=_results(flights),
         tuned_K=f"{TUNED['K0'][1]:.3g}",
         tuned_L=f"{TUNED['L0'][0][0]:.3g}",
-        beside_cases=share(n, BESIDE),
+        beside_cases=len(flights.of("nominal tuned")),
         goals=[_goals(flights, g) for g in NAMES],
         failures=_failures(flights),
+        false_alarms={g: f"{len(flights.told(g))} of {len(flights.of(g))}" for g in NAMES},
         nodes=len(flights.of("vb")),
         manoeuvres=_manoeuvres(flights),
         hold_orbits=HOLD_ORBITS,
         holds=_holds(flights),
         peaks=_peaks(hold),
-        tries=share(n, TRIES),
+        tries=len(flights.of("as nominal")),
         tried=conditions.tried(flights),
         notable=conditions.notable(flights),
         pairings=conditions.pairings(flights),
