@@ -38,3 +38,10 @@ bool line_split(const char *address, char *host, size_t size, const char **port)
     host[length] = '\0';
     return true;
 }
+
+bool line_is_host_port(const char *address)
+{
+    char host[LINE_HOST];
+    const char *port;
+    return line_split(address, host, sizeof host, &port);
+}

@@ -39,4 +39,6 @@ void line_sleep(double seconds);
 /* Splits HOST:PORT, or [HOST]:PORT for IPv6; false where there is no port from 1 to 65535 or the host is too long. */
 bool line_split(const char *address, char *host, size_t size, const char **port);
 
+bool line_is_host_port(const char *address);
+
 #endif

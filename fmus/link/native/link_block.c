@@ -21,17 +21,11 @@ static LinkSettings settings(const Parameters *p)
 
 bool link_check(const Parameters *p, Fault *f)
 {
-    if (p->link_address[0] == '\0') {
-        *f = (Fault){"link_address", "HOST:PORT, a serial device or a pipe", "", 0.0};
-        return false;
-    }
-    char host[LINE_HOST];
-    const char *port;
-    if (p->link_transport <= LINE_TCP && !line_split(p->link_address, host, sizeof host, &port)) {
-        *f = (Fault){"link_address", "HOST:PORT with a port from 1 to 65535", p->link_address, 0.0};
-        return false;
-    }
-    return true;
+    const bool net = p->link_transport <= LINE_TCP;
+    const bool good = net ? line_is_host_port(p->link_address) : p->link_address[0] != '\0';
+    *f = (Fault){"link_address", net ? "HOST:PORT with a port from 1 to 65535" : "a serial device or a pipe", p->link_address,
+                 0.0};
+    return good;
 }
 
 void link_prepare(const Parameters *p, Law *law)

@@ -176,7 +176,7 @@ def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
         ),
         ("serial", "/dev/no-such-line", "expected a line that can be opened, found 'No such file or directory'"),
         ("pipe", "/tmp/no-such-line", "found 'No such file or directory'"),
-        ("udp", "", "link_address: expected HOST:PORT, a serial device or a pipe, found ''"),
+        ("udp", "", "link_address: expected HOST:PORT with a port from 1 to 65535, found ''"),
     ],
 )
 def test_a_line_without_a_device_ends_in_time_and_is_named(transport, address, message):
