@@ -195,6 +195,9 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     }
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
+        /* What rods give shows only where their commands and the field are known. */
+        x->identification.watched =
+            p->find_failures && x->identification.spread > 0.0 && controller_planned_has_u_applied(u) && has_field(u);
         filter(law, x, &measured, B_B, given, &around, dt);
         if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
             controller_planned_watch_wheel(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);

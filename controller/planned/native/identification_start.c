@@ -111,7 +111,6 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->torque_density =
         id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (p->disturbance_time * p->disturbance_time) : 0.0;
     id->time = T;
-    id->watched = p->find_failures && id->spread > 0.0;
     id->watch.pause = PAUSE * T;
     id->lasts = LASTS * T;
     id->forgets = EXCESS_TIME * T;
