@@ -99,6 +99,7 @@ static Model model_of(const FlatModel *f)
     memset(&p, 0, sizeof p);
     store_matrix(m.J, p.J_B);
     p.control_period = 0.5;
+    p.momentum_weight = 0.018;
     p.dipole_max = f->dipole_max;
     p.wheel_momentum_max = f->wheel_momentum_max;
     m.scales = controller_planned_scales(&p, f->semi_major_axis);

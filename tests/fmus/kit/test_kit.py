@@ -160,7 +160,7 @@ def test_what_the_skeletons_say_of_an_optional_input(tmp_path):
     for language, file in (("c", "generated/ports.h"), ("python", "allocator_bounded/block.py")):
         kit.write(load("allocator_bounded"), tmp_path / language, language)
         text = (tmp_path / language / file).read_text()
-        assert re.sub(r"\s+(\* )?", " ", text).count("optional; 1e9 means not connected") == 2
+        assert re.sub(r"\s+(\* )?", " ", text).count("optional; 1e9 means not connected") == 3
 
 
 def test_what_a_team_has_written_is_kept(tmp_path):
