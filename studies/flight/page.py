@@ -33,7 +33,7 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
     return markdown.render(
         Path(__file__).parent,
         cases=len(flights.lines),
-        trial="" if n >= 1000 else n,
+        trial="" if n >= 1000 else " and ".join(f"{len(flights.of(g))} ({name})" for g, name in NAMES.items()),
         rate_max=f"{math.degrees(RATE_MAX):.0f}",
         verdicts=best,
         held={g: degrees(float(np.median(flights.hold_errors(g)))) for g in NAMES},
