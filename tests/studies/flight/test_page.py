@@ -57,10 +57,11 @@ def test_the_table_says_what_the_cases_say(group, line):
     assert found[8] == said(times(group, 1)[-1])
 
 
-def test_a_thousand_tumbles_each_were_flown_none_of_them_sooner_than_its_bound():
-    for group in ("nominal", "errors"):
+def test_the_page_says_how_many_tumbles_were_flown_none_of_them_sooner_than_its_bound():
+    for group, name in (("nominal", "nominal"), ("errors", "all errors")):
         found = rows(group)
-        assert len(found) == 1000
+        assert len(found) >= 300
+        assert len(found) == 1000 or f"{len(found)} ({name})" in TEXT
         for row in found:
             if row["settled_5deg_s"]:
                 # Times have no decimals, and older ones are a second apart.
