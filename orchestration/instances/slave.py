@@ -29,8 +29,6 @@ from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _ERROR, _FATAL = 3, 4
-_CALLS = ("_stepper", "set_inputs", "get_all", "get_live", "do_step", "stride")
-"""Cached calls of an instance, which a new wiring makes anew."""
 
 
 class Slave:
@@ -152,8 +150,9 @@ class Slave:
         self.setters = exchanges("Set", model, inputs, [0] * len(TYPES), values, function, arrays)
         self.getters = exchanges("Get", model, outputs, live, into, function)
         self.step_function = function(f"{self.model.prefix}DoStep")
-        for name in _CALLS:  # those of an earlier wiring have pointers to its arrays
-            self.__dict__.pop(name, None)
+        for name, value in vars(Slave).items():  # the calls of an earlier wiring have pointers to its arrays
+            if isinstance(value, cached_property):
+                self.__dict__.pop(name, None)
         return values
 
     setters: list[Exchange]
