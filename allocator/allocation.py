@@ -51,8 +51,8 @@ def wheel_torque(tau_B: Array, b_hat_B: Array, omega_B: Array, h_w: float, axis:
     tau_B (3,) N m, omega_B (3,) rad/s, h_w N m s. With the field normal to the wheel (|b1| below B_WHEEL_MIN)
     it is 0 where nothing is wanted along the field; otherwise raises Singular.
     """
-    b1 = float(b_hat_B @ axis)
-    along_field = float(tau_B @ b_hat_B) + h_w * float(cross(omega_B, axis) @ b_hat_B)
+    b1 = float(b_hat_B.dot(axis))
+    along_field = float(tau_B.dot(b_hat_B)) + h_w * float(cross(omega_B, axis).dot(b_hat_B))
     if along_field == 0.0:
         return 0.0
     if abs(b1) < B_WHEEL_MIN:
@@ -68,7 +68,7 @@ def plane(b_hat_B: Array, tau_B: Array) -> tuple[Array, Array]:
     The least-norm dipole [24] does not depend on the basis, so where tau_B has no part across the field
     (to 1e-12 of its size) n comes from the body axis most nearly across the field instead.
     """
-    across = tau_B - (tau_B @ b_hat_B) * b_hat_B
+    across = tau_B - float(tau_B.dot(b_hat_B)) * b_hat_B
     if not norm(across) > 1e-12 * norm(tau_B):
         axis = np.zeros(3)
         axis[np.abs(b_hat_B).argmin()] = 1.0
@@ -82,7 +82,7 @@ def rod_torque(dipole: Array, U: Array, b_B: Array) -> Array:
 
     dipole (3,) A m2 along the rods' axes, b_B (3,) T.
     """
-    return cross(dipole @ U, b_B)
+    return cross(dipole.dot(U), b_B)
 
 
 def least_dipole(tau_MT: Array, tau_B: Array, B: float, b_hat_B: Array, U: Array) -> Array:
@@ -95,13 +95,13 @@ def least_dipole(tau_MT: Array, tau_B: Array, B: float, b_hat_B: Array, U: Array
     """
     n, c = plane(b_hat_B, tau_B)
     # Rows of A are (u_i x b) . (n, c) = u_i . (b x n, b x c), and b x n = c, b x c = -n.
-    A_n = U @ c
-    A_c = -(U @ n)
-    nn, nc, cc = float(A_n @ A_n), float(A_n @ A_c), float(A_c @ A_c)
+    A_n = U.dot(c)
+    A_c = -U.dot(n)
+    nn, nc, cc = float(A_n.dot(A_n)), float(A_n.dot(A_c)), float(A_c.dot(A_c))
     determinant = nn * cc - nc * nc
     if determinant < RANK_MIN:
         raise Singular(f"rod_axes: the rods span no plane across the field b_hat_B = {b_hat_B.tolist()}")
-    t_n, t_c = float(n @ tau_MT), float(c @ tau_MT)
+    t_n, t_c = float(n.dot(tau_MT)), float(c.dot(tau_MT))
     y_n = (cc * t_n - nc * t_c) / (B * determinant)
     y_c = (nn * t_c - nc * t_n) / (B * determinant)
     return y_n * A_n + y_c * A_c

@@ -135,7 +135,7 @@ def _remember(t: float, y: Outputs) -> State:
 def _b_wheel(b_B: Array, axis: Array) -> float:
     """The component of the field's unit vector along the wheel's axis (the paper's b1); 0 without a field."""
     B = norm(b_B)
-    return float(b_B @ axis) / B if B >= FIELD_MIN else 0.0
+    return float(b_B.dot(axis)) / B if B >= FIELD_MIN else 0.0
 
 
 def _require_finite(u: Inputs) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -63,10 +63,10 @@ class Inputs:
     @cached_property
     def has_reference(self) -> bool:
         """Whether the reference is given by the inputs. Raises ValueError for inputs that do not fit."""
-        for name in ("omega_B", "r_N", "v_N", "R_ref", "Omega_ref", "dOmega_ref"):
-            if not math.isfinite(sum(_elements(value := getattr(self, name)))):
-                raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
-        connected = _connected(self.R_ref), _connected(self.Omega_ref), _connected(self.dOmega_ref)
+        reference = self.R_ref.ravel().tolist(), self.Omega_ref.tolist(), self.dOmega_ref.tolist()
+        if not math.isfinite(sum(map(sum, (self.omega_B.tolist(), self.r_N.tolist(), self.v_N.tolist(), *reference)))):
+            self._refuse_not_finite()
+        connected = [-ABSENT_MIN < min(value) and max(value) < ABSENT_MIN for value in reference]
         if any(connected) and not all(connected):
             missing = ("R_ref", "Omega_ref", "dOmega_ref")[connected.index(False)]
             raise ValueError(
@@ -78,15 +78,12 @@ class Inputs:
     @cached_property
     def has_attitude(self) -> bool:
         """Whether R_NB is none of the matrices of zeros that simple masters give before the first value."""
-        return any(_elements(self.R_NB))
+        return any(map(any, self.R_NB.tolist()))
 
-
-def _elements(value: Array) -> list[float]:
-    return [*value.ravel().tolist()]
-
-
-def _connected(value: Array) -> bool:
-    return max(map(abs, _elements(value))) < ABSENT_MIN
+    def _refuse_not_finite(self) -> None:
+        for name in ("omega_B", "r_N", "v_N", "R_ref", "Omega_ref", "dOmega_ref"):
+            if not np.isfinite(value := getattr(self, name)).all():
+                raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
 
 
 @dataclass(frozen=True)
@@ -217,11 +214,10 @@ def _damping(u: Inputs, p: Parameters, no_attitude: bool) -> Outputs:
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the inputs at t + h, and so is the torque."""
-    x = State(x.t + h, x.attitude_error_0, x.rate_error_0, x.latched, x.flown)
     if _damps_only(x, u):
-        x = State(x.t, 0.0, 0.0, latched=False, flown=not _no_attitude(x, u))
-        return x, outputs(x, u, p)
-    x = replace(_latched(x, u, p), flown=True)
+        x = State(x.t + h, 0.0, 0.0, latched=False, flown=not _no_attitude(x, u))
+    else:
+        x = _latched(State(x.t + h, x.attitude_error_0, x.rate_error_0, x.latched, flown=True), u, p)
     return x, outputs(x, u, p)
 
 

@@ -26,12 +26,13 @@ def errors(R_NB: Array, omega_B: Array, reference: Reference) -> Errors:
 
     R_NB (3,3) maps B to N, omega_B (3,) rad/s is the body rate Omega.
     """
-    Q = reference.R_d.T @ R_NB
-    Omega_d_B = Q.T @ reference.Omega_d
+    Q = reference.R_d.T.dot(R_NB)
+    to_B = Q.T
+    Omega_d_B = to_B.dot(reference.Omega_d)
     return Errors(
         Q=Q,
         angle=so3.principal_angle(Q),
         omega=omega_B - Omega_d_B,
         Omega_d_B=Omega_d_B,
-        dOmega_d_B=Q.T @ reference.dOmega_d,
+        dOmega_d_B=to_B.dot(reference.dOmega_d),
     )

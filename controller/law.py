@@ -21,8 +21,8 @@ def gravity_gradient(mu: float, J: Array, R_NB: Array, r_N: Array) -> Array:
     r = norm(r_N)
     if r < R_MIN:
         raise ValueError(f"r_N: expected a position at least {R_MIN:g} m from the Earth's centre, found {r_N.tolist()}")
-    r_B = (r_N @ R_NB) * (1.0 / r)
-    return (3.0 * mu / (r * r * r)) * cross(r_B, J @ r_B)
+    r_B = r_N.dot(R_NB) * (1.0 / r)
+    return (3.0 * mu / (r * r * r)) * cross(r_B, J.dot(r_B))
 
 
 def torque(J: Array, K: Array, L: Array, phi_slope: float, errors: Errors, M_g: Array) -> Array:
@@ -33,9 +33,9 @@ def torque(J: Array, K: Array, L: Array, phi_slope: float, errors: Errors, M_g: 
     J (3,3) kg m2, K (3,) N m, L (3,3) N m s, phi_slope Phi'(tr(K - K Q)), M_g (3,) N m at R_d Q = R.
     The law knows no drag: M_ad = 0.
     """
-    damping = -(L @ errors.omega)
-    acceleration = J @ errors.dOmega_d_B
-    gyroscopic = cross(errors.Omega_d_B, J @ errors.Omega_d_B)
+    damping = -L.dot(errors.omega)
+    acceleration = J.dot(errors.dOmega_d_B)
+    gyroscopic = cross(errors.Omega_d_B, J.dot(errors.Omega_d_B))
     attitude = phi_slope * slope_direction(K, errors.Q)
     gravity = -M_g
     return damping + acceleration + gyroscopic + attitude + gravity
@@ -46,4 +46,4 @@ def lyapunov(J: Array, phi_value: float, omega: Array) -> float:
 
     With constant gains and exact torque dV/dt = -omega.L omega; gains that follow the errors may let V rise.
     """
-    return 0.5 * float(omega @ (J @ omega)) + phi_value
+    return 0.5 * float(omega.dot(J.dot(omega))) + phi_value

@@ -47,7 +47,7 @@ def lvlh(r_N: Array, v_N: Array) -> Reference:
     y_N = h_N * (-1.0 / h)
     x_N = so3.cross(y_N, z_N)
     n = h / (r * r)
-    dn = -2.0 * n * float(r_N @ v_N) / (r * r)
+    dn = -2.0 * n * float(r_N.dot(v_N)) / (r * r)
     return Reference(
         R_d=np.array((x_N, y_N, z_N)).T,
         Omega_d=np.array((0.0, -n, 0.0)),

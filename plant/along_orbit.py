@@ -43,7 +43,7 @@ class AlongOrbit:
                     self._nodes[i] = self.exact(i * NODE_INTERVAL)
             self._six = np.array([self._nodes[i] for i in range(k - 2, k + 4)])
             self._interval = k
-        return np.array(_lagrange6(s - k)) @ self._six
+        return np.array(_lagrange6(s - k)).dot(self._six)
 
 
 def _lagrange6(u: float) -> tuple[float, float, float, float, float, float]:

@@ -75,13 +75,13 @@ def lgvi_step(
     """
     kicked = Pi + 0.5 * h * moment_start
     F = cayley(_solve_cayley(h * kicked, h * wheel_mean, body))
-    R_next = R @ F
-    Pi_free = F.T @ kicked
+    R_next = R.dot(F)
+    Pi_free = F.T.dot(kicked)
     wheel = wheel_end * body.wheel_axis
     # Explicit unless the moment depends on Omega; then the fixed point contracts like h/2 |dM/dOmega| / J.
     Pi_next = Pi_free
     for _ in range(50 if body.rate_dependent else 1):
-        moment_end = moment(R_next, t + h, body.J_inverse @ (Pi_next - wheel))
+        moment_end = moment(R_next, t + h, body.J_inverse.dot(Pi_next - wheel))
         previous, Pi_next = Pi_next, Pi_free + 0.5 * h * moment_end
         if body.rate_dependent and np.abs(Pi_next - previous).max() <= 1e-15 * np.abs(Pi_next).max():
             break
@@ -98,7 +98,7 @@ def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
     l11, l12, l13 = -2.0 * j11, -a3 - 2.0 * j12, a2 - 2.0 * j13
     l21, l22, l23 = a3 - 2.0 * j21, -2.0 * j22, -a1 - 2.0 * j23
     l31, l32, l33 = -a2 - 2.0 * j31, a1 - 2.0 * j32, -2.0 * j33
-    x, y, z = (0.5 * (body.J_inverse @ difference)).tolist()
+    x, y, z = (0.5 * body.J_inverse.dot(difference)).tolist()
     for _ in range(20):
         along = s1 * x + s2 * y + s3 * z
         residual = (

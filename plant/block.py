@@ -45,7 +45,7 @@ class State:
 
     def Omega(self, p: Parameters) -> Array:
         """Body rate (3,), rad/s: J^-1 (Pi - l_w u), u the wheel's axis."""
-        return p.body.J_inverse @ (self.Pi - self.l_w * p.body.wheel_axis)
+        return p.body.J_inverse.dot(self.Pi - self.l_w * p.body.wheel_axis)
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def start(p: Parameters, u: Inputs) -> State:
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h, h > 0, with the command u held over the step."""
     given = dipoles(u.dipole_cmd, p, True)
-    dipoles_B = p.residual_dipole_B, p.rods_to_body @ given + p.residual_dipole_B  # the rods off, and on
+    dipoles_B = p.residual_dipole_B, p.rods_to_body.dot(given) + p.residual_dipole_B  # the rods off, and on
     dipole_B = dipoles_B[True]
 
     def moment(R: Array, t: float, Omega: Array) -> Array:
@@ -121,7 +121,7 @@ def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, 
     """The composed integrator over a part of a step in which the wheel moves smoothly."""
     s = 0.0
     wheel = part.l_start * p.body.wheel_axis
-    tau = moment(R, t, p.body.J_inverse @ (Pi - wheel))
+    tau = moment(R, t, p.body.J_inverse.dot(Pi - wheel))
     for share in COMPOSITIONS[p.integrator_order]:
         h = share * part.duration
         R, Pi, tau = lgvi_step(R, Pi, tau, moment, p.body, t + s, h, part.mean(s, h), part.momentum(s + h))
@@ -135,13 +135,13 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     r_N, v_N = around.r_N, around.v_N
     dipole = dipoles(u.dipole_cmd, p, p.rod_turns.on(x.t))
     Omega = x.Omega(p)
-    energy = 0.5 * float(Omega @ p.body.J @ Omega)
-    H_N = x.R @ x.Pi
+    energy = 0.5 * float(Omega.dot(p.body.J.dot(Omega)))
+    H_N = x.R.dot(x.Pi)
     if p.gravity_gradient:
         h_x, h_y, h_z = _cross(r_N, v_N)
         H_x, H_y, H_z = H_N.tolist()
         energy += gravity_gradient.potential(around.r_hat_B, p.body.J, around.rate_squared)
-        energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N @ r_N)
+        energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N.dot(r_N))
     command = u.wheel_torque_cmd
     wheel_torque = net_torque(x.l_w, command, p.wheel)
     sun_N, sunlight = sun.seen_from(r_N, p.sun.at(x.t))
@@ -155,7 +155,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         q_NB=to_quaternion(x.R),
         tau_gg_B=around.tau_gg_B,
         tau_drag_B=around.tau_drag_B,
-        tau_mag_B=magnetic_moment(p.rods_to_body @ dipole + p.residual_dipole_B, around.b_B),
+        tau_mag_B=magnetic_moment(p.rods_to_body.dot(dipole) + p.residual_dipole_B, around.b_B),
         dipole=dipole,
         wheel_torque=wheel_torque,
         wheel_speed=x.l_w / p.wheel_inertia,

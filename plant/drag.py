@@ -62,6 +62,6 @@ class Drag:
 
     def moment(self, v_B: Array, density: float) -> Array:
         """(3,) N m in body axes about the centre of mass; arguments as in `force`."""
-        a, b, c = (np.maximum(self._normals @ v_B, 0.0) @ self._arms).tolist()
+        a, b, c = np.maximum(self._normals.dot(v_B), 0.0).dot(self._arms).tolist()
         x, y, z = (-density * v_B).tolist()
         return np.array((b * z - c * y, c * x - a * z, a * y - b * x))

@@ -14,10 +14,10 @@ def moment(r_hat_B: Array, J: Array, rate_squared: float) -> Array:
     It equals the potential's form sum r_i x v_ri with r_i, v_ri the rows of R and of dU/dR.
     """
     x, y, z = r_hat_B.tolist()
-    a, b, c = ((3.0 * rate_squared) * (J @ r_hat_B)).tolist()
+    a, b, c = ((3.0 * rate_squared) * J.dot(r_hat_B)).tolist()
     return np.array((y * c - z * b, z * a - x * c, x * b - y * a))
 
 
 def potential(r_hat_B: Array, J: Array, rate_squared: float) -> float:
     """U = (mu/r^3)(3/2 r_hat.J r_hat - 1/2 tr J), J: the attitude-dependent part of the potential energy."""
-    return rate_squared * (1.5 * float(r_hat_B @ J @ r_hat_B) - 0.5 * float(J.trace()))
+    return rate_squared * (1.5 * float(r_hat_B.dot(J.dot(r_hat_B))) - 0.5 * float(J.trace()))

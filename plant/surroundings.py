@@ -58,14 +58,14 @@ class Environment:
 
     def _evaluate(self, R_T: Array, t: float) -> Surroundings:
         r_N, v_N = self.orbit.position_velocity(t)
-        r2 = float(r_N @ r_N)
+        r2 = float(r_N.dot(r_N))
         r = math.sqrt(r2)
-        r_hat_B, rate_squared = R_T @ r_N / r, self.mu / (r2 * r)
+        r_hat_B, rate_squared = R_T.dot(r_N) / r, self.mu / (r2 * r)
         tau_gg_B = tau_drag_B = np.zeros(3)
         density = 0.0
         if self.gravity_gradient:
             tau_gg_B = gravity_gradient.moment(r_hat_B, self.J, rate_squared)
         if self.air is not None:
             flow_N, density = self.air.flow(t)
-            tau_drag_B = self.surface.moment(R_T @ flow_N, density)
-        return Surroundings(r_N, v_N, r_hat_B, rate_squared, R_T @ self.field.at(t), tau_gg_B, tau_drag_B, density)
+            tau_drag_B = self.surface.moment(R_T.dot(flow_N), density)
+        return Surroundings(r_N, v_N, r_hat_B, rate_squared, R_T.dot(self.field.at(t)), tau_gg_B, tau_drag_B, density)
