@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from .vector import Array, cross, norm
+from .vector import Array, cross, dot, norm
 
 E1 = np.array((1.0, 0.0, 0.0))
 """The wheel's axis in the paper."""
@@ -68,13 +68,21 @@ def plane(b_hat_B: Array, tau_B: Array) -> tuple[Array, Array]:
     The least-norm dipole [24] does not depend on the basis, so where tau_B has no part across the field
     (to 1e-12 of its size) n comes from the body axis most nearly across the field instead.
     """
-    across = tau_B - float(tau_B.dot(b_hat_B)) * b_hat_B
-    if not norm(across) > 1e-12 * norm(tau_B):
-        axis = np.zeros(3)
+    tau, b = tau_B.tolist(), b_hat_B.tolist()
+    across = _across(tau, b)
+    if not (length := math.hypot(*across)) > 1e-12 * math.hypot(*tau):
+        axis = [0.0, 0.0, 0.0]
         axis[np.abs(b_hat_B).argmin()] = 1.0
-        across = axis - (axis @ b_hat_B) * b_hat_B
-    n = across * (1.0 / norm(across))
+        across = _across(axis, b)
+        length = math.hypot(*across)
+    n = np.array([x / length for x in across])
     return n, cross(b_hat_B, n)
+
+
+def _across(x: list[float], b_hat: list[float]) -> list[float]:
+    """x - (x . b) b."""
+    along = dot(x, b_hat)
+    return [x_i - along * b_i for x_i, b_i in zip(x, b_hat, strict=True)]
 
 
 def rod_torque(dipole: Array, U: Array, b_B: Array) -> Array:
@@ -93,18 +101,20 @@ def least_dipole(tau_MT: Array, tau_B: Array, B: float, b_hat_B: Array, U: Array
     tau_MT (3,) N m, the demand tau_B less the wheel's reaction; tau_B only chooses the basis.
     Raises Singular where A has no rank of 2, which linearly independent rods rule out.
     """
-    n, c = plane(b_hat_B, tau_B)
+    n, c = (v.tolist() for v in plane(b_hat_B, tau_B))
     # Rows of A are (u_i x b) . (n, c) = u_i . (b x n, b x c), and b x n = c, b x c = -n.
-    A_n = U.dot(c)
-    A_c = -U.dot(n)
-    nn, nc, cc = float(A_n.dot(A_n)), float(A_n.dot(A_c)), float(A_c.dot(A_c))
+    rods = U.tolist()
+    A_n = [dot(u, c) for u in rods]
+    A_c = [-dot(u, n) for u in rods]
+    nn, nc, cc = dot(A_n, A_n), dot(A_n, A_c), dot(A_c, A_c)
     determinant = nn * cc - nc * nc
     if determinant < RANK_MIN:
         raise Singular(f"rod_axes: the rods span no plane across the field b_hat_B = {b_hat_B.tolist()}")
-    t_n, t_c = float(n.dot(tau_MT)), float(c.dot(tau_MT))
+    torque = tau_MT.tolist()
+    t_n, t_c = dot(n, torque), dot(c, torque)
     y_n = (cc * t_n - nc * t_c) / (B * determinant)
     y_c = (nn * t_c - nc * t_n) / (B * determinant)
-    return y_n * A_n + y_c * A_c
+    return np.array([y_n * a_n + y_c * a_c for a_n, a_c in zip(A_n, A_c, strict=True)])
 
 
 def allocate(tau_B: Array, b_B: Array, omega_B: Array, h_w: float, U: Array, axis: Array = E1) -> tuple[Array, float]:

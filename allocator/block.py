@@ -58,7 +58,7 @@ class State:
     """Whether the last step held."""
 
 
-@dataclass(frozen=True)
+@dataclass  # not frozen, which takes three times as long
 class Outputs:
     dipole_cmd: Array
     wheel_torque_cmd: float

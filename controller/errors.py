@@ -29,10 +29,4 @@ def errors(R_NB: Array, omega_B: Array, reference: Reference) -> Errors:
     Q = reference.R_d.T.dot(R_NB)
     to_B = Q.T
     Omega_d_B = to_B.dot(reference.Omega_d)
-    return Errors(
-        Q=Q,
-        angle=so3.principal_angle(Q),
-        omega=omega_B - Omega_d_B,
-        Omega_d_B=Omega_d_B,
-        dOmega_d_B=to_B.dot(reference.dOmega_d),
-    )
+    return Errors(Q, so3.principal_angle(Q), omega_B - Omega_d_B, Omega_d_B, to_B.dot(reference.dOmega_d))

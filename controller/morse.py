@@ -16,7 +16,9 @@ PHI = ("linear", "logarithm", "square_root")
 
 def trace(K: Array, Q: Array) -> float:
     """tr(K - K Q), J. Its critical points are Q = I, its least, and the half turns about the three axes."""
-    return float(K @ (1.0 - Q.diagonal()))
+    k1, k2, k3 = K.tolist()
+    (q11, _, _), (_, q22, _), (_, _, q33) = Q.tolist()
+    return k1 * (1.0 - q11) + k2 * (1.0 - q22) + k3 * (1.0 - q33)
 
 
 def slope_direction(K: Array, Q: Array) -> Array:

@@ -5,6 +5,7 @@ dR_d/dt = R_d Omega_d^ holds for each of them.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -35,21 +36,21 @@ def lvlh(r_N: Array, v_N: Array) -> Reference:
     n = |r x v|/r^2, Omega_d = (0, -n, 0), and since |r x v| is constant dn/dt = -2 n (r.v)/r^2.
     Raises ValueError where r and v span no plane.
     """
-    r = so3.norm(r_N)
-    h_N = so3.cross(r_N, v_N)
-    h = so3.norm(h_N)
-    if r < R_MIN or not h > _COLLINEAR * r * so3.norm(v_N):
+    (r1, r2, r3), (v1, v2, v3) = r_N.tolist(), v_N.tolist()
+    h1, h2, h3 = r2 * v3 - r3 * v2, r3 * v1 - r1 * v3, r1 * v2 - r2 * v1
+    r, v, h = math.hypot(r1, r2, r3), math.hypot(v1, v2, v3), math.hypot(h1, h2, h3)
+    if r < R_MIN or not h > _COLLINEAR * r * v:
         raise ValueError(
             f"r_N, v_N: reference 'lvlh' expects a position and a velocity that span the orbit's plane, "
             f"found r_N = {r_N.tolist()}, v_N = {v_N.tolist()}"
         )
-    z_N = r_N * (-1.0 / r)
-    y_N = h_N * (-1.0 / h)
-    x_N = so3.cross(y_N, z_N)
+    z1, z2, z3 = -r1 / r, -r2 / r, -r3 / r
+    y1, y2, y3 = -h1 / h, -h2 / h, -h3 / h
+    x1, x2, x3 = y2 * z3 - y3 * z2, y3 * z1 - y1 * z3, y1 * z2 - y2 * z1
     n = h / (r * r)
-    dn = -2.0 * n * float(r_N.dot(v_N)) / (r * r)
+    dn = -2.0 * n * (r1 * v1 + r2 * v2 + r3 * v3) / (r * r)
     return Reference(
-        R_d=np.array((x_N, y_N, z_N)).T,
+        R_d=np.array(((x1, y1, z1), (x2, y2, z2), (x3, y3, z3))),
         Omega_d=np.array((0.0, -n, 0.0)),
         dOmega_d=np.array((0.0, -dn, 0.0)),
     )

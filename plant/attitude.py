@@ -90,9 +90,10 @@ def lgvi_step(
 
 def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
     """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method; on floats, which takes a quarter of the time."""
-    p = lm * body.wheel_axis
-    difference = a - p
-    (a1, a2, a3), (d1, d2, d3), (s1, s2, s3) = a.tolist(), difference.tolist(), (a + p).tolist()
+    (a1, a2, a3), (u1, u2, u3) = a.tolist(), body.wheel_axis.tolist()
+    p1, p2, p3 = lm * u1, lm * u2, lm * u3
+    d1, d2, d3 = difference = a1 - p1, a2 - p2, a3 - p3
+    s1, s2, s3 = a1 + p1, a2 + p2, a3 + p3
     (j11, j12, j13), (j21, j22, j23), (j31, j32, j33) = body.J.tolist()
     # The part of the Jacobian that does not change: a^ - 2 J.
     l11, l12, l13 = -2.0 * j11, -a3 - 2.0 * j12, a2 - 2.0 * j13

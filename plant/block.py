@@ -48,7 +48,7 @@ class State:
         return p.body.J_inverse.dot(self.Pi - self.l_w * p.body.wheel_axis)
 
 
-@dataclass(frozen=True)
+@dataclass  # not frozen, which takes three times as long
 class Outputs:
     """Units and frames as in fmus/interfaces/plant.toml."""
 

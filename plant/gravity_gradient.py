@@ -20,4 +20,5 @@ def moment(r_hat_B: Array, J: Array, rate_squared: float) -> Array:
 
 def potential(r_hat_B: Array, J: Array, rate_squared: float) -> float:
     """U = (mu/r^3)(3/2 r_hat.J r_hat - 1/2 tr J), J: the attitude-dependent part of the potential energy."""
-    return rate_squared * (1.5 * float(r_hat_B.dot(J.dot(r_hat_B))) - 0.5 * float(J.trace()))
+    (J11, _, _), (_, J22, _), (_, _, J33) = J.tolist()
+    return rate_squared * (1.5 * float(r_hat_B.dot(J.dot(r_hat_B))) - 0.5 * (J11 + J22 + J33))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -36,6 +37,11 @@ class Orbit:
     node_rate: float = 0.0
     """Rate at which the plane turns about N's Z axis, rad/s."""
 
+    @cached_property
+    def _plane(self) -> Array:
+        """The two unit vectors as rows."""
+        return np.array((self.towards_perigee, self.along_perigee))
+
     @property
     def inclination(self) -> float:
         """rad"""
@@ -53,8 +59,8 @@ class Orbit:
         c, s = math.cos(E), math.sin(E)
         minor = math.sqrt(1.0 - e * e)
         E_rate = self.mean_motion / (1.0 - e * c)
-        r = (a * (c - e)) * self.towards_perigee + (a * minor * s) * self.along_perigee
-        v = (-a * E_rate * s) * self.towards_perigee + (a * minor * E_rate * c) * self.along_perigee
+        in_plane = np.array(((a * (c - e), a * minor * s), (-a * E_rate * s, a * minor * E_rate * c)))
+        r, v = in_plane.dot(self._plane)
         if self.node_rate == 0.0:
             return r, v
         turn = rotation_about_z(self.node_rate * t)

@@ -75,5 +75,5 @@ def to_quaternion(rotation: Array) -> Array:
         q = (r13 - r31, r12 + r21, squares[2], r23 + r32)
     else:
         q = (r21 - r12, r13 + r31, r23 + r32, squares[3])
-    length = math.sqrt(sum(c * c for c in q))
-    return np.array(q) / (length if q[0] >= 0.0 else -length)
+    length = math.hypot(*q) if q[0] >= 0.0 else -math.hypot(*q)
+    return np.array([c / length for c in q])

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,7 @@ class Wheel:
     """N m."""
 
 
-@dataclass(frozen=True)
-class Segment:
+class Segment(NamedTuple):
     """A part of a step in which l_w moves smoothly: dl_w/dt = drive - decay l_w, from l_start."""
 
     duration: float
@@ -45,7 +45,7 @@ class Segment:
 
     def momentum(self, s: float) -> float:
         """l_w at time s after the segment's start, N m s; s may lie outside the segment."""
-        return self.l_start + (self.drive - self.decay * self.l_start) * s * _phi1(self.decay * s)
+        return _momentum(self.l_start, self.drive, self.decay, s)
 
     def mean(self, s: float, duration: float) -> float:
         """Mean of l_w over [s, s + duration], N m s; the duration may be negative."""
@@ -87,14 +87,17 @@ def segments(momentum: float, command: float, h: float, wheel: Wheel) -> list[Se
         target = _next_event(now, rate, wheel)
         until = _time_to(target, now, rate, decay)
         if until >= left:
-            part = Segment(left, now, 0.0, drive, decay)
-            end = part.momentum(left)
-            parts.append(Segment(left, now, end, drive, decay))
+            parts.append(Segment(left, now, _momentum(now, drive, decay, left), drive, decay))
             break
         if until > 0.0:
             parts.append(Segment(until, now, target, drive, decay))
         left, now = left - until, target
     return parts
+
+
+def _momentum(l_start: float, drive: float, decay: float, s: float) -> float:
+    """l_w after a time s, N m s."""
+    return l_start + (drive - decay * l_start) * s * _phi1(decay * s)
 
 
 def _law(momentum: float, torque: float, wheel: Wheel) -> tuple[float, float]:

@@ -58,13 +58,12 @@ class Layout:
         self.tunable = self.settable - _references(v for v in variables if v.variability == "fixed")
         self.bounds = {r: bounds for v in variables if (bounds := _bounds(v)) for r in v.value_references}
         self._asked: dict[tuple[str, tuple[int, ...]], Asked] = {}
-        self._get = (
-            attrgetter(*(v.name for v in outputs)) if len(outputs) > 1 else lambda out: (getattr(out, outputs[0].name),)
-        )
-        self._places = [(v.value_references[0], v.value_references[-1] + 1, _writer(v)) for v in outputs]
+        scalars, arrays = ([v for v in outputs if bool(v.shape) is shaped] for shaped in (False, True))
+        self._get_scalars, self._get_arrays = (_all(attrgetter, [v.name for v in some]) for some in (scalars, arrays))
+        self._scalar_places = [(v.value_references[0], _writer(v)) for v in scalars]
+        self._array_places = [(v.value_references[0], v.value_references[-1] + 1, _writer(v)) for v in arrays]
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
-        twice = self._real_places * 2  # since of a single place it gives no tuple
-        self._reals: Callable[[Values], Sequence[float]] = itemgetter(*twice) if twice else lambda values: ()
+        self._reals = _all(itemgetter, self._real_places)
 
     def asked(self, kind: str, references: list[int]) -> Asked:
         """Of these value references, for the functions of this type."""
@@ -80,7 +79,9 @@ class Layout:
     def store(self, outputs: Any, values: Values) -> Values:
         """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite."""
         values = values.copy()
-        for (first, after, write), value in zip(self._places, self._get(outputs), strict=True):
+        for (place, convert), value in zip(self._scalar_places, self._get_scalars(outputs), strict=True):
+            values[place] = convert(value)
+        for (first, after, write), value in zip(self._array_places, self._get_arrays(outputs), strict=True):
             values[first:after] = write(value)
         if not math.isfinite(sum(self._reals(values))):
             for r in self._real_places:
@@ -91,16 +92,22 @@ class Layout:
         return values
 
 
-def _writer(variable: Variable) -> Callable[[Any], list[Any]]:
-    """What makes the elements of a variable of its value."""
+def _all(getter: Callable[..., Any], names: Sequence[Any]) -> Callable[[Any], Sequence[Any]]:
+    """`attrgetter` or `itemgetter` of any number of names, also of one or none; it gives a tuple."""
+    if len(names) > 1:
+        return getter(*names)
+    return lambda whole: tuple(getter(name)(whole) for name in names)
+
+
+def _writer(variable: Variable) -> Callable[[Any], Any]:
+    """What makes the elements of a variable of its value, a list of an array's."""
     if len(variable.shape) == 1:
         return np.ndarray.tolist
     if variable.shape:
         return lambda value: value.ravel().tolist()
     if variable.type == "enumeration":
-        return lambda value: [variable.items.index(value) + 1]
-    convert = _SCALARS[variable.type]
-    return lambda value: [convert(value)]
+        return lambda value: variable.items.index(value) + 1
+    return _SCALARS[variable.type]
 
 
 _ASKED_MAX = 100
