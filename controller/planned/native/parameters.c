@@ -4,7 +4,7 @@
 #include "gauss_models.h"
 
 static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
-static const double FIELD_WRONG = 4e-6;         /* T, from a model of all degrees */
+static const double FIELD_WRONG = 2e-6;         /* T, from a model of all degrees */
 static const double LEFT_OUT = 3.0;             /* rms of what a model of few degrees leaves out */
 enum { SEARCH_ITERATIONS_MAX = 1000 };
 

@@ -184,7 +184,7 @@ typedef struct {
     /* R_NB stays the same while omega_B turns the satellite; until it changes the attitude is that of the
      * rate */
     bool attitude_frozen;
-    /* b_B stays the same, or is further from the onboard model than 4 uT and what its degrees leave out; the
+    /* b_B stays the same, or is further from the onboard model than 2 uT and what its degrees leave out; the
      * model is used in its place */
     bool field_failed;
     /* T; frame B; Field that the controller uses: b_B, or that of the onboard model where b_B is not
