@@ -56,8 +56,7 @@ class Platform:
     system: tuple[str, ...] = ()
     """Options for what is linked with the operating system's own libraries."""
     blocks: tuple[str, ...] = ()
-    """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one, where zig's linker can,
-    and an order of instructions for present processors, of which older ones lack none."""
+    """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one, where zig's linker can."""
 
 
 PLATFORMS: Mapping[str, Platform] = {
@@ -65,11 +64,9 @@ PLATFORMS: Mapping[str, Platform] = {
         ".so",
         ("x86_64-linux-gnu.2.17",),
         ("-Wl,--build-id=none", "-Wl,-z,noexecstack"),
-        blocks=("-flto", "-mtune=skylake"),
+        blocks=("-flto",),
     ),
-    "win64": Platform(
-        ".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32"), blocks=("-mtune=skylake",)
-    ),
+    "win64": Platform(".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32")),
     "darwin64": Platform(
         ".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)
     ),

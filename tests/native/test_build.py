@@ -121,6 +121,16 @@ def test_the_mac_library_is_universal_and_its_arm_part_is_signed(block: str, pac
     assert 0x1D in found[0x0100000C][0]  # LC_CODE_SIGNATURE: arm64 loads no library without one
 
 
+def test_a_block_runs_on_every_x86_64(tmp_path: Path) -> None:
+    """The compiler may use no instruction beyond SSE2, which each of these processors has."""
+    beyond = " || ".join(f"defined __{name}__" for name in ("SSE3", "SSSE3", "SSE4_1", "AVX", "AVX2", "FMA", "BMI"))
+    source = tmp_path / "block.c"
+    source.write_text(
+        f"#if {beyond} || !defined __SSE2__\n#error\n#endif\nint block(void);\nint block(void) {{ return 0; }}\n"
+    )
+    assert set(toolchain.compile_library("block", [source], [], ["linux64", "win64"])) == {"linux64", "win64"}
+
+
 def test_an_unknown_platform_is_refused() -> None:
     with pytest.raises(native.CompilerError, match="platform 'linux32': expected linux64, win64, darwin64"):
         native.package(load("allocator"), ROOT / "allocator", platforms=["linux32"])
