@@ -16,6 +16,9 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
 
 double controller_planned_wheel_to_rest(const Model *model, double l)
 {
+    if (!has_wheel(model)) {
+        return 0.0;
+    }
     return clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
 }
 
@@ -135,13 +138,18 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     } else {
         controller_planned_plan_at(&x->plan, x->t + 0.5 * p->control_period, controls);
         dOmega_d = controller_planned_acceleration(&model, &around, &x->reference, controls);
-        tau = tracking_torque(&model, &e, dOmega_d, B_B, gravity_gradient(model.J, &around, now->R));
+        tau = has_wheel(&model) ? tracking_torque(&model, &e, dOmega_d, B_B, gravity_gradient(model.J, &around, now->R))
+                                : torque_of_rods(&model, now->Omega, now->l, B_B, controls);
     }
     store_controls(p, controls, y);
+    store(dOmega_d, y->dOmega_d);
+    if (!has_wheel(&model)) {
+        store(tau, y->tau_cmd_B);
+        return;
+    }
     /* The motor gives that against friction too. */
     const double rate = y->wheel_torque_ff;
     y->wheel_torque_ff += controller_planned_friction_torque(&x->friction, now->l, rate, p->control_period);
     y->wheel_torque_ff = clip(y->wheel_torque_ff, -p->wheel_torque_max, p->wheel_torque_max);
     store(subtract(tau, scale(y->wheel_torque_ff - rate, model.wheel_axis)), y->tau_cmd_B);
-    store(dOmega_d, y->dOmega_d);
 }

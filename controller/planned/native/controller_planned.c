@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "rods_alone.h"
+
 static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB: a single-precision plant stays well below it */
 static const double R_MIN = 1e6;               /* m */
 static const double LOW_ORBIT = 7e6;           /* m, semi-major axis */
@@ -162,6 +164,7 @@ static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, d
     x->scales = scales_of(law, u);
     controller_planned_identification_start(&law->p, &x->scales, &x->identification);
     controller_planned_friction_start(&law->p, x->scales.time, &x->friction);
+    x->rods_alone = controller_planned_is_no_wheel(law->p.wheel_torque_max, law->p.wheel_momentum_max, &x->scales);
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;

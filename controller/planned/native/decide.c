@@ -28,10 +28,14 @@ typedef struct {
     bool near;          /* not lost at the end of a search that begins now */
 } Standing;
 
-/* N m s, N: what the total momentum lacks to the target's. */
+/* N m s, N: what the total momentum lacks to the target's, with the wheel at rest or with the momentum that it keeps. */
 static Vector momentum_to_give(const Model *model, const Motion *now, const Target *target)
 {
-    return subtract(apply(target->R, apply(model->J, target->Omega)), apply(now->R, momentum_of(model, now)));
+    Vector wanted = apply(model->J, target->Omega);
+    if (!has_wheel(model)) {
+        wanted = add(wanted, scale(now->l, model->wheel_axis));
+    }
+    return subtract(apply(target->R, wanted), apply(now->R, momentum_of(model, now)));
 }
 
 /* Whether a satellite that is steered is too far for a plan; `left` is its momentum over steering_limit, `time` that of steering. */
@@ -46,10 +50,11 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     const Target target = controller_planned_target_at(ahead, x->t);
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
-    const double left = norm(D_N) / smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
     const bool steered = x->phase == PHASE_STEERING;
+    const double limit = smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
+    const double left = norm(D_N) / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
     const double time = x->steering.time, later = larger(time - search_time, 0.0);
-    const bool lost = steered ? too_far(x, left, time) : left > STEERING_AGAIN;
+    const bool lost = steered ? too_far(x, left, time) : left > (has_wheel(model) ? STEERING_AGAIN : 1.0);
     return (Standing){
         .target = target,
         .angle = principal_angle(Q),
@@ -157,7 +162,8 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
 {
     Search *search = &x->search;
     const double T = x->scales.time, early = EARLY * law->p.control_period;
-    const bool challenge = x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * T;
+    const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * T
+                                            : x->plan.cost > controller_planned_rods_cost(model);
     if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
         search->ready = false;
     }
@@ -201,6 +207,10 @@ static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ah
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first)
 {
+    if (!x->rods_alone && law->p.find_failures && controller_planned_wheel_stuck(&x->friction)) {
+        x->rods_alone = true;
+        give_up(x, now); /* what was planned with the wheel */
+    }
     const Model model = controller_planned_believed(law, x);
     if (ahead->target_kind == ONBOARD_TARGET_NONE) {
         give_up(x, now);
@@ -210,7 +220,8 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
         x->phase = PHASE_STEERING;
         x->next_plan = x->t;
     }
-    const double search_time = first ? 0.0 : SEARCH_SAMPLES * law->p.control_period;
+    const int samples = first ? 0 : has_wheel(&model) ? SEARCH_SAMPLES : RODS_SEARCH_SAMPLES;
+    const double search_time = samples * law->p.control_period;
     const Standing s = standing_of(x, &model, ahead, now, search_time);
     const double early = EARLY * law->p.control_period;
     if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
@@ -222,7 +233,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     int32_t work = WORK_OF_SAMPLE;
     const bool due = change_phase(x, &s, early);
     if (due) {
-        x->next_plan = x->t + x->scales.plan_period;
+        x->next_plan = x->t + model.scales.plan_period;
     }
     if (x->phase == PHASE_STEERING) {
         steer(law, x, ahead, &s, dt, due, &work);

@@ -1,4 +1,5 @@
 /* What the controller believes of the satellite: its motion, its properties, the field round it. */
+#include "rods_alone.h"
 #include "state.h"
 
 #include <string.h>
@@ -22,6 +23,7 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
                    .wheel_torque_max = p->wheel_torque_max,
                    .wheel_momentum_max = p->wheel_momentum_max,
                    .scales = *scales};
+    model.horizon = controller_planned_horizon(scales->time);
     model.J_inverse = inverse(model.J);
     set_rods(law, p->dipole_max, &model);
     if (controller_planned_has_K0(p)) {
@@ -44,6 +46,9 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     }
     model.disturbance_B = vector(p + TORQUE);
     model.residual_B = vector(p + DIPOLE);
+    if (x->rods_alone) {
+        controller_planned_plan_by_rods(&model);
+    }
     return model;
 }
 
@@ -135,6 +140,7 @@ static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, c
     Model model = controller_planned_believed(law, x), nominal = controller_planned_nominal(law, &x->scales);
     Around then = *around;
     then.B_N = apply(x->estimate.R, x->B_B);
+    model.wheel_torque_max = nominal.wheel_torque_max;
     model.wheel_momentum_max = nominal.wheel_momentum_max = INFINITY;
     nominal.disturbance_B = model.disturbance_B;
     nominal.residual_B = model.residual_B;

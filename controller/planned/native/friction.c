@@ -18,6 +18,8 @@ static const double NEAR_LIMIT = 0.99; /* of the momentum's limit, beyond which 
 static const double MUCH = 0.2;        /* of the torque's limit: samples with less say little of a wheel that fails */
 static const double WATCHED = 0.2;     /* of `forgets`: time of such samples from which on a failure is known */
 static const double FAILED = 0.5;      /* share of the torque that the wheel gives, below which it has failed */
+static const double MOST = 0.7;        /* of the torque's limit: a wheel that drags moves, one that is stuck does not */
+static const double STUCK = 0.05;      /* share of such torque below which it is stuck */
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
 {
@@ -76,20 +78,41 @@ void controller_planned_friction_learn(double dt, double torque, double l, doubl
     friction->p[0] = clip(friction->p[0], 0.0, most);
 }
 
+static void respond(double dt, double share, double torque, double rate, Response *response)
+{
+    response->asked += share * (torque * torque - response->asked);
+    response->given += share * (torque * rate - response->given);
+    response->seen += dt;
+}
+
 void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction)
 {
-    if (fabs(torque) < MUCH * friction->torque_max || larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
+    if (larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
         return;
     }
-    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0);
-    friction->asked += share * (torque * torque - friction->asked);
-    friction->given += share * (torque * (l_next - l) / dt - friction->given);
-    friction->seen += dt;
+    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0), rate = (l_next - l) / dt;
+    if (fabs(torque) >= MUCH * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->much);
+    }
+    if (fabs(torque) >= MOST * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->most);
+    }
+}
+
+/* Whether it has given less than a share of what was asked. */
+static bool gives_less(const Response *response, double share, double watched)
+{
+    return response->seen > watched && response->given < share * response->asked;
 }
 
 bool controller_planned_wheel_failed(const Friction *friction)
 {
-    return friction->seen > WATCHED * friction->forgets && friction->given < FAILED * friction->asked;
+    return gives_less(&friction->much, FAILED, WATCHED * friction->forgets);
+}
+
+bool controller_planned_wheel_stuck(const Friction *friction)
+{
+    return gives_less(&friction->most, STUCK, WATCHED * friction->forgets);
 }
 
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)

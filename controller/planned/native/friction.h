@@ -4,6 +4,12 @@
 
 #include "ports.h"
 
+/* What a wheel gives of its torque: the torque's mean square, (N m)2, that with the change of momentum instead, and of how much
+ * time, s. */
+typedef struct {
+    double asked, given, seen;
+} Response;
+
 /* d sign(l) + c l by a Kalman filter: d, Coulomb, N m; c, viscous, 1/s. */
 typedef struct {
     double p[2], P[2][2];
@@ -13,9 +19,8 @@ typedef struct {
     /* Of the measured change less that of command and friction, N m: filtered; of the last sample; the means of its square and
      * of its product with that of the sample before. */
     double slip, last, square, product;
-    double forgets; /* s */
-    /* Of samples with much torque: its mean square, (N m)2, that with the change of momentum instead, and for how long, s. */
-    double asked, given, seen;
+    double forgets;      /* s */
+    Response much, most; /* to torques above two shares of the limit, a small and a large one */
 } Friction;
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction);
@@ -28,6 +33,9 @@ void controller_planned_watch_wheel(double dt, double torque, double l, double l
 
 /* Whether the wheel is stuck or drags: it has given less than half of what was asked of it. */
 bool controller_planned_wheel_failed(const Friction *friction);
+
+/* Whether it is stuck: it has given next to nothing of the largest torques, where a wheel that drags gives something. */
+bool controller_planned_wheel_stuck(const Friction *friction);
 
 /* dl/dt over the sample, N m: the measured one, or where this is noise the one of command and friction. */
 double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction);

@@ -4,9 +4,8 @@
 
 #include <string.h>
 
-static const double FINAL = 6.0, FINAL_WHEEL = 0.6; /* T, by which the last stage counts */
-static const double TURN_MAX = 1.5;                 /* rad in a stage; a motion beyond is no plan */
-static const double GAIN_MIN = 1e-6;                /* of the cost: an iteration that gains less is the last */
+static const double TURN_MAX = 1.5;  /* rad in a stage; a motion beyond is no plan */
+static const double GAIN_MIN = 1e-6; /* of the cost: an iteration that gains less is the last */
 
 /* u + share k + K errors, within the limits, where errors are those of x from x0. */
 static void add_feedback(const Motion *x, const Motion *x0, double share, const double k[CONTROLS], double K[CONTROLS][ERRORS],
@@ -50,9 +49,8 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         }
         w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
     }
-    const double T = model->scales.time;
-    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages], FINAL * T,
-                                       FINAL_WHEEL * T, NULL, NULL);
+    cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages],
+                                       model->scales.final_errors, model->scales.final_wheel, NULL, NULL);
     return cost == cost ? cost : NEVER;
 }
 
@@ -157,9 +155,9 @@ static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, in
     BackwardPass *s = &w->pass;
     double hessian[ERRORS];
     const int n = plan->stages;
-    const double T = model->scales.time;
     memset(s->V, 0, sizeof s->V);
-    controller_planned_cost_of(model, &w->stage[n].target, &w->x[at][n], FINAL * T, FINAL_WHEEL * T, s->v, hessian);
+    controller_planned_cost_of(model, &w->stage[n].target, &w->x[at][n], model->scales.final_errors, model->scales.final_wheel,
+                               s->v, hessian);
     for (int i = 0; i < ERRORS; ++i) {
         s->V[i][i] = hessian[i];
     }

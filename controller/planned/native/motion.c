@@ -80,6 +80,9 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
 
 double controller_planned_wheel_within(const Model *model, double l, double u, double h)
 {
+    if (!has_wheel(model)) {
+        return 0.0;
+    }
     const double room = 1.0 / (model->wheel_torque_max * h);
     const double v = larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
     return clip(v, -1.0, 1.0); /* a wheel beyond its limit is brought back as fast as it can be */

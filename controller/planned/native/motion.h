@@ -8,16 +8,24 @@
 
 enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
 
-/* The satellite as the planner believes it is. */
+enum { PIECES = 3 };
+
+/* Of a plan: pieces, each until a time and of stages of one length, s. */
+typedef struct {
+    double until[PIECES], stage[PIECES];
+} Horizon;
+
+/* The satellite as the planner believes it is, and how it plans. */
 typedef struct {
     Matrix J, J_inverse;
     Vector rods[3];          /* dipole of each rod at its limit, body axes, A m2, with the estimated gain */
     Vector wheel_axis;       /* unit, body axes */
-    double wheel_torque_max; /* N m */
+    double wheel_torque_max; /* N m; 0 where the wheel gives no torque */
     double wheel_momentum_max;
     Vector disturbance_B; /* N m */
     Vector residual_B;    /* dipole of the satellite itself, A m2 */
     Scales scales;
+    Horizon horizon;
 } Model;
 
 typedef struct {
@@ -78,6 +86,12 @@ static inline Matrix times(double s, Matrix m)
 static inline Vector momentum_of(const Model *model, const Motion *x)
 {
     return add(apply(model->J, x->Omega), scale(x->l, model->wheel_axis));
+}
+
+/* Whether the wheel gives torque. */
+static inline bool has_wheel(const Model *model)
+{
+    return model->wheel_torque_max > 0.0;
 }
 
 /* Dipole of the rods under the controls, A m2, body axes. */

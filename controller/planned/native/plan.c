@@ -5,7 +5,7 @@
 /* In the satellite's time T. */
 static const double HORIZON = 30.0, FINE_UNTIL = 10.0;
 static const double STAGE_FINE = 0.2, STAGE_COARSE = 0.5; /* before and after FINE_UNTIL */
-static const double FAST = 0.4, FASTER = 0.8;             /* rad in STAGE_FINE; stages are halved and quartered */
+static const double FAST = 0.4, FASTER = 0.8;             /* rad in a stage, which is then halved and quartered */
 static const double EARLY = 1e-7;                         /* of its length: an end is reached that much before its time */
 
 /* A stage of a plan, and when it begins, s. */
@@ -50,21 +50,41 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
     *work -= plan->stages * WORK_SURVEY;
 }
 
+Horizon controller_planned_horizon(double T)
+{
+    const double fine_until = FINE_UNTIL * T, end = HORIZON * T, fine = STAGE_FINE * T, coarse = STAGE_COARSE * T;
+    return (Horizon){{fine_until, end, end}, {fine, coarse, coarse}}; /* the last piece has no stages */
+}
+
+/* How many whole stages are left from s on. */
+static int stages_left(const Horizon *horizon, double s)
+{
+    int stages = 0;
+    for (int i = 0; i < PIECES; ++i) {
+        const double begin = i > 0 ? horizon->until[i - 1] : 0.0;
+        stages += (int)((horizon->until[i] - clip(s, begin, horizon->until[i])) / horizon->stage[i]);
+    }
+    return stages;
+}
+
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
                                    Plan *plan, Stage stage[STAGES + 1], int32_t *work)
 {
-    const double T = model->scales.time, fine = STAGE_FINE * T, coarse = STAGE_COARSE * T;
-    const double fine_until = FINE_UNTIL * T, horizon = HORIZON * T, early = EARLY * fine_until;
+    const Horizon *horizon = &model->horizon;
+    const double early = EARLY * horizon->until[0];
     Motion now = *x;
     Place place = {0, was != NULL ? was->start : 0.0};
     double s = 0.0;
+    int piece = 0;
     memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
-    while (s < horizon - early) {
-        const double whole = s < fine_until - early ? fine : coarse;
+    while (s < horizon->until[PIECES - 1] - early) {
+        while (s >= horizon->until[piece] - early) {
+            ++piece;
+        }
+        const double whole = horizon->stage[piece];
         /* A stage is divided while enough stages are left for the rest of the horizon. */
-        const int left = STAGES - plan->stages - (int)((fine_until - smaller(s, fine_until)) / fine) -
-                         (int)((horizon - larger(s, fine_until)) / coarse) - 1;
+        const int left = STAGES - plan->stages - stages_left(horizon, s) - 1;
         const double turn = norm(now.Omega) * whole;
         const int wanted = turn > FASTER ? 4 : turn > FAST ? 2 : 1;
         const int parts = left >= 4 ? wanted : 1;

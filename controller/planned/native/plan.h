@@ -35,6 +35,9 @@ void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS]);
 /* What surrounds the stages that the plan has, taken from the account; the last of STAGES + 1 has the final target alone. */
 void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage[STAGES + 1], int32_t *work);
 
+/* The horizon of a plan with rods and wheel; T of the scales, s. */
+Horizon controller_planned_horizon(double T);
+
 /* The stages of a horizon from t on, of the plan that was (or none), finer where its motion from x turns fast; its
  * controls are carried over, zero beyond its end. */
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,

@@ -14,6 +14,7 @@ static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/
 static const double STEERING_LIMIT = 1.45;
 static const double DISTURBANCE_MAX = 0.036;         /* of the rods' torque: more could not be opposed by rods in the hold */
 static const double RESIDUAL_DIPOLE_MAX = 0.05;      /* of dipole_max */
+static const double FINAL = 6.0, FINAL_WHEEL = 0.6;  /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;               /* T^2 */
 static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0; /* over wheel_momentum_max^2 */
 static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
@@ -77,9 +78,12 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     return (Scales){
         .time = T,
         .momentum = momentum,
+        .orbit_rate = sqrt(p->gravitational_parameter / (a * a * a)),
         .least_moment = least,
         .torque = torque,
         .weight_rate = WEIGHT_RATE * T * T,
+        .final_errors = FINAL * T,
+        .final_wheel = FINAL_WHEEL * T,
         .weight_wheel = two_digits(p->momentum_weight / (h * h)),
         .weight_near_limit = two_digits(WEIGHT_WHEEL_NEAR_LIMIT / (h * h)),
         .weight_rods = two_digits(WEIGHT_RODS * torque * torque),

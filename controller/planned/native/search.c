@@ -20,7 +20,8 @@ int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, 
     double H[CONTROLS][CONTROLS], g[CONTROLS];
     const double low[CONTROLS] = {-1.0, -1.0, -1.0, -1.0}, high[CONTROLS] = {1.0, 1.0, 1.0, 1.0};
     bool free[CONTROLS];
-    const double rest = clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
+    const double rest =
+        !has_wheel(model) ? 0.0 : clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
     for (int i = 0; i < CONTROLS; ++i) {
         const double weight = i < 3 ? model->scales.weight_rods : model->scales.weight_motor;
         for (int j = 0; j < CONTROLS; ++j) {
@@ -32,19 +33,24 @@ int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, 
     return controller_planned_box_qp((const double (*)[CONTROLS])H, g, low, high, 2 * QP_PASSES, u, free);
 }
 
-void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stages[STAGES + 1],
-                                int32_t *work)
+void controller_planned_cascade(const Model *model, const Motion *x, const Turn *turn, Plan *plan,
+                                const Stage stages[STAGES + 1], int32_t *work)
 {
     const double T = model->scales.time;
+    double s = 0.0;
     Motion now = *x;
     for (int i = 0; i < plan->stages; ++i) {
         const double stiffness = smaller(STIFFNESS / T, STIFFNESS_STEP / plan->h[i]),
                      damping = smaller(DAMPING / T, DAMPING_STEP / plan->h[i]);
         const Stage *stage = &stages[i];
-        const Matrix Q = multiply(transposed(stage->target.R), now.R);
+        Matrix R = stage->target.R;
+        if (s < turn->until) {
+            R = multiply(R, rotation_exp(scale(1.0 - s / turn->until, turn->by)));
+        }
+        const Matrix Q = multiply(transposed(R), now.R);
         const Vector zeta = rotation_log(Q);
         const double size = norm(zeta);
-        const double speed = smaller(stiffness * size, rate);
+        const double speed = smaller(stiffness * size, turn->rate);
         const Vector wanted =
             subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
@@ -52,7 +58,14 @@ void controller_planned_cascade(const Model *model, const Motion *x, double rate
         *work -= WORK_CASCADE +
                  controller_planned_controls_for(model, tau, apply_transposed(now.R, stage->around.B_N), now.l, plan->u[i]);
         now = controller_planned_advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
+        s += plan->h[i];
     }
+}
+
+/* To the target itself. */
+static Turn straight(const Model *model, int start)
+{
+    return (Turn){.rate = 1.0 / (CASCADE_TIMES[start - 1] * model->scales.time)};
 }
 
 void controller_planned_search_begin(const Motion *x, double t, Search *search)
@@ -78,8 +91,9 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (fresh) {
             controller_planned_lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w->stage, work);
             if (search->start > 0) {
-                controller_planned_cascade(model, &search->x, 1.0 / (CASCADE_TIMES[search->start - 1] * model->scales.time),
-                                           &search->trial, w->stage, work);
+                const Turn turn =
+                    has_wheel(model) ? straight(model, search->start) : controller_planned_random_turn(model, &search->random);
+                controller_planned_cascade(model, &search->x, &turn, &search->trial, w->stage, work);
             }
         } else {
             controller_planned_survey(ahead, &search->trial, w->stage, work);
@@ -93,7 +107,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
                 memcpy(&search->best, &search->trial, sizeof search->best);
             }
             search->left = ITERATIONS_COLD;
-            if (++search->start == STARTS) {
+            if (++search->start == (has_wheel(model) ? STARTS : RODS_STARTS)) {
                 search->active = false;
                 search->ready = may_be_flown(&search->best);
             }

@@ -1,14 +1,16 @@
-/* The search for a plan from nothing: three starts, each improved, the best kept; a few iterations in each call. */
+/* The search for a plan from nothing: several starts, each improved, the best kept; a few iterations in each call. */
 #ifndef CONTROLLER_PLANNED_SEARCH_H
 #define CONTROLLER_PLANNED_SEARCH_H
 
 #include "ilqr.h"
+#include "rods_alone.h"
 
-enum { STARTS = 3 };
+enum { STARTS = 3 }; /* with a wheel */
 
 typedef struct {
     bool active, ready;
     int32_t start, left; /* iterations of this start */
+    uint32_t random;     /* state of the generator of starts */
     Motion x;
     double t;
     Plan trial, best;
@@ -23,8 +25,8 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
 /* The controls nearest to a demanded torque of rods and wheel in the field B_B; returns the work. */
 int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS]);
 
-/* Controls of a cascade through the limits, to start from: turns to the target at no more than `rate`, rad/s. */
-void controller_planned_cascade(const Model *model, const Motion *x, double rate, Plan *plan, const Stage stage[STAGES + 1],
-                                int32_t *work);
+/* Controls of a cascade through the limits, to start from: turns to the target, itself turned, at no more than a rate. */
+void controller_planned_cascade(const Model *model, const Motion *x, const Turn *turn, Plan *plan,
+                                const Stage stage[STAGES + 1], int32_t *work);
 
 #endif

@@ -33,6 +33,7 @@ typedef struct {
     double l_own;        /* wheel momentum by the controller's own account */
     Identification identification;
     Friction friction;
+    bool rods_alone; /* the wheel gives no torque, and none is asked of it any more */
     SensorsWatch sensors;
     /* The last sample. */
     double t_sample;

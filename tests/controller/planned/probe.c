@@ -102,7 +102,12 @@ static Model model_of(const FlatModel *f)
     p.momentum_weight = 0.018;
     p.dipole_max = f->dipole_max;
     p.wheel_momentum_max = f->wheel_momentum_max;
+    p.gravitational_parameter = 3.986004418e14;
     m.scales = controller_planned_scales(&p, f->semi_major_axis);
+    m.horizon = controller_planned_horizon(m.scales.time);
+    if (!has_wheel(&m)) {
+        controller_planned_plan_by_rods(&m);
+    }
     return m;
 }
 
@@ -288,7 +293,8 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
     Plan *plan = &plans[0];
     controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage, &work);
     if (rate > 0.0) {
-        controller_planned_cascade(&model, &now, rate, plan, workspace.stage, &work);
+        const Turn turn = {.rate = rate};
+        controller_planned_cascade(&model, &now, &turn, plan, workspace.stage, &work);
     }
     controller_planned_improve(&model, &now, iterations, plan, &workspace, &work);
     for (int i = 0; i < plan->stages; ++i) {

@@ -1,0 +1,122 @@
+"""A wheel that is stuck or absent: the plan by rods alone, and the command that leaves the wheel out."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import core
+from .test_identification import DT, Tumbles, flown
+from .truth import DAYS, RADIUS, Truth, orbit
+
+ORBIT = 2.0 * math.pi * math.sqrt(RADIUS**3 / core.MU)
+BODY = core.Satellite(wheel_torque_max=0.0)
+AHEAD = core.Ahead(*orbit(0.0), days=DAYS)
+
+
+def turned_from_lvlh(seed, angle, h_w=0.0):
+    """At LVLH's rate, turned away by an angle about an axis of the seed."""
+    R_d, Omega_d = core.lvlh(*orbit(0.0))
+    axis = np.random.default_rng(seed).normal(size=3)
+    Q = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_matrix()
+    return core.Motion(R_d @ Q, Q.T @ Omega_d, h_w)
+
+
+def test_a_plan_without_a_wheel_looks_over_one_orbit_and_leaves_the_wheel_as_it_is():
+    plan = core.plan(BODY, AHEAD, turned_from_lvlh(1, 1.0, 4e-3), 5)
+    assert plan.h.sum() == pytest.approx(ORBIT, rel=1e-9)
+    assert len(plan.h) <= core.STAGES
+    assert np.abs(plan.u[:, :3]).max() <= 1.0
+    assert (plan.u[:, 3] == 0.0).all()
+    assert {x.h_w for x in plan.path} == {4e-3}
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e2])
+def test_the_plan_of_a_satellite_of_another_size_has_the_same_stages_and_motion(scale):
+    """All times are those of the orbit: inertia and rods times a factor change nothing but the cost of the controls' rounding."""
+    x = turned_from_lvlh(2, 0.5)
+    other = core.Satellite(J=scale * BODY.J, rods=scale * BODY.rods, dipole_max=scale * 25.0, wheel_torque_max=0.0)
+    was, plan = (core.plan(it, AHEAD, x, 3) for it in (BODY, other))
+    assert plan.h == pytest.approx(was.h, rel=1e-12)
+    assert pytest.approx(was.path[-1].R, abs=1e-6) == plan.path[-1].R
+
+
+def test_a_search_without_a_wheel_turns_the_satellite_to_its_target_by_rods_alone():
+    """Controls of the search, flown by SciPy: 100 deg away at first, within 10 deg for the last third of the orbit."""
+    x = turned_from_lvlh(3, math.radians(100.0))
+    stages = core.plan(BODY, AHEAD, x, 0).h
+    searched = core.search(BODY, AHEAD, x)
+    truth = Truth(BODY.J, BODY.rods, R=x.R, Omega=x.Omega)
+    late = []
+    for h, u in zip(stages, searched.u, strict=False):
+        truth.fly(u[:3], 0.0, h)
+        if truth.t > ORBIT * 2.0 / 3.0:
+            target = core.lvlh(*orbit(truth.t))[0]
+            late.append(Rotation.from_matrix(target.T @ truth.R).magnitude())
+    assert max(late) < math.radians(10.0)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.02])
+def test_no_sample_of_a_search_without_a_wheel_takes_more_than_its_account(rate):
+    x = turned_from_lvlh(4, 2.0)
+    searched = core.search(BODY, AHEAD, core.Motion(x.R, x.Omega + rate, 0.0))
+    assert 0 <= searched.least < core.WORK_OF_SAMPLE / 2
+    assert 16 <= searched.calls < 400
+
+
+class Wheel(Tumbles):
+    """The motor is asked for 2.6 mN m of 3, and the wheel gives a share of it."""
+
+    share = 0.0
+
+    def command(self):
+        super().command()
+        self.dl = np.copysign(self.share * 2.6e-3, 0.012 - self.h_w)
+
+    def asked(self, i, sample):
+        dipoles = sample["u_applied"][:, :3]
+        return sample | {"u_applied": np.column_stack((dipoles, np.copysign(2.6e-3, self.dl)))}
+
+
+def along_the_field(truth, y):
+    """The part along b of the torque that rods and a wheel without torque have to give, over the whole of it."""
+    torque = y["tau_cmd_B"] + np.cross(truth.Omega[0], [truth.h_w[0], 0.0, 0.0])
+    b = y["b_used_B"]
+    return abs(torque @ b) / (np.linalg.norm(torque) * np.linalg.norm(b))
+
+
+def test_nothing_is_asked_of_a_stuck_wheel_and_no_torque_along_the_field():
+    truth = Wheel(8, 1)
+    truth.command()
+    y = flown(truth, truth.asked)[1][0]
+    assert y["wheel_failed"]
+    assert y["wheel_torque_ff"] == 0.0
+    assert along_the_field(truth, y) < 1e-3
+
+
+def test_a_wheel_that_drags_is_not_given_up():
+    """It gives a fifth of the torque."""
+    truth = Wheel(8, 1)
+    truth.share = 0.2
+    truth.command()
+    y = flown(truth, truth.asked)[1][0]
+    assert y["wheel_failed"]
+    assert y["wheel_torque_ff"] != 0.0
+
+
+def test_a_stuck_wheel_is_not_looked_for_where_that_is_not_wanted():
+    truth = Wheel(8, 1)
+    truth.command()
+    assert flown(truth, truth.asked, find_failures=False)[1][0]["wheel_torque_ff"] != 0.0
+
+
+def test_a_wheel_of_limits_next_to_nothing_is_left_out_from_the_start():
+    truth = Tumbles(9, 1)
+    truth.h_w[:] = 0.0
+    truth.command = lambda: None
+    truth.dl = np.zeros(1)
+    without = flown(truth, samples=4, wheel_torque_max=1e-9, wheel_momentum_max=1e-9)[1][0]
+    assert without["wheel_torque_ff"] == 0.0
+    assert along_the_field(truth, without) < 1e-3
+    assert truth.t == 4 * DT
