@@ -9,12 +9,10 @@
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
                                   double scale_wheel, double gradient[ERRORS], double hessian[ERRORS]);
 
-static const double WEIGHT_CONTROL = 0.005;
-
 /* Cost rate of the controls. */
-static inline double control_cost(const double u[CONTROLS])
+static inline double control_cost(const Model *model, const double u[CONTROLS])
 {
-    return WEIGHT_CONTROL * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
+    return model->scales.weight_control * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
 }
 
 #endif

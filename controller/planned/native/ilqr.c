@@ -43,7 +43,7 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         if (!(norm(x->Omega) * h < TURN_MAX)) {
             return NEVER;
         }
-        cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(u));
+        cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(model, u));
         if (cost > limit) {
             return NEVER;
         }
@@ -93,11 +93,11 @@ static void expand(const Model *model, const Stage *stage, const Motion *x, cons
             VG[i] = along(G, s->V[i]) + wheel * s->V[i][6];
         }
         const Column row = column(VG);
-        s->Qu[a] = 2.0 * WEIGHT_CONTROL * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
-        for (int b = 0; b <= a; ++b) {                                                 /* Quu = Luu + G'V G */
+        s->Qu[a] = 2.0 * model->scales.weight_control * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
+        for (int b = 0; b <= a; ++b) {                                                               /* Quu = Luu + G'V G */
             s->Quu[a][b] = s->Quu[b][a] = along(row, s->G[b]) + VG[6] * s->G[b][6];
         }
-        s->Quu[a][a] += 2.0 * WEIGHT_CONTROL * h;
+        s->Quu[a][a] += 2.0 * model->scales.weight_control * h;
         for (int j = 0; j < ERRORS; ++j) { /* Qux = G'V A */
             s->Qux[a][j] = along(row, s->A[j]) + (j == 6 ? VG[6] : 0.0);
         }

@@ -6,7 +6,8 @@ static const double RODS_FINAL = 0.2;       /* by which the errors at the end co
 static const double RODS_CHALLENGED = 0.05; /* cost of a plan that is challenged: some 6 deg throughout */
 static const double TURN_UNTIL = 0.6;       /* latest end of a start's turn */
 /* In the orbit's rate n. */
-static const double RODS_WEIGHT_RATE = 0.36;             /* 1/n^2 */
+static const double RODS_WEIGHT_RATE = 0.36; /* 1/n^2 */
+static const double RODS_WEIGHT_CONTROL = 3e-5;
 static const double RODS_STEERED = 3.0;                  /* n J, momentum that is left to the plan */
 static const double RODS_AGAIN = 12.0;                   /* n J, momentum from which it is steered again */
 static const double TURN_SLOWEST = 1.0, TURN_MORE = 8.0; /* n, least rate of a start and range above it */
@@ -34,6 +35,8 @@ void controller_planned_plan_by_rods(Model *model)
     }
     scales->weight_rate = RODS_WEIGHT_RATE / (n * n);
     scales->weight_wheel = scales->weight_near_limit = 0.0;
+    const double ratio = 1.0 / (n * n * scales->time * scales->time); /* of the rods' torque J/T^2 to n^2 J */
+    scales->weight_control = RODS_WEIGHT_CONTROL * ratio * ratio;
     scales->final_errors = RODS_FINAL * period;
     scales->plan_period = larger(scales->plan_period, model->horizon.stage[0]);
 }

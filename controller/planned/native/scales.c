@@ -12,11 +12,12 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 1.45;
-static const double DISTURBANCE_MAX = 0.036;         /* of the rods' torque: more could not be opposed by rods in the hold */
-static const double RESIDUAL_DIPOLE_MAX = 0.05;      /* of dipole_max */
-static const double FINAL = 6.0, FINAL_WHEEL = 0.6;  /* by which the last stage counts */
-static const double WEIGHT_RATE = 0.8;               /* T^2 */
-static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0; /* over wheel_momentum_max^2 */
+static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
+static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
+static const double WEIGHT_CONTROL = 0.005;
+static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
+static const double WEIGHT_RATE = 0.8;                             /* T^2 */
+static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* over wheel_momentum_max^2 */
 static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
 
 /* To two digits: that is what these multiples are known to, and rounding elsewhere then changes none of them. */
@@ -82,6 +83,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .least_moment = least,
         .torque = torque,
         .weight_rate = WEIGHT_RATE * T * T,
+        .weight_control = WEIGHT_CONTROL,
         .final_errors = FINAL * T,
         .final_wheel = FINAL_WHEEL * T,
         .weight_wheel = two_digits(p->momentum_weight / (h * h)),
