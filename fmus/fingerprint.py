@@ -8,14 +8,13 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TypeVar, cast
 
 from . import places
 from .block import Block, files_of, is_block, lenders
 from .kept import kept, seen
+from .versions import version_of
 
 T = TypeVar("T")
 
@@ -47,7 +46,7 @@ def fingerprint(block: Block, flavour: str) -> str:
     owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
     files = own, *map(_state, owners)
     packages = _remembered(("packages", files), list, lambda: data_packages(block.folder))
-    versions = [(name, _version(name)) for name in ("pythonfmu", "ziglang", *packages)]
+    versions = [(name, version_of(name) or "none") for name in ("pythonfmu", "ziglang", *packages)]
     return _remembered(("fingerprint", files, *versions), str, lambda: _of_content(block, flavour, versions))
 
 
@@ -120,11 +119,3 @@ def data_packages(folder: Path) -> list[str]:
             for literal in _PACKAGES.findall(path.read_text("utf-8")) if path.exists() else ():
                 found |= dict.fromkeys(ast.literal_eval(literal))
     return list(found)
-
-
-@cache
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "none"

@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,14 +24,14 @@ T = TypeVar("T")
 _FILES_MAX = 200
 
 
-def kept(kind: type[T], made_of: object, make: Callable[[], T]) -> T:
+def kept(kind: type[T], made_of: object, make: Callable[[], T], folder: str = "kept") -> T:
     """What `make` gives, of this type, from disk where an earlier process made it of the same.
 
     `made_of` shows by its repr all that the result depends on. What cannot be read is made, and what cannot be written is
     made again by the next process.
     """
     key = repr((sys.platform, sys.version, kind.__module__, kind.__qualname__, made_of))
-    path = places.work() / "kept" / f"{hashlib.sha256(key.encode()).hexdigest()}.pickle"
+    path = places.work() / folder / f"{hashlib.sha256(key.encode()).hexdigest()}.pickle"
     found = _read(path)
     if isinstance(found, kind):
         return found
@@ -60,6 +61,12 @@ def seen(
             elif entry.name != "__pycache__":
                 folders.append(entry.path)
     return files
+
+
+@cache
+def code(*folders: Path) -> list[tuple[str, int, int]]:
+    """Of the files in these folders, whose code makes what is kept: what `seen` says at the first call."""
+    return [file for folder in folders for file in seen(folder)]
 
 
 def _read(path: Path) -> Any:

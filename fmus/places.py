@@ -5,8 +5,9 @@ A wheel holds, in the folder `ready` of this package: native/*.fmu, python/*.fmu
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
+
+from .versions import version_of
 
 NAME = __name__.rpartition(".")[0]
 """The name by which this package is imported here: `fmus`, or `attitude_cosim.fmus` where a wheel is installed."""
@@ -37,4 +38,4 @@ def work() -> Path:
         return PACKAGES / "out"
     from platformdirs import user_cache_path  # here, since it takes 10 ms and only a build from a wheel needs it  # noqa: PLC0415
 
-    return user_cache_path("attitude-cosim", appauthor=False) / version("attitude-cosim")
+    return user_cache_path("attitude-cosim", appauthor=False) / (version_of("attitude-cosim") or "")

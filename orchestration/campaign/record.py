@@ -7,9 +7,10 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from fmus.versions import version_of
 
 from ..errors import ResultsError, reason
 from ..results.data import json_text
@@ -85,7 +86,7 @@ def manifest(
         "scenario": case.scenario.name,
         "scenario_file": case.scenario.source.file,
         "fmus": {name: {"file": str(fmu.path), "sha256": fmu.sha256} for name, fmu in job.opened.fmus.items()},
-        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "versions": {"python": platform.python_version(), **{name: version_of(name) for name in _PACKAGES}},
         "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
         "started": earlier.get("started") or now,
         "finished": None if state == "running" else now,
@@ -99,10 +100,3 @@ def write(path: Path, record: Mapping[str, Any]) -> None:
         put(path, json_text(record) + "\n")
     except OSError as error:
         raise ResultsError(f"the campaign's manifest cannot be written: {path}: {reason(error)}") from None
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None

@@ -11,13 +11,13 @@ import stat
 import time
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
-from importlib.metadata import version
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fmus import places
-from fmus.kept import kept, seen
+from fmus.kept import code, kept
+from fmus.versions import version_of
 
 from ..errors import InputError, hint
 from . import zipped
@@ -149,13 +149,8 @@ def _opened(path: Path, lenient: bool) -> Fmu:
     """One that this project has built or brings along, whose code runs here anyway, is read once for all processes."""
     if not any(path.is_relative_to(folder) for folder in (places.work() / "fmus", places.READY)):
         return _open(path, lenient)
-    return kept(Fmu, (path, lenient, _digest(path), _code(), version("fmpy")), lambda: _open(path, lenient))
-
-
-@cache
-def _code() -> list[tuple[str, int, int]]:
-    """Of the files that read an FMU: names, sizes and times."""
-    return [*seen(Path(__file__).parents[1]), *seen(Path(places.__file__).parent)]
+    readers = code(Path(__file__).parents[1]), code(Path(places.__file__).parent)
+    return kept(Fmu, (path, lenient, _digest(path), readers, version_of("fmpy")), lambda: _open(path, lenient))
 
 
 _kept: dict[tuple[Path, bool], tuple[_State | None, Fmu]] = {}

@@ -9,12 +9,12 @@ import tempfile
 from collections import deque
 from collections.abc import Callable
 from functools import cache, cached_property
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from fmus import places
+from fmus.versions import version_of
 
 from ..errors import printable
 from ..fmu.platforms import PLATFORM, SUFFIX
@@ -114,7 +114,7 @@ def _proxy() -> c.CDLL:
     """
     spec = find_spec("fmpy")
     source = Path(spec.origin if spec and spec.origin else "").parent / "logging" / PLATFORM / f"logging{SUFFIX}"
-    path = places.work() / "loop" / f"fmpy-{version('fmpy')}-logging{SUFFIX}"
+    path = places.work() / "loop" / f"fmpy-{version_of('fmpy')}-logging{SUFFIX}"
     try:
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)

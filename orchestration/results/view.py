@@ -16,6 +16,7 @@ from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit
 from ..rotation import matrix, quaternions
+from ..scenario.kept import checked_before
 from ..scenario.references import Reference
 from ..scenario.view import GHOSTS, ViewEntry
 from . import phases
@@ -114,7 +115,9 @@ def _default(result: RunData) -> ViewEntry | None:
             along = _named(block, arrow.get("along"), given)
             if there(arrow["signal"]) and (along is not None or "along" not in arrow):
                 found["vectors"].append({**arrow, "signal": f"{block}.{arrow['signal']}", "along": along})
-    return ViewEntry.model_validate(found) if "attitude" in found else None
+    if "attitude" not in found:
+        return None
+    return checked_before(ViewEntry, found, lambda: ViewEntry.model_validate(found))
 
 
 def _goal(result: RunData, block: str, own: Mapping[str, Any], given: Mapping[str, Any]) -> str | None:

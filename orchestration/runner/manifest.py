@@ -6,11 +6,11 @@ import platform
 import sys
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
+
+from fmus.versions import version_of
 
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
@@ -18,6 +18,7 @@ from ..fmu.names import RULE
 from ..results.data import RunData
 from ..scenario import timeline
 from ..scenario.faults import sentence
+from ..scenario.kept import dumped
 from ..scenario.source import copied
 from ..system import signals
 from ..system.starts import Start
@@ -72,7 +73,7 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
             }
             for name, fmu in fmus.items()
         },
-        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "versions": {"python": platform.python_version(), **{name: version_of(name) for name in _PACKAGES}},
         "platform": {"system": sys.platform, "machine": platform.machine(), "release": platform.release()},
     }
 
@@ -100,11 +101,9 @@ def manifest(known: Mapping[str, Any], notes: Sequence[str], finished: datetime,
 
 def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
-    data = plan.scenario.model_dump(exclude_none=True)
+    data = dumped(plan.scenario)
     data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": recorded}
-    data["expect"] += [
-        entry.model_dump(exclude_none=True) for entry, _ in plan.not_evaluated
-    ]  # a restart names them, too
+    data["expect"] += [dumped(entry) for entry, _ in plan.not_evaluated]  # a restart names them, too
     for key in ("shared", "extends"):  # each value stands where it is taken
         data.pop(key)
     for block, values in plan.starts.items():
@@ -144,11 +143,3 @@ def start_values(model: Model, values: Sequence[Start]) -> dict[str, Any]:
         else:
             starts.update((variable.label(position), value) for position, value in spelt.items())
     return starts
-
-
-@cache
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
