@@ -16,6 +16,8 @@ FIELD = 4.4e-5
 DURATION = 2e4
 """s: three orbits or more, at 350 to 1200 km."""
 PAPER_RODS = [[3**-0.5, 3**-0.5, -(3**-0.5)], [3**-0.5, -(3**-0.5), 3**-0.5], [0.0, 0.0, 1.0]]
+ACROSS = (1.0 - np.eye(3)).tolist()
+"""Second moments of mass along the axes become moments of inertia about them."""
 BODY_RODS = np.eye(3).tolist()
 
 
@@ -84,7 +86,8 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
         "sensors.seed": "noise",
     }
     if errors:
-        vary["plant.J_error_B"] = f"diag({list(it.moments)} * off * [side1, side2, side3])"
+        of_mass = [sum(it.moments) / 2.0 - moment for moment in it.moments]
+        vary["plant.J_error_B"] = f"diag({ACROSS} @ ({of_mass} * sqrt(2) * off * [side1, side2, side3]))"
         vary["controller.field_error"] = "field"
     kind = "errors" if errors else "nominal"
     return Group(f"{name} {kind}", data, runs, 500, drawn, vary, DURATION, DURATION)

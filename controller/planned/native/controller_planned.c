@@ -6,7 +6,6 @@
 
 static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB: a single-precision plant stays well below it */
 static const double R_MIN = 1e6;               /* m */
-static const double LOW_ORBIT = 7e6;           /* m, semi-major axis */
 static const double COLLINEAR = 1e-6;          /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double CLOSED = 0.999;            /* of the energy that escapes: the orbit's largest */
 static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */

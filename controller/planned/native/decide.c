@@ -1,14 +1,12 @@
 /* Steering, acquisition or hold, and the plan that is flown. */
-#include "state.h"
+#include "renew.h"
 
 #include <string.h>
 
-enum { ITERATIONS = 5 };                    /* of a plan at every renewal */
 static const int SEARCH_SAMPLES = 16;       /* that a search is expected to take */
 static const double RATE_MAX = 3.0;         /* 1/T, from which a plan of all its stages still succeeds */
 static const double EARLY = 1e-6;           /* of the control period: a plan is due that much before its time */
 static const double CHALLENGE_PERIOD = 0.6; /* T */
-static const double HOLD_COST = 0.2;        /* T, of a plan that is challenged in the hold too: it has a turn in it */
 static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below this share of the plan's cost */
 static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
@@ -38,6 +36,14 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
     return subtract(apply(target->R, wanted), apply(now->R, momentum_of(model, now)));
 }
 
+/* N m s: of that, what the wheel cannot keep at the target's attitude. */
+static double beyond_wheel(const Model *model, const Target *target, Vector D_N)
+{
+    const Vector axis_N = apply(target->R, model->wheel_axis);
+    const double l = clip(-dot(D_N, axis_N), -model->wheel_momentum_max, model->wheel_momentum_max);
+    return norm(add(D_N, scale(l, axis_N)));
+}
+
 /* Whether a satellite that is steered is too far for a plan; `left` is its momentum over steering_limit, `time` that of steering. */
 static bool too_far(const ControllerPlannedState *x, double left, double time)
 {
@@ -52,7 +58,8 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     const Vector D_N = momentum_to_give(model, now, &target);
     const bool steered = x->phase == PHASE_STEERING;
     const double limit = smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
-    const double left = norm(D_N) / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
+    const double needed = steered || !has_wheel(model) ? norm(D_N) : beyond_wheel(model, &target, D_N);
+    const double left = needed / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
     const double time = x->steering.time, later = larger(time - search_time, 0.0);
     const bool lost = steered ? too_far(x, left, time) : left > (has_wheel(model) ? STEERING_AGAIN : 1.0);
     return (Standing){
@@ -106,21 +113,13 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
     return due;
 }
 
-/* The plan that was, from here and now on. */
-static void renew(ControllerPlannedLaw *law, const Model *model, const Ahead *ahead, const Motion *now, double t,
-                  const Plan *was, Plan *plan, int32_t *work)
-{
-    controller_planned_lay_stages(model, ahead, now, t, was, plan, law->workspace.stage, work);
-    controller_planned_improve(model, now, ITERATIONS, plan, &law->workspace, work);
-}
-
 /* The plan from now on: the one that was; or the one of the search, where there is none, or in the sample after where it is
  * better. */
 static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead,
                    const Motion *now, double early, int32_t *work)
 {
     const bool fresh = x->plan.stages == 0, of_search = fresh || x->challenged;
-    renew(law, model, ahead, now, x->t, of_search ? &x->search.best : &x->plan, &law->trial, work);
+    controller_planned_renew(law, x, model, ahead, now, of_search ? &x->search.best : &x->plan, work);
     if (!x->challenged || law->trial.cost < CHALLENGE_GAIN * x->plan.cost) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
@@ -162,7 +161,7 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
 {
     Search *search = &x->search;
     const double T = x->scales.time, early = EARLY * law->p.control_period;
-    const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || x->plan.cost > HOLD_COST * T
+    const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || (x->longer <= 0 && x->plan.cost > HOLD_COST * T)
                                             : x->plan.cost > controller_planned_rods_cost(model);
     if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
         search->ready = false;

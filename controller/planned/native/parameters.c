@@ -62,6 +62,15 @@ static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
+/* A plan is renewed five times in T, and no oftener than the control samples. */
+static bool check_period(const ControllerPlannedParameters *p, Fault *f)
+{
+    const double share = p->control_period / controller_planned_scales(p, LOW_ORBIT).time;
+    return share <= PLAN_PERIOD ||
+           fault(f, "control_period", share,
+                 "at most 0.2 of sqrt(J/(dipole_max B)), in which the rods turn the satellite (this is the share)");
+}
+
 /* T, rms over the Earth's surface of the degrees above `degree` (Lowes, 1966). */
 static double left_out(const GaussModel *model, int degree)
 {
@@ -92,7 +101,7 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
            all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(&field_error, 1, f) && check_choices(p, f) &&
-           is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) &&
+           is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) && check_period(p, f) &&
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&
            is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f) &&

@@ -7,7 +7,6 @@ static const double SURFACE_FIELD = 5.77e-5;
 static const double EARTH_RADIUS = 6371200.0; /* m, of the field models */
 
 /* Times in T, rates in 1/T, momenta in J/T, torques in J/T^2. */
-static const double PLAN_PERIOD = 0.2;
 static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped by half, in T/0.67 */
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */

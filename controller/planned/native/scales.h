@@ -8,6 +8,9 @@
 #include "ports.h"
 #include "vector.h"
 
+static const double LOW_ORBIT = 7e6;   /* m, a semi-major axis where none is known */
+static const double PLAN_PERIOD = 0.2; /* T */
+
 typedef struct {
     double time;             /* T, s, to two digits */
     double momentum, torque; /* J/T, N m s; J/T^2, N m */

@@ -1,0 +1,50 @@
+#include "renew.h"
+
+static const double HOLD_ORBITS = 0.25; /* that a hold's plan sees at least */
+static const double STAGE_LONG = 1.0;   /* T, of the stages that this takes */
+static const double LONGER_MAX = 80.0;  /* so many of them at most: else they are longer */
+
+enum { ITERATIONS = 5 }; /* of a plan at every renewal */
+
+/* What a hold's plan lacks: the stages behind the usual horizon, and how long each is, s. */
+static int32_t behind(const Model *model, double *stage)
+{
+    const double T = model->scales.time, wanted = HOLD_ORBITS * ONBOARD_TURN / model->scales.orbit_rate;
+    const double lacks = larger(wanted - model->horizon.until[PIECES - 1], 0.0);
+    *stage = larger(STAGE_LONG * T, lacks / LONGER_MAX);
+    return (int32_t)(lacks / *stage + 0.5);
+}
+
+/* The horizon longer by so many stages at its end; or shorter, but for its first piece. */
+static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
+{
+    Horizon horizon = *usual;
+    if (longer > 0) {
+        horizon.until[2] += longer * stage;
+        horizon.stage[2] = stage;
+    } else {
+        horizon.until[1] += longer * horizon.stage[1];
+        horizon.until[2] = horizon.until[1];
+    }
+    return horizon;
+}
+
+void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
+                              const Motion *now, const Plan *was, int32_t *work)
+{
+    const bool hold = x->phase == PHASE_HOLD && has_wheel(usual);
+    double stage;
+    const int32_t most = behind(usual, &stage);
+    const int32_t least = (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
+    Model model = *usual;
+    x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
+    for (;; x->longer = (x->longer + least - 1) / 2) {
+        model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
+        controller_planned_lay_stages(&model, ahead, now, x->t, was, &law->trial, law->workspace.stage, work);
+        controller_planned_improve(&model, now, ITERATIONS, &law->trial, &law->workspace, work);
+        const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
+        if (!lost || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
+            return;
+        }
+    }
+}

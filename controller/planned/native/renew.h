@@ -1,0 +1,17 @@
+/* A plan renewed, and how far it sees.
+ *
+ * In the hold it grows by a stage at each renewal, since what has no controls yet has to stay near, up to a quarter of an orbit
+ * where that is longer than the usual horizon: the field turns with the orbit, however small the satellite is. Where it would be
+ * lost it is cut, since a shorter plan holds for as long as it lasts, and grows again. */
+#ifndef CONTROLLER_PLANNED_RENEW_H
+#define CONTROLLER_PLANNED_RENEW_H
+
+#include "state.h"
+
+static const double HOLD_COST = 0.2; /* T, of a hold's plan that has a turn in it: it is lost */
+
+/* law->trial: the plan that was, from x->t and `now` on, as far as x->longer then says. */
+void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
+                              const Motion *now, const Plan *was, int32_t *work);
+
+#endif
