@@ -1,10 +1,11 @@
 #include "cost.h"
 
-static const double WEIGHT_ANGLE = 10.0, BEND = 0.1; /* of the pseudo-Huber cost of the angle; rad */
-static const double WHEEL_NEAR_LIMIT = 0.8667;       /* of wheel_momentum_max */
+static const double WEIGHT_ANGLE = 10.0, BEND = 0.1;       /* of the pseudo-Huber cost of the angle; rad */
+static const double NEAR_ANGLE = 0.078, NEAR_RATE = 0.045; /* rad (4.5 deg), 1/T: 0.9 of what is called settled */
+static const double WHEEL_NEAR_LIMIT = 0.8667;             /* of wheel_momentum_max */
 
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
-                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS])
+                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS], bool *near)
 {
     const double weight_rate = model->scales.weight_rate, weight_wheel = model->scales.weight_wheel,
                  weight_near_limit = model->scales.weight_near_limit;
@@ -12,8 +13,11 @@ double controller_planned_cost_of(const Model *model, const Target *target, cons
     const Vector zeta = rotation_log(Q), w = apply_transposed(Q, target->Omega);
     const Vector omega = subtract(x->Omega, w);
     const double root = sqrt(dot(zeta, zeta) + BEND * BEND);
-    const double near = WHEEL_NEAR_LIMIT * model->wheel_momentum_max;
-    const double over = x->l > near ? x->l - near : x->l < -near ? x->l + near : 0.0;
+    const double limit = WHEEL_NEAR_LIMIT * model->wheel_momentum_max;
+    const double over = x->l > limit ? x->l - limit : x->l < -limit ? x->l + limit : 0.0;
+    if (near != NULL) {
+        *near = norm(zeta) < NEAR_ANGLE && norm(omega) * model->scales.time < NEAR_RATE;
+    }
     if (gradient != NULL) {
         const double a = scale_errors * WEIGHT_ANGLE * BEND / root, b = scale_errors * weight_rate;
         /* d omega = d Omega - w x d theta */

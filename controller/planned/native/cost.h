@@ -5,9 +5,10 @@
 #include "motion.h"
 
 /* Gradient and diagonal of the (Gauss-Newton) Hessian of a motion's cost rate, where `gradient` is not NULL; returns the cost
- * rate, 1/s. The errors' part and the wheel's are scaled by two factors. */
+ * rate, 1/s. The errors' part and the wheel's are scaled by two factors. `near`, where it is not NULL: whether the errors are
+ * those of a satellite that has settled. */
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
-                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS]);
+                                  double scale_wheel, double gradient[ERRORS], double hessian[ERRORS], bool *near);
 
 /* Cost rate of the controls. */
 static inline double control_cost(const Model *model, const double u[CONTROLS])

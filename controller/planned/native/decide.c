@@ -7,11 +7,9 @@ static const int SEARCH_SAMPLES = 16;       /* that a search is expected to take
 static const double RATE_MAX = 3.0;         /* 1/T, from which a plan of all its stages still succeeds */
 static const double EARLY = 1e-6;           /* of the control period: a plan is due that much before its time */
 static const double CHALLENGE_PERIOD = 0.6; /* T */
-static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below this share of the plan's cost */
+static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below this share of the plan's time, or cost */
 static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
-static const double STEERING_LEFT = 3.0;    /* T of steering, beyond which it goes on down to the next share */
-static const double STEERING_DONE = 0.4;    /* of steering_limit */
 static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search is good enough to begin with */
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
@@ -44,12 +42,6 @@ static double beyond_wheel(const Model *model, const Target *target, Vector D_N)
     return norm(add(D_N, scale(l, axis_N)));
 }
 
-/* Whether a satellite that is steered is too far for a plan; `left` is its momentum over steering_limit, `time` that of steering. */
-static bool too_far(const ControllerPlannedState *x, double left, double time)
-{
-    return left > 1.0 || (time > STEERING_LEFT * x->scales.time && left > STEERING_DONE);
-}
-
 static Standing standing_of(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now,
                             double search_time)
 {
@@ -61,14 +53,14 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     const double needed = steered || !has_wheel(model) ? norm(D_N) : beyond_wheel(model, &target, D_N);
     const double left = needed / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
     const double time = x->steering.time, later = larger(time - search_time, 0.0);
-    const bool lost = steered ? too_far(x, left, time) : left > (has_wheel(model) ? STEERING_AGAIN : 1.0);
+    const bool lost = left > (!steered && has_wheel(model) ? STEERING_AGAIN : 1.0);
     return (Standing){
         .target = target,
         .angle = principal_angle(Q),
         .rate = norm(subtract(now->Omega, apply_transposed(Q, target.Omega))),
         .D_N = D_N,
         .lost = lost,
-        .near = !lost || (steered && time > 0.0 && !too_far(x, left * later / time, later)),
+        .near = !lost || (steered && left * later <= time),
     };
 }
 
@@ -120,7 +112,7 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
 {
     const bool fresh = x->plan.stages == 0, of_search = fresh || x->challenged;
     controller_planned_renew(law, x, model, ahead, now, of_search ? &x->search.best : &x->plan, work);
-    if (!x->challenged || law->trial.cost < CHALLENGE_GAIN * x->plan.cost) {
+    if (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN)) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
     }
@@ -169,7 +161,7 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
     if (s->near && !search->active && !search->ready &&
         (x->phase == PHASE_STEERING || (challenge && x->t >= x->next_challenge - early))) {
         const Motion then = search_time > 0.0 ? expected(x, model, ahead, now, search_time) : *now;
-        controller_planned_search_begin(&then, x->t + search_time, search);
+        controller_planned_search_begin(&then, x->t + search_time, controller_planned_is_urgent(x, model), search);
     }
     controller_planned_search_on(model, ahead, law->p.search_iterations, search, &law->workspace, work);
 }
@@ -177,9 +169,8 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
 /* Without an earlier command to go on with: what the search has come to in the first sample is flown until it ends. */
 static void fly_what_there_is(ControllerPlannedState *x, const Motion *now)
 {
-    const Plan *plan = x->search.start == 0 ? &x->search.trial : &x->search.best;
-    if (may_be_flown(plan)) {
-        memcpy(&x->plan, plan, sizeof x->plan);
+    if (may_be_flown(&x->search.best)) {
+        memcpy(&x->plan, &x->search.best, sizeof x->plan);
         x->phase = PHASE_ACQUISITION;
         x->provisional = true;
         x->reference = *now;

@@ -4,8 +4,10 @@
 
 #include <string.h>
 
-static const double TURN_MAX = 1.5;  /* rad in a stage; a motion beyond is no plan */
-static const double GAIN_MIN = 1e-6; /* of the cost: an iteration that gains less is the last */
+static const double TURN_MAX = 1.5;      /* rad in a stage; a motion beyond is no plan */
+static const double GAIN_MIN = 1e-6;     /* of the cost: an iteration that gains less is the last */
+static const double WEIGHT_BEFORE = 0.1; /* of the errors before the plan's `until` */
+static const double CAUTION_LEAST = 0.1, CAUTION_MOST = 1000.0, CAUTION_STEP = 10.0; /* 1/s, after an iteration without gain */
 
 /* u + share k + K errors, within the limits, where errors are those of x from x0. */
 static void add_feedback(const Motion *x, const Motion *x0, double share, const double k[CONTROLS], double K[CONTROLS][ERRORS],
@@ -24,12 +26,14 @@ static void add_feedback(const Motion *x, const Motion *x0, double share, const 
     }
 }
 
-/* Motion and cost of the controls in `from` plus share k + K errors, into `to`; NEVER where it turns too fast or costs more than
- * the limit before its end. */
+/* Motion and cost of the controls in `from` plus share k + K errors, into `to`, and when it settles; NEVER
+ * where it turns too fast or costs more than the limit before its end. */
 static double rollout(const Model *model, const Plan *plan, Workspace *w, int from, int to, double share, double limit,
-                      int32_t *work)
+                      double *settles, int32_t *work)
 {
-    double cost = 0.0;
+    double cost = 0.0, t = plan->start;
+    bool near;
+    *settles = t;
     for (int i = 0; i < plan->stages; ++i) {
         *work -= WORK_ROLLOUT;
         const Motion *x = &w->x[to][i], *x0 = &w->x[from][i];
@@ -43,14 +47,18 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         if (!(norm(x->Omega) * h < TURN_MAX)) {
             return NEVER;
         }
-        cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, 1.0, 1.0, NULL, NULL) + control_cost(model, u));
+        cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, w->weight[i], 1.0, NULL, NULL, &near) +
+                     control_cost(model, u));
+        t += h;
+        *settles = near ? *settles : t;
         if (cost > limit) {
             return NEVER;
         }
         w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
     }
     cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages],
-                                       model->scales.final_errors, model->scales.final_wheel, NULL, NULL);
+                                       model->scales.final_errors, model->scales.final_wheel, NULL, NULL, &near);
+    *settles = near ? *settles : INFINITY;
     return cost == cost ? cost : NEVER;
 }
 
@@ -71,10 +79,10 @@ static inline double along(Column a, const double b[ERRORS])
 
 /* Q = L + V of what follows, to second order in the errors at the stage's beginning and the changes of its controls. */
 static void expand(const Model *model, const Stage *stage, const Motion *x, const Motion *next, const double u[CONTROLS],
-                   double h, BackwardPass *s)
+                   double h, double weight, double caution, BackwardPass *s)
 {
     controller_planned_linearise(model, &stage->around, x, next, u, h, s->A, s->G);
-    controller_planned_cost_of(model, &stage->target, x, h, h, s->Qx, s->Lxx);
+    controller_planned_cost_of(model, &stage->target, x, h * weight, h, s->Qx, s->Lxx, NULL);
     for (int j = 0; j < ERRORS; ++j) { /* Qx = Lx + A'v */
         const Column A = column(s->A[j]);
         s->Qx[j] += along(A, s->v) + (j == 6 ? s->v[6] : 0.0);
@@ -97,7 +105,7 @@ static void expand(const Model *model, const Stage *stage, const Motion *x, cons
         for (int b = 0; b <= a; ++b) {                                                               /* Quu = Luu + G'V G */
             s->Quu[a][b] = s->Quu[b][a] = along(row, s->G[b]) + VG[6] * s->G[b][6];
         }
-        s->Quu[a][a] += 2.0 * model->scales.weight_control * h;
+        s->Quu[a][a] += (2.0 * model->scales.weight_control + caution) * h;
         for (int j = 0; j < ERRORS; ++j) { /* Qux = G'V A */
             s->Qux[a][j] = along(row, s->A[j]) + (j == 6 ? VG[6] : 0.0);
         }
@@ -157,14 +165,14 @@ static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, in
     const int n = plan->stages;
     memset(s->V, 0, sizeof s->V);
     controller_planned_cost_of(model, &w->stage[n].target, &w->x[at][n], model->scales.final_errors, model->scales.final_wheel,
-                               s->v, hessian);
+                               s->v, hessian, NULL);
     for (int i = 0; i < ERRORS; ++i) {
         s->V[i][i] = hessian[i];
     }
     for (int i = n - 1; i >= 0; --i) {
         const Motion *x = &w->x[at][i];
         const double *u = w->u[at][i], h = plan->h[i];
-        expand(model, &w->stage[i], x, x + 1, u, h, s);
+        expand(model, &w->stage[i], x, x + 1, u, h, w->weight[i], plan->caution, s);
         if (*work < WORK_BACKWARD + WORK_QP) {
             return false;
         }
@@ -175,12 +183,12 @@ static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, in
 }
 
 /* The rollout of the first step length that costs less than the plan, into the motion that is not `now`: its cost, NEVER where
- * none does or the account ends before. */
-static double line_search(const Model *model, const Plan *plan, Workspace *w, int now, int32_t *work)
+ * none does or the account ends before, and when it settles. */
+static double line_search(const Model *model, const Plan *plan, Workspace *w, int now, double *settles, int32_t *work)
 {
     static const double shares[] = {1.0, 0.5, 0.25, 0.1, 0.02};
     for (size_t k = 0; k < sizeof shares / sizeof shares[0] && *work >= plan->stages * WORK_ROLLOUT; ++k) {
-        const double cost = rollout(model, plan, w, now, 1 - now, shares[k], plan->cost, work);
+        const double cost = rollout(model, plan, w, now, 1 - now, shares[k], plan->cost, settles, work);
         if (cost < plan->cost) {
             return cost;
         }
@@ -188,23 +196,42 @@ static double line_search(const Model *model, const Plan *plan, Workspace *w, in
     return NEVER;
 }
 
+/* What the errors of each stage count. */
+static void weigh(const Plan *plan, double weight[STAGES])
+{
+    double t = plan->start;
+    for (int i = 0; i < plan->stages; ++i) {
+        weight[i] = 1.0 - (1.0 - WEIGHT_BEFORE) * clip((plan->until - t) / plan->h[i], 0.0, 1.0);
+        t += plan->h[i];
+    }
+}
+
 int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w, int32_t *work)
 {
     int now = 0, used = 0;
     w->x[0][0] = w->x[1][0] = *x;
     memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
-    plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, work);
+    weigh(plan, w->weight);
+    plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, &plan->settles, work);
     if (!may_be_flown(plan)) {
+        plan->settles = INFINITY;
         return iterations;
     }
     while (used < iterations && *work >= plan->stages * WORK_OF_ITERATION) {
-        const double cost = backward_pass(model, plan, w, now, work) ? line_search(model, plan, w, now, work) : NEVER;
+        double settles = INFINITY;
+        const double cost = backward_pass(model, plan, w, now, work) ? line_search(model, plan, w, now, &settles, work) : NEVER;
         if (!(cost < plan->cost)) {
-            used = *work >= plan->stages * WORK_ROLLOUT ? iterations : used;
-            break;
+            if (*work < plan->stages * WORK_ROLLOUT) {
+                break;
+            }
+            used = plan->urgent && plan->caution < CAUTION_MOST ? used + 1 : iterations;
+            plan->caution = larger(CAUTION_LEAST, CAUTION_STEP * plan->caution);
+            continue;
         }
         const bool done = plan->cost - cost < GAIN_MIN * cost;
+        plan->caution = plan->caution > CAUTION_LEAST ? plan->caution / CAUTION_STEP : 0.0;
         plan->cost = cost;
+        plan->settles = settles;
         now = 1 - now;
         used = done ? iterations : used + 1;
     }

@@ -23,6 +23,7 @@ typedef struct {
     BackwardPass pass;
     Stage stage[STAGES + 1]; /* the last one has the final target alone */
     Motion x[2][STAGES + 1];
+    double weight[STAGES]; /* of the errors */
     double u[2][STAGES][CONTROLS];
     double k[STAGES][CONTROLS];
     double K[STAGES][CONTROLS][ERRORS];

@@ -6,6 +6,8 @@
 static const double HORIZON = 30.0, FINE_UNTIL = 10.0;
 static const double STAGE_FINE = 0.2, STAGE_COARSE = 0.5; /* before and after FINE_UNTIL */
 static const double FAST = 0.4, FASTER = 0.8;             /* rad in a stage, which is then halved and quartered */
+static const double URGENT_HORIZON = 7.0;                 /* of an urgent plan */
+static const double SOONER = 0.8;                         /* of the time that a plan takes, in which the next is to do it */
 static const double EARLY = 1e-7;                         /* of its length: an end is reached that much before its time */
 
 /* A stage of a plan, and when it begins, s. */
@@ -33,6 +35,22 @@ void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS])
     controls_at(plan, t, &place, u);
 }
 
+bool controller_planned_better(const Plan *plan, const Plan *other, double t, double share)
+{
+    if (!may_be_flown(plan)) {
+        return false;
+    }
+    if (plan->urgent && plan->settles < t + share * (other->settles - t)) {
+        return true;
+    }
+    return (!plan->urgent || plan->settles <= other->settles) && plan->cost < share * other->cost;
+}
+
+void controller_planned_hasten(Plan *plan)
+{
+    plan->until = smaller(plan->until, plan->start + SOONER * (plan->settles - plan->start));
+}
+
 static void survey_stage(const Ahead *ahead, double t, double h, Stage *stage)
 {
     stage->around = controller_planned_around_at(ahead, t + 0.5 * h);
@@ -57,34 +75,38 @@ Horizon controller_planned_horizon(double T)
 }
 
 /* How many whole stages are left from s on. */
-static int stages_left(const Horizon *horizon, double s)
+static int stages_left(const Horizon *horizon, double s, double end)
 {
     int stages = 0;
     for (int i = 0; i < PIECES; ++i) {
-        const double begin = i > 0 ? horizon->until[i - 1] : 0.0;
-        stages += (int)((horizon->until[i] - clip(s, begin, horizon->until[i])) / horizon->stage[i]);
+        const double begin = i > 0 ? horizon->until[i - 1] : 0.0, until = smaller(horizon->until[i], end);
+        stages += (int)(larger(until - larger(s, begin), 0.0) / horizon->stage[i]);
     }
     return stages;
 }
 
-void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
-                                   Plan *plan, Stage stage[STAGES + 1], int32_t *work)
+void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, bool urgent,
+                                   const Plan *was, Plan *plan, Stage stage[STAGES + 1], int32_t *work)
 {
     const Horizon *horizon = &model->horizon;
     const double early = EARLY * horizon->until[0];
+    const double length = urgent ? URGENT_HORIZON * model->scales.time : horizon->until[PIECES - 1];
     Motion now = *x;
     Place place = {0, was != NULL ? was->start : 0.0};
     double s = 0.0;
     int piece = 0;
     memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
-    while (s < horizon->until[PIECES - 1] - early) {
+    plan->urgent = urgent;
+    plan->until = was != NULL ? was->until : t;
+    plan->caution = was != NULL ? was->caution : 0.0;
+    while (s < length - early) {
         while (s >= horizon->until[piece] - early) {
             ++piece;
         }
         const double whole = horizon->stage[piece];
         /* A stage is divided while enough stages are left for the rest of the horizon. */
-        const int left = STAGES - plan->stages - stages_left(horizon, s) - 1;
+        const int left = STAGES - plan->stages - stages_left(horizon, s, length) - 1;
         const double turn = norm(now.Omega) * whole;
         const int wanted = turn > FASTER ? 4 : turn > FAST ? 2 : 1;
         const int parts = left >= 4 ? wanted : 1;

@@ -14,6 +14,10 @@ typedef struct {
     double h[STAGES]; /* s */
     double u[STAGES][CONTROLS];
     double cost;
+    bool urgent;    /* the target is to be reached in the least time */
+    double until;   /* s, before which errors cost little: the target is to be reached by then */
+    double settles; /* s, from when on the motion stays near the target to the plan's end; infinite where it does not */
+    double caution; /* 1/s, that a change of the controls costs in an iteration */
 } Plan;
 
 typedef struct {
@@ -29,6 +33,13 @@ static inline bool may_be_flown(const Plan *plan)
     return plan->cost < NEVER;
 }
 
+/* Whether a plan is better than another from about the time t on. An urgent one is where it reaches the target in less than a
+ * share of the other's time; each is at less than that share of the cost, an urgent one in no more time. */
+bool controller_planned_better(const Plan *plan, const Plan *other, double t, double share);
+
+/* Asks for the target sooner than the plan reaches it. */
+void controller_planned_hasten(Plan *plan);
+
 /* The controls at t; zero before the plan's start and after its end. */
 void controller_planned_plan_at(const Plan *plan, double t, double u[CONTROLS]);
 
@@ -39,8 +50,9 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
 Horizon controller_planned_horizon(double T);
 
 /* The stages of a horizon from t on, of the plan that was (or none), finer where its motion from x turns fast; its
- * controls are carried over, zero beyond its end. */
-void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, const Plan *was,
-                                   Plan *plan, Stage stage[STAGES + 1], int32_t *work);
+ * controls are carried over, zero beyond its end. An urgent plan has a short horizon: the motion far ahead, which has not been
+ * planned yet, would outweigh all; at the target the horizon is long, to foresee polar passages. */
+void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, bool urgent,
+                                   const Plan *was, Plan *plan, Stage stage[STAGES + 1], int32_t *work);
 
 #endif

@@ -32,7 +32,7 @@ static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
 void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *now, const Plan *was, int32_t *work)
 {
-    const bool hold = x->phase == PHASE_HOLD && has_wheel(usual);
+    const bool urgent = controller_planned_is_urgent(x, usual), hold = x->phase == PHASE_HOLD && has_wheel(usual);
     double stage;
     const int32_t most = behind(usual, &stage);
     const int32_t least = (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
@@ -40,8 +40,9 @@ void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
     x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
     for (;; x->longer = (x->longer + least - 1) / 2) {
         model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
-        controller_planned_lay_stages(&model, ahead, now, x->t, was, &law->trial, law->workspace.stage, work);
+        controller_planned_lay_stages(&model, ahead, now, x->t, urgent, was, &law->trial, law->workspace.stage, work);
         controller_planned_improve(&model, now, ITERATIONS, &law->trial, &law->workspace, work);
+        controller_planned_hasten(&law->trial);
         const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
         if (!lost || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
             return;

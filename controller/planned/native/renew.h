@@ -10,6 +10,12 @@
 
 static const double HOLD_COST = 0.2; /* T, of a hold's plan that has a turn in it: it is lost */
 
+/* Whether a plan is to reach the target in the least time: with a wheel, until the hold. */
+static inline bool controller_planned_is_urgent(const ControllerPlannedState *x, const Model *model)
+{
+    return has_wheel(model) && x->phase != PHASE_HOLD;
+}
+
 /* law->trial: the plan that was, from x->t and `now` on, as far as x->longer then says. */
 void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *now, const Plan *was, int32_t *work);

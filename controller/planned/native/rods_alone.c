@@ -53,7 +53,7 @@ Turn controller_planned_random_turn(const Model *model, uint32_t *random)
     const double z = 2.0 * draw(random) - 1.0, around = ONBOARD_TURN * draw(random), across = sqrt(1.0 - z * z);
     const Vector axis = {across * cos(around), across * sin(around), z};
     const double angle = TURN_LARGEST * draw(random), until = TURN_UNTIL * draw(random) * period_of(model);
-    return (Turn){scale(angle, axis), until, (TURN_SLOWEST + TURN_MORE * draw(random)) * model->scales.orbit_rate};
+    return (Turn){scale(angle, axis), until, (TURN_SLOWEST + TURN_MORE * draw(random)) * model->scales.orbit_rate, false};
 }
 
 double controller_planned_rods_limit(const Model *model, double l, bool steered)

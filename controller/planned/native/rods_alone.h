@@ -12,6 +12,7 @@ typedef struct {
     Vector by;    /* rad, in the target's axes */
     double until; /* s after the plan's beginning */
     double rate;  /* rad/s, at most which the start turns to it */
+    bool round;   /* the long way */
 } Turn;
 
 /* Whether a wheel of such limits is as good as none. */

@@ -10,7 +10,7 @@ static const double EARTH_RADIUS = 6371200.0; /* m, of the field models */
 static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped by half, in T/0.67 */
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
-static const double STEERING_LIMIT = 1.45;
+static const double STEERING_LIMIT = 3.0;
 static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
 static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
 static const double WEIGHT_CONTROL = 0.005;

@@ -2,12 +2,19 @@
 
 #include <string.h>
 
-static const int ITERATIONS_COLD = 60;                      /* of a start of a search */
-static const double CASCADE_TIMES[STARTS - 1] = {2.5, 1.0}; /* T, to turn by a radian; the first start has no controls */
-static const double STIFFNESS = 1.0, STIFFNESS_STEP = 0.2;  /* of the cascade: 1/T, and at most this over a stage */
-static const double DAMPING = 2.5, DAMPING_STEP = 0.5;      /* the same of the rate */
-static const double ANGLE_MIN = 1e-9;                       /* rad, below which an error has no direction */
-static const double WHEEL_REST = 1.2;                       /* T, over which the wheel would come to rest */
+static const int ITERATIONS = 30, RODS_ITERATIONS = 60; /* of a start of a search, with a wheel and without */
+static const int ITERATIONS_AT_ONCE = 10;               /* until a start is hastened */
+/* A start with a wheel: T to turn by a radian (the first has no controls), whether the long way, T to reach the target in. */
+static const struct {
+    double radian;
+    bool round;
+    double until;
+} STRAIGHT[STARTS] = {{0.0, false, 2.0}, {2.5, false, 3.0}, {1.0, false, 2.0},
+                      {2.5, true, 3.0},  {1.0, true, 3.0},  {1.0, false, 4.0}};
+static const double STIFFNESS = 1.0, STIFFNESS_STEP = 0.2; /* of the cascade: 1/T, and at most this over a stage */
+static const double DAMPING = 2.5, DAMPING_STEP = 0.5;     /* the same of the rate */
+static const double ANGLE_MIN = 1e-9;                      /* rad, below which an error has no direction */
+static const double WHEEL_REST = 1.2;                      /* T, over which the wheel would come to rest */
 
 int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, double l, double u[CONTROLS])
 {
@@ -38,6 +45,8 @@ void controller_planned_cascade(const Model *model, const Motion *x, const Turn 
 {
     const double T = model->scales.time;
     double s = 0.0;
+    bool round = turn->round;
+    Vector last = {0.0, 0.0, 0.0};
     Motion now = *x;
     for (int i = 0; i < plan->stages; ++i) {
         const double stiffness = smaller(STIFFNESS / T, STIFFNESS_STEP / plan->h[i]),
@@ -50,7 +59,9 @@ void controller_planned_cascade(const Model *model, const Motion *x, const Turn 
         const Matrix Q = multiply(transposed(R), now.R);
         const Vector zeta = rotation_log(Q);
         const double size = norm(zeta);
-        const double speed = smaller(stiffness * size, turn->rate);
+        round = round && !(dot(zeta, last) < 0.0); /* from half a turn on the long way is the short one */
+        last = zeta;
+        const double speed = round ? -turn->rate : smaller(stiffness * size, turn->rate);
         const Vector wanted =
             subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
@@ -65,15 +76,16 @@ void controller_planned_cascade(const Model *model, const Motion *x, const Turn 
 /* To the target itself. */
 static Turn straight(const Model *model, int start)
 {
-    return (Turn){.rate = 1.0 / (CASCADE_TIMES[start - 1] * model->scales.time)};
+    return (Turn){.rate = 1.0 / (STRAIGHT[start].radian * model->scales.time), .round = STRAIGHT[start].round};
 }
 
-void controller_planned_search_begin(const Motion *x, double t, Search *search)
+void controller_planned_search_begin(const Motion *x, double t, bool urgent, Search *search)
 {
     search->active = true;
     search->ready = false;
+    search->urgent = urgent;
     search->start = 0;
-    search->left = ITERATIONS_COLD;
+    search->left = 0;
     search->x = *x;
     search->t = t;
 }
@@ -82,35 +94,43 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
                                   int32_t *work)
 {
     while (search->active && iterations > 0) {
-        const bool fresh = search->left == ITERATIONS_COLD;
+        const bool fresh = search->left == 0, wheel = has_wheel(model);
         const int stages = fresh ? STAGES : search->trial.stages;
         const int before = fresh ? WORK_LAY + WORK_CASCADE + 2 * WORK_QP : WORK_SURVEY;
         if (*work < stages * (before + WORK_ROLLOUT + WORK_OF_ITERATION)) {
             return;
         }
         if (fresh) {
-            controller_planned_lay_stages(model, ahead, &search->x, search->t, NULL, &search->trial, w->stage, work);
+            search->left = wheel ? ITERATIONS : RODS_ITERATIONS;
+            controller_planned_lay_stages(model, ahead, &search->x, search->t, search->urgent, NULL, &search->trial, w->stage,
+                                          work);
+            if (search->urgent) {
+                search->trial.until += STRAIGHT[search->start].until * model->scales.time;
+            }
             if (search->start > 0) {
                 const Turn turn =
-                    has_wheel(model) ? straight(model, search->start) : controller_planned_random_turn(model, &search->random);
+                    wheel ? straight(model, search->start) : controller_planned_random_turn(model, &search->random);
                 controller_planned_cascade(model, &search->x, &turn, &search->trial, w->stage, work);
             }
         } else {
             controller_planned_survey(ahead, &search->trial, w->stage, work);
         }
-        const int wanted = search->left < iterations ? search->left : iterations;
-        const int used = controller_planned_improve(model, &search->x, wanted, &search->trial, w, work);
+        const int until_hastened = (search->left - 1) % ITERATIONS_AT_ONCE + 1;
+        const int used = controller_planned_improve(
+            model, &search->x, iterations < until_hastened ? iterations : until_hastened, &search->trial, w, work);
         search->left -= used;
         iterations -= used;
-        if (search->left == 0) {
-            if (search->start == 0 || search->trial.cost < search->best.cost) {
-                memcpy(&search->best, &search->trial, sizeof search->best);
-            }
-            search->left = ITERATIONS_COLD;
-            if (++search->start == (has_wheel(model) ? STARTS : RODS_STARTS)) {
-                search->active = false;
-                search->ready = may_be_flown(&search->best);
-            }
+        const bool compared = search->left % ITERATIONS_AT_ONCE == 0;
+        if ((fresh && search->start == 0) ||
+            (compared && controller_planned_better(&search->trial, &search->best, search->t, 1.0))) {
+            memcpy(&search->best, &search->trial, sizeof search->best);
+        }
+        if (compared) {
+            controller_planned_hasten(&search->trial);
+        }
+        if (search->left == 0 && ++search->start == (wheel ? STARTS : RODS_STARTS)) {
+            search->active = false;
+            search->ready = may_be_flown(&search->best);
         }
     }
 }

@@ -5,10 +5,11 @@
 #include "ilqr.h"
 #include "rods_alone.h"
 
-enum { STARTS = 3 }; /* with a wheel */
+enum { STARTS = 6 }; /* with a wheel */
 
 typedef struct {
     bool active, ready;
+    bool urgent;         /* a plan that reaches the target in the least time is wanted */
     int32_t start, left; /* iterations of this start */
     uint32_t random;     /* state of the generator of starts */
     Motion x;
@@ -16,7 +17,7 @@ typedef struct {
     Plan trial, best;
 } Search;
 
-void controller_planned_search_begin(const Motion *x, double t, Search *search);
+void controller_planned_search_begin(const Motion *x, double t, bool urgent, Search *search);
 
 /* Goes on by at most `iterations`, and by no more than the account allows. */
 void controller_planned_search_on(const Model *model, const Ahead *ahead, int iterations, Search *search, Workspace *w,

@@ -273,7 +273,7 @@ double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Ome
     const Target target = {nine(R_d), vector(Omega_d)};
     const Motion motion = motion_of(x);
     double hessian[ERRORS];
-    return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian);
+    return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian, NULL);
 }
 
 void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])
@@ -291,7 +291,7 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
     const Ahead ahead = ahead_of_flat(a, &field);
     Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage, &work);
+    controller_planned_lay_stages(&model, &ahead, &now, t, false, NULL, plan, workspace.stage, &work);
     if (rate > 0.0) {
         const Turn turn = {.rate = rate};
         controller_planned_cascade(&model, &now, &turn, plan, workspace.stage, &work);
@@ -328,7 +328,7 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
     const Ahead ahead = ahead_of_flat(a, &field);
     const Motion now = motion_of(x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, &now, t, NULL, plan, workspace.stage, &work);
+    controller_planned_lay_stages(&model, &ahead, &now, t, false, NULL, plan, workspace.stage, &work);
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
     controller_planned_improve(&model, &now, 0, plan, &workspace, &work);
     return plan->cost;
@@ -347,7 +347,7 @@ int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
     plans[0].stages = n;
     memcpy(plans[0].h, h, (size_t)n * sizeof h[0]);
     memcpy(plans[0].u, u, (size_t)n * sizeof plans[0].u[0]);
-    controller_planned_lay_stages(&model, &ahead, &now, t_next, &plans[0], &plans[1], workspace.stage, &work);
+    controller_planned_lay_stages(&model, &ahead, &now, t_next, false, &plans[0], &plans[1], workspace.stage, &work);
     memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
     memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
     return plans[1].stages;
@@ -365,7 +365,7 @@ int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, in
     int calls = 0;
     *least = account;
     memset(&search, 0, sizeof search);
-    controller_planned_search_begin(&now, 0.0, &search);
+    controller_planned_search_begin(&now, 0.0, has_wheel(&model), &search);
     for (; search.active && calls < 1000; ++calls) {
         int32_t left = account;
         controller_planned_search_on(&model, &ahead, INT32_MAX, &search, &workspace, &left);

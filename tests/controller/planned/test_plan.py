@@ -346,7 +346,7 @@ def test_a_search_over_samples_ends_at_the_plan_of_one_without_pause():
     at_once = core.search(SATELLITE, AHEAD, state(3, 0.01), 2**31 - 1)
     spread = core.search(SATELLITE, AHEAD, state(3, 0.01))
     assert at_once.calls == 1
-    assert spread.calls > 10
+    assert spread.calls > 5
     assert spread.cost == pytest.approx(at_once.cost, rel=1e-6)
     assert spread.u == pytest.approx(at_once.u, abs=1e-3)
 

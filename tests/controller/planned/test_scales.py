@@ -17,7 +17,7 @@ GIVEN = {
     "K0": [4.5e-4, 5.0e-4, 5.5e-4],
     "L0": 0.05 * np.eye(3),
     "plan_period": 10.0,
-    "steering_limit": 0.08,
+    "steering_limit": 0.17,
     "disturbance_max": 4e-5,
     "residual_dipole_max": 1.25,
 }
