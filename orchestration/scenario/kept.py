@@ -5,9 +5,10 @@ Pydantic takes 15 to 30 ms to build what checks the models, and a process that r
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import BaseModel
 
@@ -24,7 +25,19 @@ def checked_before(model: type[T], data: Any, check: Callable[[], T]) -> T:
     """
     if model.__pydantic_complete__ or not _plain(data):
         return check()
-    return kept(model, (data, code(Path(__file__).parents[1]), version_of("pydantic")), check, "checked")
+    key = model, repr(data)
+    if key in _again:
+        return cast(T, pickle.loads(_again[key]))
+    checked = kept(model, (data, code(Path(__file__).parents[1]), version_of("pydantic")), check, "checked")
+    while len(_again) >= _AGAIN_MAX:
+        del _again[next(iter(_again))]
+    _again[key] = pickle.dumps(checked, pickle.HIGHEST_PROTOCOL)
+    return checked
+
+
+_again: dict[tuple[type[BaseModel], str], bytes] = {}
+"""For later runs in this process, to which no model is common."""
+_AGAIN_MAX = 20
 
 
 def _plain(data: Any) -> bool:
