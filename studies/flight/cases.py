@@ -46,6 +46,7 @@ class Group:
     """Start values as expressions of what is drawn."""
     duration: float = LONG
     early: float = EARLY
+    slow: float = RATE
 
     @cached_property
     def case(self) -> Case:
@@ -59,7 +60,7 @@ class Group:
             "sampling": "grid" if grid else "random",
             "runs": self.runs,
             "seed": self.seed,
-            "metrics": metrics(self.duration, self.early, self.scenario),
+            "metrics": metrics(self.duration, self.early, self.scenario, self.slow),
         }
         return crew.case(campaign, Path(__file__).parent)
 
@@ -69,11 +70,11 @@ class Group:
         return [job.draws.given(job.draws.at(point)) for point in job.design.points(range(self.runs)).tolist()]
 
 
-def metrics(duration: float, early: float, scenario: Data) -> list[Data]:
+def metrics(duration: float, early: float, scenario: Data, settled_rate: float = RATE) -> list[Data]:
     """What each flight is measured by, all of the plant's truth; a flight is settled from when both errors are."""
     angle = {"signal": "judge.attitude_error"}
     rate = {"signal": "judge.rate_error_B", "measure": "norm"}
-    slow = {"settles": {"below": f"{RATE} rad/s"}}
+    slow = {"settles": {"below": f"{settled_rate} rad/s"}}
     last, later = {"after": max(0.0, duration - HOLD)}, {"after": min(early, duration)}
     found: dict[str, Data] = {
         "angle_5": {**angle, "settles": {"below": "5 deg"}},

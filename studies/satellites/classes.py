@@ -1,29 +1,30 @@
-"""The classes of docs/satellites.md, and their tumbles as campaigns: inertia, actuators and size of each, and nothing tuned."""
+"""The satellites of docs/satellites.md, and their tumbles as campaigns: inertia, actuators and size of each, and nothing tuned."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..flight.cases import DRAWN, Group
+from ..flight.cases import DRAWN, RATE, Group
 from ..flight.schemes import NO_ERRORS, base, change
 from ..paper import INERTIA, Array
 
 FIELD = 4.4e-5
 """T: dipole_max times this is the torque of the rods, of which a disturbance is a share."""
-DURATION = 2e4
-"""s: three orbits or more, at 350 to 1200 km."""
+DURATION, EARLY, HOLD = 2e4, 9e3, 2000.0
+"""s: three orbits or more, at 350 to 1200 km; after EARLY it is told what becomes of a flight; the hold is that of the last HOLD."""
+SEED = 500
 PAPER_RODS = [[3**-0.5, 3**-0.5, -(3**-0.5)], [3**-0.5, -(3**-0.5), 3**-0.5], [0.0, 0.0, 1.0]]
+BODY_RODS = np.eye(3).tolist()
 ACROSS = (1.0 - np.eye(3)).tolist()
 """Second moments of mass along the axes become moments of inertia about them."""
-BODY_RODS = np.eye(3).tolist()
 
 
 @dataclass(frozen=True)
 class Satellite:
-    """moments (3,) kg m2, A m2, N m, N m s, width and length in m."""
+    """moments (3,) kg m2, A m2, N m, N m s, width and length in m, the wheel's axis (3,), and the largest rate drawn, deg/s."""
 
     moments: tuple[float, float, float]
     dipole_max: float
@@ -31,6 +32,18 @@ class Satellite:
     wheel_momentum_max: float
     size: tuple[float, float]
     rod_axes: list[list[float]]
+    wheel_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    rate_max: float = 6.0
+
+    @property
+    def time(self) -> float:
+        """T, s: sqrt(J/(dipole_max FIELD)) with the mean moment, docs/planned.md."""
+        return math.sqrt(sum(self.moments) / 3.0 / (self.dipole_max * FIELD))
+
+    @property
+    def slow(self) -> float:
+        """rad/s, below which the rate is settled: 0.05/T, at least that of docs/flight.md."""
+        return max(0.05 / self.time, RATE)
 
 
 def box(mass: float, x: float, y: float, z: float) -> tuple[float, float, float]:
@@ -54,14 +67,26 @@ CLASSES = {
     "50 kg, flat": _of((50.0, 1.2, 1.2, 0.2), 25.0, 3e-3, 3e-2),
     "50 kg, elongated": _of((50.0, 0.4, 0.4, 2.0), 25.0, 3e-3, 3e-2),
 }
+_PAPER = CLASSES["50 kg"]
+VARIANTS = {
+    "3U, wheel along e2": replace(CLASSES["3U"], wheel_axis=(0.0, 1.0, 0.0)),
+    "12U, wheel along e3": replace(CLASSES["12U"], wheel_axis=(0.0, 0.0, 1.0)),
+    "50 kg, wheel along (1, 2, 2)/3": replace(_PAPER, wheel_axis=(1 / 3, 2 / 3, 2 / 3)),
+    "50 kg, rates to 30 deg/s": replace(_PAPER, rate_max=30.0),
+    "50 kg, inertia x10": replace(_PAPER, moments=tuple(10.0 * moment for moment in INERTIA)),
+}
+"""Rows beside the classes: the wheel's axis, rates and inertia."""
+ALL = CLASSES | VARIANTS
 
 
 def tumbles(name: str, runs: int, errors: bool = False) -> Group:
-    """Random tumbles of a class: attitude, rate to 6 deg/s, node, inclination 0 to 98 deg, height 350 to 1200 km.
+    """Random tumbles of a satellite: attitude, rate to its `rate_max`, node, inclination 0 to 98 deg, height 350 to 1200 km.
 
-    Nominal: a disturbance of a thousandth of the rods' torque. Errors as in docs/flight.md, but for a disturbance of a hundredth.
+    Nominal: a disturbance of a thousandth of the rods' torque. Errors as in docs/flight.md, but for a disturbance of a hundredth, and
+    for the inertia: errors of each moment for itself would make no body of a flat or a long one. The second moments of mass are off,
+    by sqrt(2) of 5 to 10% each, so that the moments of inertia are off as much in the mean square.
     """
-    it = CLASSES[name]
+    it = ALL[name]
     data = base()
     data["shared"] |= {
         "J_B": {"diagonal": list(it.moments)},
@@ -69,13 +94,19 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
         "wheel_torque_max": it.wheel_torque_max,
         "wheel_momentum_max": it.wheel_momentum_max,
         "wheel_inertia": max(5e-4 * it.wheel_momentum_max, 1e-9),
+        "wheel_axis": list(it.wheel_axis),
         "rod_axes": it.rod_axes,
     }
     change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1]})
     if not errors:
         change(data, NO_ERRORS)
     push = (1e-2 if errors else 1e-3) * it.dipole_max * FIELD
-    drawn = {**DRAWN, "radius": {"uniform": ["6721 km", "7571 km"]}, "tilt": {"uniform": ["0 deg", "98 deg"]}}
+    drawn = {
+        **DRAWN,
+        "omega": {"sphere": {"uniform": ["0 deg/s", f"{it.rate_max:g} deg/s"]}},
+        "radius": {"uniform": ["6721 km", "7571 km"]},
+        "tilt": {"uniform": ["0 deg", "98 deg"]},
+    }
     vary = {
         "plant.Q0": "attitude",
         "plant.omega_B0": "omega",
@@ -90,10 +121,10 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
         vary["plant.J_error_B"] = f"diag({ACROSS} @ ({of_mass} * sqrt(2) * off * [side1, side2, side3]))"
         vary["controller.field_error"] = "field"
     kind = "errors" if errors else "nominal"
-    return Group(f"{name} {kind}", data, runs, 500, drawn, vary, DURATION, DURATION)
+    return Group(f"{name} {kind}", data, runs, SEED, drawn, vary, DURATION, EARLY, it.slow)
 
 
 def settled(angle: Array, rate: Array) -> Array:
-    """When both were settled, s, infinite where one was not within the last 2000 s; each (n,), NaN for never."""
+    """When both were settled, s, infinite where one was not within the last HOLD; each (n,), NaN for never."""
     times = np.where(np.isnan(angle) | np.isnan(rate), math.inf, np.maximum(angle, rate))
-    return np.where(times <= DURATION - 2000.0, times, math.inf)
+    return np.where(times <= DURATION - HOLD, times, math.inf)
