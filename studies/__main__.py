@@ -158,10 +158,10 @@ def flight_tune(jobs: int) -> None:
 @main.command()
 @_jobs
 @click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
-def satellites(jobs: int, cases: int) -> None:
-    """Fly tumbles of satellites from 1U to 500 kg by their data alone, and print the table of docs/satellites.md."""
-    for line in satellites_flown.lines(cases, jobs):
-        say(line)
+@click.option("--page", is_flag=True, help="Write the page from what is flown so far.")
+def satellites(jobs: int, cases: int, page: bool) -> None:
+    """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/satellites.md; one that was interrupted goes on."""
+    say(f"written: {satellites_flown.publish() if page else satellites_flown.make(cases, jobs)}")
 
 
 if __name__ == "__main__":

@@ -22,6 +22,11 @@ def case(campaign: Mapping[str, Any], folder: Path) -> Case:
     return read_campaign(Source(dict(campaign), str(campaign["name"]), folder))
 
 
+def folder_of(wanted: Case, results: Path) -> Path:
+    """Where the runs of a campaign stand: named by all that decides them, so what other FMUs flew is never mixed in."""
+    return results / f"{wanted.campaign.name}-{wanted.fingerprint[:8]}"
+
+
 class Crew:
     """Worker processes behind a scheduler's address; without one, this process."""
 
@@ -31,10 +36,9 @@ class Crew:
     def fly(self, wanted: Case, results: Path) -> Rows:
         """The runs of a campaign, of which those that are in its folder under `results` are not flown again.
 
-        The folder is named by all that decides the runs, so what other FMUs flew is never mixed in. Raises Stopped on Ctrl-C, and
-        InputError where every run failed.
+        Raises Stopped on Ctrl-C, and InputError where every run failed.
         """
-        folder = results / f"{wanted.campaign.name}-{wanted.fingerprint[:8]}"
+        folder = folder_of(wanted, results)
         bar = self._progress.add_task(wanted.campaign.name, total=wanted.runs)
         finished = fly(
             wanted,

@@ -40,9 +40,9 @@ def loop(data: Mapping[str, Any]) -> Loop:
     return read(Source({**scenario, "blocks": blocks, "connections": connections})).loop
 
 
-def bound(data: Mapping[str, Any]) -> float | None:
-    """The least time, s, from one of `starts` to 5 deg and RATE; None beyond 3000 s."""
+def bound(data: Mapping[str, Any], horizon: float = 3000.0) -> float | None:
+    """The least time, s, from one of `starts` to 5 deg and RATE; None beyond the horizon, s."""
     around = loop(data)
     rods = around.plant.dipole_max * float(np.max(around.plant.rod_gain))
-    balance = MomentumBalance(around.plant, around.controller, rods, Tolerance(math.radians(5.0), RATE), 3000.0)
+    balance = MomentumBalance(around.plant, around.controller, rods, Tolerance(math.radians(5.0), RATE), horizon)
     return balance.least_time().least

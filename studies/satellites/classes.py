@@ -57,7 +57,6 @@ def _of(body: tuple[float, float, float, float], dipole: float, torque: float, m
 
 CLASSES = {
     "1U": _of((1.3, 0.1, 0.1, 0.113), 0.2, 1e-4, 1e-3),
-    "1U, no wheel": _of((1.3, 0.1, 0.1, 0.113), 0.2, 1e-9, 1e-9),
     "3U": _of((4.0, 0.1, 0.1, 0.34), 0.3, 3e-4, 2e-3),
     "6U": _of((10.0, 0.1, 0.23, 0.34), 0.5, 1e-3, 1e-2),
     "12U": _of((20.0, 0.23, 0.23, 0.34), 1.0, 2e-3, 2e-2),
@@ -73,9 +72,10 @@ VARIANTS = {
     "12U, wheel along e3": replace(CLASSES["12U"], wheel_axis=(0.0, 0.0, 1.0)),
     "50 kg, wheel along (1, 2, 2)/3": replace(_PAPER, wheel_axis=(1 / 3, 2 / 3, 2 / 3)),
     "50 kg, rates to 30 deg/s": replace(_PAPER, rate_max=30.0),
-    "50 kg, inertia x10": replace(_PAPER, moments=tuple(10.0 * moment for moment in INERTIA)),
+    "50 kg, inertia x10": replace(_PAPER, moments=(21.3, 30.4, 30.9)),
+    "1U, no wheel": replace(CLASSES["1U"], wheel_torque_max=1e-9, wheel_momentum_max=1e-9),
 }
-"""Rows beside the classes: the wheel's axis, rates and inertia."""
+"""Rows beside the classes: the wheel's axis, rates and inertia; no wheel, whose flights take longest, last."""
 ALL = CLASSES | VARIANTS
 
 

@@ -1,31 +1,51 @@
-"""Flies the classes and tells what becomes of each."""
+"""Flies the satellites in turn, so that each has about as many flights at any time, and writes docs/satellites.md."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
-import numpy as np
+from orchestration import InputError
+from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew
-from ..paper import FOLDER
-from .classes import CLASSES, settled, tumbles
+from ..crew import crew, folder_of
+from ..paper import FOLDER, ROOT
+from . import page
+from .classes import ALL, tumbles
+from .kept import CONDITIONS, FILE, load, save
+
+RESULTS = FOLDER / "satellites"
+PART = 10
+"""Flights of a satellite before the next one has its turn."""
 
 
-def lines(cases: int, jobs: int) -> Iterator[str]:
-    """A table in Markdown: a line for each class, nominal and under all errors."""
-    yield "| class | | settled | median, s | worst, s | hold rms, median | worst |"
-    yield "|---|---|---|---|---|---|---|"
+def parts(cases: int) -> Iterator[tuple[str, str, int]]:
+    """Satellite, condition and the number of flights that it has after this part, in the order of flying."""
+    for most in [*range(PART, cases, PART), cases]:
+        for satellite in ALL:
+            for condition in CONDITIONS:
+                yield satellite, condition, most
+
+
+def make(cases: int, jobs: int) -> Path:
+    """Flies what is left of so many tumbles each; then writes docs/satellites.csv and the page, and returns it."""
     with crew(jobs) as hands:
-        for name in CLASSES:
-            for errors in (False, True):
-                rows = hands.fly(tumbles(name, cases, errors).case, FOLDER / "satellites")
-                times = settled(rows.numbers("angle_5"), rows.numbers("rate"))
-                well = np.isfinite(times)
-                hold = np.degrees(rows.numbers("hold_rms")[well])
-                figures = (
-                    [f"{f(x):.3g}" for x in (times[well], hold) for f in (np.median, np.max)]
-                    if well.any()
-                    else ["–"] * 4
-                )
-                kind = "errors" if errors else "nominal"
-                yield "| " + " | ".join([name, kind, f"{well.sum()} of {len(times)}", *figures]) + " |"
+        for satellite, condition, most in parts(cases):
+            hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
+    return publish()
+
+
+def publish() -> Path:
+    """Writes docs/satellites.csv and the page from what these FMUs have flown so far. Raises InputError for nothing."""
+    flown = {}
+    for satellite in ALL:
+        for condition, errors in CONDITIONS.items():
+            folder = folder_of(tumbles(satellite, PART, errors).case, RESULTS)
+            if (folder / "runs").exists() and len(rows := Rows(folder)):
+                flown[satellite, condition] = rows
+    if not flown:
+        raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies satellites")
+    save(ROOT / "docs" / FILE, flown)
+    target = ROOT / "docs" / "satellites.md"
+    target.write_text(page.text(load(ROOT / "docs" / FILE)), "utf-8")
+    return target

@@ -1,0 +1,103 @@
+"""docs/satellites.csv: a line for each flight; docs/satellites.md is made from it."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from orchestration import InputError
+from orchestration.campaign.flying.rows import Rows
+
+from ..flight.bound import bound, starts
+from ..flight.cases import Group
+from ..paper import Array
+from .classes import ALL, settled, tumbles
+
+FILE = "satellites.csv"
+CONDITIONS = {"nominal": False, "errors": True}
+RADIUS = 6371.0
+"""km, from which heights count."""
+COLUMNS = (
+    "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
+    "wheel_share momentum_bound_s told remark"
+).split()
+ALARMS = ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed")
+HORIZON = 6000.0
+"""s, up to which the momentum bound of a flight that does not settle is sought."""
+
+
+@dataclass(frozen=True)
+class Flights:
+    """All flights, as they stand in the file."""
+
+    lines: tuple[Mapping[str, str], ...]
+
+    def of(self, satellite: str, condition: str) -> list[Mapping[str, str]]:
+        """The lines of a satellite under a condition, in the order of their runs."""
+        return [line for line in self.lines if (line["satellite"], line["condition"]) == (satellite, condition)]
+
+
+def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.nan) -> Array:
+    """A column as numbers (n,)."""
+    return np.array([float(line[name] or empty) for line in lines])
+
+
+def load(file: Path) -> Flights:
+    """The flights of a file that `save` wrote. Raises InputError for one of another form."""
+    with file.open(encoding="utf-8", newline="") as text:
+        lines = csv.DictReader(text)
+        if missing := next((name for name in COLUMNS if name not in (lines.fieldnames or ())), None):
+            raise InputError(f"{file}: expected a column {missing!r}, found none; remedy: python -m studies satellites")
+        return Flights(tuple(lines))
+
+
+def save(file: Path, flown: Mapping[tuple[str, str], Rows]) -> None:
+    """Writes every flight of the datasets, by satellite and condition."""
+    with file.open("w", encoding="utf-8", newline="") as text:
+        out = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+        out.writeheader()
+        for (satellite, condition), rows in flown.items():
+            out.writerows(_lines(satellite, condition, rows))
+
+
+def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
+    group = tumbles(satellite, int(rows.index.max()) + 1, CONDITIONS[condition])
+    value = {metric["name"]: rows.numbers(metric["name"]) for metric in rows.manifest["metrics"]}
+    times = settled(value["angle_5"], value["rate"])
+    numbers = {
+        "inclination_deg": (np.degrees(rows.numbers("plant.inclination")), ".3g"),
+        "height_km": (rows.numbers("plant.orbit_radius") / 1e3 - RADIUS, ".0f"),
+        "rate_deg_s": (np.degrees(value["initial_rate"]), ".3g"),
+        "settled_5deg_s": (times, ".0f"),
+        "settled_1deg_s": (settled(value["angle_1"], value["rate"]), ".0f"),
+        "early_s": (np.maximum(value["early_angle_5"], value["early_rate"]), ".0f"),
+        "later_max_deg": (np.degrees(value["later_max"]), ".3g"),
+        "hold_rms_deg": (np.degrees(value["hold_rms"]), ".3g"),
+        "wheel_share": (value["wheel_max"] / ALL[satellite].wheel_momentum_max, ".3g"),
+        "momentum_bound_s": (_bounds(group, rows, times), ".1f"),
+    }
+    reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
+    found = []
+    for i, index in enumerate(rows.index.tolist()):
+        line = {name: format(v[i], form) if math.isfinite(v[i]) else "" for name, (v, form) in numbers.items()}
+        told = " ".join(name for name in ALARMS if math.isfinite(value[name][i]))
+        remark = f"the run failed: {reasons.get(index, '')}" if rows.failed[i] else ""
+        found.append(
+            {"satellite": satellite, "condition": condition, "run": f"{index}", **line, "told": told, "remark": remark}
+        )
+    return found
+
+
+def _bounds(group: Group, rows: Rows, times: Array) -> Array:
+    """Momentum bounds, s, of those that do not settle: infinite beyond HORIZON, NaN for the others and for failed runs."""
+    data = starts(group)
+    least = np.full(len(times), math.nan)
+    for i in np.flatnonzero(~np.isfinite(times) & ~rows.failed):
+        found = bound(data[int(rows.index[i])], HORIZON)
+        least[i] = math.inf if found is None else found
+    return least

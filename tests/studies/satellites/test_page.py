@@ -1,0 +1,61 @@
+"""docs/satellites.md: its tables say what the flights in docs/satellites.csv say."""
+
+from pathlib import Path
+
+import pytest
+
+from orchestration import InputError
+from studies.satellites import page
+from studies.satellites.classes import ALL
+from studies.satellites.kept import COLUMNS, CONDITIONS, Flights, load
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+
+def line(satellite, run, settled, early, **more):
+    values = {
+        "condition": "errors",
+        "run": str(run),
+        "settled_5deg_s": settled,
+        "early_s": early,
+        "hold_rms_deg": "0.02",
+    }
+    return {**dict.fromkeys(COLUMNS, ""), "satellite": satellite, **values, **more}
+
+
+def row(text, satellite, condition):
+    return next(r for r in text.splitlines() if r.startswith(f"| {satellite} | {condition} |")).strip("| ").split(" | ")
+
+
+def test_the_page_is_that_of_the_kept_flights():
+    assert (DOCS / "satellites.md").read_text("utf-8") == page.text(load(DOCS / "satellites.csv"))
+
+
+def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_is_later_than_all():
+    lines = [
+        line("3U", 0, "800", "800"),
+        line("3U", 1, "14000", "700", later_max_deg="31"),
+        line("3U", 2, "", "", later_max_deg="170", hold_rms_deg="90"),
+        line("3U", 3, "12000", "", later_max_deg="160"),
+    ]
+    found = row(page.text(Flights(tuple(lines))), "3U", "all errors")
+    assert found[2:] == ["3 of 4", "14,000", "–", "–", "1, to 31°", "0.02°", "0.02°"]
+    assert "| 3U | all errors | 2 |" in page.text(Flights(tuple(lines)))
+
+
+def test_a_row_without_flights_says_so():
+    text = page.text(Flights((line("1U", 0, "40", "40"),)))
+    assert row(text, "6U", "nominal")[2:] == ["0 of 0", "–", "–", "–", "0", "–", "–"]
+
+
+def test_a_file_of_another_form_is_refused_with_the_command(tmp_path):
+    (tmp_path / "satellites.csv").write_text("satellite,run\n")
+    with pytest.raises(InputError, match="python -m studies satellites"):
+        load(tmp_path / "satellites.csv")
+
+
+def test_every_satellite_has_both_rows():
+    text = page.text(load(DOCS / "satellites.csv"))
+    for name in ALL:
+        for condition in CONDITIONS:
+            assert row(text, name, page.NAMES[condition])
