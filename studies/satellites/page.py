@@ -26,8 +26,9 @@ def text(flights: Flights) -> str:
         classes=[_row(flights, name, kind) for name in CLASSES for kind in CONDITIONS],
         variants=[_row(flights, name, kind) for name in ALL if name not in CLASSES for kind in CONDITIONS],
         cases=len(flights.lines),
-        fewest=min(counts),
-        most=max(counts),
+        flights=f"{min(counts)} of each row"
+        if min(counts) == max(counts)
+        else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
         left=_left(flights),
         alarms=sum(bool(line["told"]) for line in flights.lines if ALL[line["satellite"]].wheel_torque_max > 1e-6),
@@ -47,7 +48,7 @@ def _data(name: str, it: Satellite) -> list[str]:
     wheel = it.wheel_torque_max > 1e-6
     of_wheel = [f"{1e3 * x:g}" if wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
     axis = ", ".join(f"{x:.2g}" for x in it.wheel_axis) if wheel else "–"
-    return [name, ", ".join(f"{m:.2g}" for m in it.moments), f"{it.dipole_max:g}", *of_wheel, axis, f"{it.time:.0f}"]
+    return [name, ", ".join(f"{m:.3g}" for m in it.moments), f"{it.dipole_max:g}", *of_wheel, axis, f"{it.time:.0f}"]
 
 
 def _row(flights: Flights, name: str, condition: str) -> list[str]:
@@ -77,9 +78,7 @@ def _left(flights: Flights) -> list[list[str]]:
     for line in flights.lines:
         if line["settled_5deg_s"] or ALL[line["satellite"]].wheel_torque_max <= 1e-6:
             continue
-        where = [
-            f"{float(line[name]):.3g}" if line[name] else "–" for name in ("inclination_deg", "height_km", "rate_deg_s")
-        ]
+        where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         hold = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
         rows.append([line["satellite"], NAMES[line["condition"]], line["run"], *where, *hold, *rest, line["remark"]])
