@@ -30,6 +30,7 @@ from .processor import make as cost
 from .reproduction import make as paper
 from .satellites import make as satellites_flown
 from .sensors import make as sensor_figures
+from .sweep import make as swept
 
 
 @click.group(cls=Commands)
@@ -111,8 +112,9 @@ def estimator(jobs: int, runs: int) -> None:
 @click.option(
     "--cases", default=50, show_default=True, type=click.IntRange(1, 1000), help="Nominal tumbles, from run 0."
 )
+@click.option("--flown", is_flag=True, help="Fly the tumbles of docs/optimum.csv anew; their best times stay.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/optimum.csv, without searching.")
-def optimum(cases: int, page: bool) -> None:
+def optimum(cases: int, flown: bool, page: bool) -> None:
     """Search the least time of tumbles by optimal control, for docs/optimum.md: about half a minute each, one process.
 
     What is in docs/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
@@ -120,11 +122,23 @@ def optimum(cases: int, page: bool) -> None:
     if not page:
         if find_spec("casadi") is None:
             raise InputError("the package casadi is not installed; remedy: pip install casadi")
-        from .optimum.make import make  # CasADi, a package of this study alone  # noqa: PLC0415
+        from .optimum.make import fly_again, make  # CasADi, a package of this study alone  # noqa: PLC0415
 
-        for line in make(cases, ROOT / "docs" / FILE):
+        file = ROOT / "docs" / FILE
+        for line in fly_again(file) if flown else make(cases, file):
             say(line)
     say(f"written: {least_times.publish()}")
+
+
+@main.command()
+@click.option(
+    "--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles, from run 0."
+)
+def sweep(cases: int) -> None:
+    """Fly tumbles with constants of the planned controller at half and twice their values, for docs/sweep.md: some minutes, one process."""
+    for line in swept.make(cases, ROOT / "docs" / swept.FILE):
+        say(line)
+    say(f"written: {swept.publish()}")
 
 
 @main.command()

@@ -19,7 +19,7 @@ from .check import Check, check
 from .courses import Course
 from .flown import Flight, fly
 from .kept import Line, load, save
-from .search import Found, Optimum, again, refined, search
+from .search import Found, again, refined, search, search_after
 
 TURNS = 6
 """Starts of the second search."""
@@ -53,6 +53,17 @@ def make(runs: int, file: Path) -> Iterator[str]:
             yield f"{run}: best found {lines[run].best_s:.0f} s, before {line.best_s:.0f} s"
 
 
+def fly_again(file: Path) -> Iterator[str]:
+    """Flies the tumbles of `file` anew, as the controller is now, and searches from each hand-over; the best times stay."""
+    lines = load(file)
+    wanted = group(max(line.run for line in lines) + 1)
+    for i, line in enumerate(lines):
+        flight = fly(wanted, line.run)
+        lines[i] = replace(line, **_of_flight(flight, search_after(flight)))
+        save(file, lines)
+        yield f"{line.run}: best found {line.best_s:.0f} s, flown {flight.settled:.0f} s, before {line.flown_s:.0f} s"
+
+
 def _first(run: int, wanted: Group) -> Line | str:
     """The line of a tumble, or why there is none."""
     flight = fly(wanted, run)
@@ -64,7 +75,17 @@ def _first(run: int, wanted: Group) -> Line | str:
         return f"not confirmed by the plant: {seen}"
     least = bound(starts(wanted)[run])
     _keep(run, whole.course)
-    return _line(run, flight, found, whole, seen, math.nan if least is None else least)
+    return Line(
+        run=run,
+        initial_rate_deg_s=float(np.degrees(np.linalg.norm(flight.plant.omega_B0))),
+        bound_s=math.nan if least is None else least,
+        feasible=whole.feasible,
+        tried=whole.tried + (0 if found.after is None else found.after.tried),
+        turned=False,
+        seconds=found.seconds,
+        **_of_flight(flight, found.after),
+        **_of(whole, seen),
+    )
 
 
 def _second(line: Line, wanted: Group) -> Line:
@@ -113,23 +134,16 @@ def _use(course: Course) -> Array:
     return np.asarray(np.diff(times) @ np.abs(course.u[:-1]) / course.end)
 
 
-def _line(run: int, flight: Flight, found: Optimum, whole: Found, seen: Check, least: float) -> Line:
-    use, after = _use(flight.course), found.after
-    return Line(
-        run=run,
-        initial_rate_deg_s=float(np.degrees(np.linalg.norm(flight.plant.omega_B0))),
-        bound_s=least,
-        flown_s=flight.settled,
-        handed_over_s=flight.handed_over,
-        best_after_s=math.nan if after is None else after.course.end,
-        feasible=whole.feasible,
-        tried=whole.tried + (0 if after is None else after.tried),
-        rods_flown=float(use[:3].mean()),
-        wheel_flown=float(use[3]),
-        turned=False,
-        seconds=found.seconds,
-        **_of(whole, seen),
-    )
+def _of_flight(flight: Flight, after: Found | None) -> dict[str, Any]:
+    """What a line says of the flight, and of the best motion after its hand-over."""
+    use = _use(flight.course)
+    return {
+        "flown_s": flight.settled,
+        "handed_over_s": flight.handed_over,
+        "best_after_s": math.nan if after is None else after.course.end,
+        "rods_flown": float(use[:3].mean()),
+        "wheel_flown": float(use[3]),
+    }
 
 
 def _file(run: int) -> Path:

@@ -57,10 +57,8 @@ def search(flight: Flight) -> Optimum | None:
     flown, handed_over = flight.course, flight.handed_over
     motion = Motion(flight.plant, SLACK * flown.end)
     starts = [("flown", flown)]
-    after = None
+    after = search_after(flight)
     if handed_over > 0.0:
-        rest = Motion(flight.plant, SLACK * (flown.end - handed_over), handed_over)
-        after = _best(rest, _ways(rest, flown.late(handed_over)))
         if after is not None:
             starts = [(f"steering as flown, then {after.start}", flown.then(handed_over, after.course))]
     else:
@@ -71,6 +69,14 @@ def search(flight: Flight) -> Optimum | None:
     if whole is None and handed_over > 0.0:
         whole = _best(motion, [("flown", flown)])
     return None if whole is None else Optimum(whole, after, time.process_time() - began)
+
+
+def search_after(flight: Flight) -> Found | None:
+    """The best found from the flown motion at the hand-over; None where the plan has it from the start, or nothing is feasible."""
+    if not flight.handed_over > 0.0:
+        return None
+    motion = Motion(flight.plant, SLACK * (flight.course.end - flight.handed_over), flight.handed_over)
+    return _best(motion, _ways(motion, flight.course.late(flight.handed_over)))
 
 
 def again(flight: Flight, best: Course) -> Found | None:

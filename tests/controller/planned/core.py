@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from estimator.native import tables
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
+from studies.structures import filled, record
 from tests.kept import kept
-from tests.native.direct import filled, record
 
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
