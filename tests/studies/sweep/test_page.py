@@ -18,7 +18,7 @@ def test_the_page_is_made_from_the_file():
     assert text(LINES) == (ROOT / "docs" / "sweep.md").read_text("utf-8")
 
 
-@pytest.mark.parametrize("file, name", [(file, name) for file, name, _ in CONSTANTS])
+@pytest.mark.parametrize(("file", "name"), [(file, name) for file, name, _ in CONSTANTS])
 def test_each_constant_was_flown_at_half_and_twice_the_value_that_it_has(file, name):
     flown = [line.value for line in LINES if (line.file, line.name) == (file, name)]
     assert flown == pytest.approx([float(value_of(file, name)) * factor for factor in FACTORS], rel=0.21)
