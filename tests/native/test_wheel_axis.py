@@ -118,6 +118,7 @@ def tumble(which):
         "drag": False,
     }
     law = {"reference": "inertial", "R_d0": t.T, "K0": 5e-4 * (1.0 + np.array([0.0, 1e-9, 2e-9])), "identify": False}
+    law |= {"steering_limit": 0.08}  # so that it is steered first
     vectors = "plant.R_NB -> controller.R_NB|plant.omega_B -> controller.omega_B|plant.r_N -> controller.r_N|plant.v_N -> controller.v_N"
     wires = (
         f"{vectors}|plant.h_w -> controller.h_w|plant.b_B -> controller.b_B|controller.tau_cmd_B -> allocator.tau_cmd_B|"
