@@ -225,7 +225,7 @@ int controller_planned_improve(const Model *model, const Motion *x, int iteratio
                 break;
             }
             used = plan->urgent && plan->caution < CAUTION_MOST ? used + 1 : iterations;
-            plan->caution = larger(CAUTION_LEAST, CAUTION_STEP * plan->caution);
+            plan->caution = smaller(CAUTION_MOST, larger(CAUTION_LEAST, CAUTION_STEP * plan->caution));
             continue;
         }
         const bool done = plan->cost - cost < GAIN_MIN * cost;
