@@ -76,7 +76,7 @@ def test_each_measurement_is_taken_at_the_same_step_whatever_the_rounding_of_the
 
 def test_of_a_step_1e_15_longer_the_manoeuvre_s_plans_keep_their_times_and_their_cost_to_1e_6():
     """The times of new plans are the same, so what is left is the rounding that the optimiser amplifies."""
-    scenario = orchestration.load(ROOT / "scenarios" / "flight_vc.yaml").source.data
+    scenario = orchestration.load(ROOT / "scenarios" / "flight_vb.yaml").source.data
     a, b = (flight(scenario, 0.1 * factor, 6000) for factor in (1.0, 1.0 + 1e-15))
     assert np.array_equal(np.diff(a["controller.plan_cost"]) != 0.0, np.diff(b["controller.plan_cost"]) != 0.0)
     assert np.array_equal(a["controller.phase"], b["controller.phase"])
