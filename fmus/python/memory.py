@@ -96,7 +96,8 @@ def _all(getter: Callable[..., Any], names: Sequence[Any]) -> Callable[[Any], Se
     """`attrgetter` or `itemgetter` of any number of names, also of one or none; it gives a tuple."""
     if len(names) > 1:
         return getter(*names)
-    return lambda whole: tuple(getter(name)(whole) for name in names)
+    getters = [getter(name) for name in names]
+    return lambda whole: tuple(get(whole) for get in getters)
 
 
 def _writer(variable: Variable) -> Callable[[Any], Any]:

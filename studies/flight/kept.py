@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
+from .. import lines as files
 from .. import markdown
 from ..paper import ORBIT, Array
 from .cases import ALARMS, HOLD, Group
@@ -63,20 +62,16 @@ class Flights:
 
 def load(file: Path) -> Flights:
     """The flights of a file that `save` wrote. Raises InputError for one of another form."""
-    with file.open(encoding="utf-8", newline="") as text:
-        lines = csv.DictReader(text)
-        if missing := next((name for name in COLUMNS if name not in (lines.fieldnames or ())), None):
-            raise InputError(f"{file}: expected a column {missing!r}, found none; remedy: make flight")
-        return Flights(tuple(lines))
+    return Flights(tuple(files.read(file, COLUMNS, "make flight")))
 
 
 def save(file: Path, flown: Sequence[tuple[Group, Rows]], bounds: Mapping[str, Sequence[float | None]]) -> None:
     """Writes every flight: times in s, errors in deg, wheel momentum in mN m s."""
-    with file.open("w", encoding="utf-8", newline="") as text:
-        out = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-        out.writeheader()
-        for group, rows in flown:
-            out.writerows(lines(group, rows, bounds.get(group.name, [None] * len(rows))))
+    files.write(
+        file,
+        COLUMNS,
+        (line for group, rows in flown for line in lines(group, rows, bounds.get(group.name, [None] * len(rows)))),
+    )
 
 
 def lines(group: Group, rows: Rows, bounds: Sequence[float | None]) -> list[dict[str, str]]:

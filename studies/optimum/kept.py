@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from orchestration import InputError
+from .. import lines
 
 FILE = "optimum.csv"
 
@@ -43,24 +41,8 @@ class Line:
 
 def load(file: Path) -> list[Line]:
     """The lines of a file that `save` wrote. Raises InputError for one of another form."""
-    convert: dict[str, Callable[[str], Any]] = {
-        "run": int,
-        "feasible": int,
-        "tried": int,
-        "start": str,
-        "held_on": "True".__eq__,
-        "turned": "True".__eq__,
-    }
-    with file.open(encoding="utf-8", newline="") as text:
-        rows = csv.DictReader(text)
-        if missing := next((f.name for f in fields(Line) if f.name not in (rows.fieldnames or ())), None):
-            raise InputError(f"{file}: expected a column {missing!r}, found none; remedy: python -m studies optimum")
-        return [Line(**{f.name: convert.get(f.name, float)(row[f.name]) for f in fields(Line)}) for row in rows]
+    return lines.load(Line, file, "python -m studies optimum")
 
 
-def save(file: Path, lines: Sequence[Line]) -> None:
-    with file.open("w", encoding="utf-8", newline="") as text:
-        out = csv.DictWriter(text, [f.name for f in fields(Line)], lineterminator="\n")
-        out.writeheader()
-        for line in sorted(lines, key=lambda line: line.run):
-            out.writerow({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in asdict(line).items()})
+def save(file: Path, found: Sequence[Line]) -> None:
+    lines.save(Line, file, sorted(found, key=lambda line: line.run))

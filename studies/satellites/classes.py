@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..flight.cases import DRAWN, RATE, Group
+from ..flight.cases import DRAWN, HOLD, RATE, Group
 from ..flight.schemes import NO_ERRORS, base, change
 from ..paper import INERTIA, Array
 
 FIELD = 4.4e-5
 """T: dipole_max times this is the torque of the rods, of which a disturbance is a share."""
-DURATION, EARLY, HOLD = 2e4, 9e3, 2000.0
-"""s: three orbits or more, at 350 to 1200 km; after EARLY it is told what becomes of a flight; the hold is that of the last HOLD."""
+DURATION, EARLY = 2e4, 9e3
+"""s: three orbits or more, at 350 to 1200 km; after EARLY it is told what becomes of a flight."""
 SEED = 500
 PAPER_RODS = [[3**-0.5, 3**-0.5, -(3**-0.5)], [3**-0.5, -(3**-0.5), 3**-0.5], [0.0, 0.0, 1.0]]
 BODY_RODS = np.eye(3).tolist()
@@ -34,6 +34,11 @@ class Satellite:
     rod_axes: list[list[float]]
     wheel_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
     rate_max: float = 6.0
+
+    @property
+    def has_wheel(self) -> bool:
+        """Whether its wheel is more than next to nothing."""
+        return self.wheel_torque_max > 1e-6
 
     @property
     def time(self) -> float:

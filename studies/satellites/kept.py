@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
+from .. import lines as files
 from ..flight.bound import bound, starts
-from ..flight.cases import Group
+from ..flight.cases import ALARMS, Group
 from ..paper import Array
 from .classes import ALL, settled, tumbles
 
@@ -26,7 +25,6 @@ COLUMNS = (
     "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
     "wheel_share momentum_bound_s told remark"
 ).split()
-ALARMS = ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed")
 HORIZON = 6000.0
 """s, up to which the momentum bound of a flight that does not settle is sought."""
 
@@ -49,20 +47,12 @@ def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.na
 
 def load(file: Path) -> Flights:
     """The flights of a file that `save` wrote. Raises InputError for one of another form."""
-    with file.open(encoding="utf-8", newline="") as text:
-        lines = csv.DictReader(text)
-        if missing := next((name for name in COLUMNS if name not in (lines.fieldnames or ())), None):
-            raise InputError(f"{file}: expected a column {missing!r}, found none; remedy: python -m studies satellites")
-        return Flights(tuple(lines))
+    return Flights(tuple(files.read(file, COLUMNS, "python -m studies satellites")))
 
 
 def save(file: Path, flown: Mapping[tuple[str, str], Rows]) -> None:
     """Writes every flight of the datasets, by satellite and condition."""
-    with file.open("w", encoding="utf-8", newline="") as text:
-        out = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-        out.writeheader()
-        for (satellite, condition), rows in flown.items():
-            out.writerows(_lines(satellite, condition, rows))
+    files.write(file, COLUMNS, (line for (name, kind), rows in flown.items() for line in _lines(name, kind, rows)))
 
 
 def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:

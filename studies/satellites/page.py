@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from .. import markdown
+from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
-from .classes import ALL, CLASSES, DURATION, EARLY, HOLD, Satellite
+from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import CONDITIONS, HORIZON, Flights, column
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
@@ -31,7 +32,7 @@ def text(flights: Flights) -> str:
         else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
         left=_left(flights),
-        alarms=sum(bool(line["told"]) for line in flights.lines if ALL[line["satellite"]].wheel_torque_max > 1e-6),
+        alarms=sum(bool(line["told"]) for line in flights.lines if ALL[line["satellite"]].has_wheel),
         duration=f"{DURATION:,.0f}",
         early=f"{EARLY:,.0f}",
         hold=f"{HOLD:,.0f}",
@@ -45,9 +46,8 @@ def _times(lines: Sequence[Mapping[str, str]]) -> Array:
 
 def _data(name: str, it: Satellite) -> list[str]:
     """What a satellite is."""
-    wheel = it.wheel_torque_max > 1e-6
-    of_wheel = [f"{1e3 * x:g}" if wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
-    axis = ", ".join(f"{x:.2g}" for x in it.wheel_axis) if wheel else "–"
+    of_wheel = [f"{1e3 * x:g}" if it.has_wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
+    axis = ", ".join(f"{x:.2g}" for x in it.wheel_axis) if it.has_wheel else "–"
     return [name, ", ".join(f"{m:.3g}" for m in it.moments), f"{it.dipole_max:g}", *of_wheel, axis, f"{it.time:.0f}"]
 
 
@@ -76,7 +76,7 @@ def _left(flights: Flights) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.lines:
-        if line["settled_5deg_s"] or ALL[line["satellite"]].wheel_torque_max <= 1e-6:
+        if line["settled_5deg_s"] or not ALL[line["satellite"]].has_wheel:
             continue
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         hold = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from .. import lines as files
 from .. import markdown
 from ..flight.cases import SEEDS, tumbles
 from ..paper import ROOT, Array
@@ -55,7 +55,7 @@ def make(runs: int, file: Path) -> Iterator[str]:
                 key = (source, name, float(text))
                 line = kept.get(key) or _line(*key, fly((source, name), text), chosen)
                 lines.append(line)
-                save(file, lines)
+                files.save(Line, file, lines)
                 yield f"{name} {text}: {line.settled} of {line.runs}, {line.ratio:.3f} of the time"
 
 
@@ -75,20 +75,8 @@ def _line(file: str, name: str, value: float, times: Array, chosen: Array) -> Li
 
 
 def load(file: Path) -> list[Line]:
-    kinds = {"file": str, "name": str, "runs": int, "settled": int}
-    with file.open(encoding="utf-8", newline="") as text:
-        return [
-            Line(**{f.name: kinds.get(f.name, float)(row[f.name]) for f in fields(Line)})
-            for row in csv.DictReader(text)
-        ]
-
-
-def save(file: Path, lines: list[Line]) -> None:
-    with file.open("w", encoding="utf-8", newline="") as text:
-        out = csv.DictWriter(text, [f.name for f in fields(Line)], lineterminator="\n")
-        out.writeheader()
-        for line in lines:
-            out.writerow({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in asdict(line).items()})
+    """The lines of docs/sweep.csv. Raises InputError for a file of another form."""
+    return files.load(Line, file, "python -m studies sweep")
 
 
 def publish(folder: Path = ROOT / "docs") -> Path:

@@ -16,10 +16,7 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
 
 double controller_planned_wheel_to_rest(const Model *model, double l)
 {
-    if (!has_wheel(model)) {
-        return 0.0;
-    }
-    return clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
+    return wheel_to_rest(model, l, WHEEL_REST * model->scales.time);
 }
 
 /* What rods under their controls and the wheel, which comes to rest, give: N m. */

@@ -135,7 +135,7 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */
 static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *measured, Vector B_B,
-                   const double given[CONTROLS], const Around *around, double dt)
+                   const double given[CONTROLS], const Around *around, double dt, bool watched)
 {
     Model model = controller_planned_believed(law, x), nominal = controller_planned_nominal(law, &x->scales);
     Around then = *around;
@@ -153,7 +153,7 @@ static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, c
     controller_planned_propagate(&passed, &x->identification);
     const Vector Omega = subtract(measured->Omega, vector(x->identification.p + BIAS));
     controller_planned_learn(dt, rotation_log(multiply(transposed(x->predicted.R), measured->R)),
-                             subtract(Omega, x->predicted.Omega), subtract(Omega, by_start.Omega), &x->identification);
+                             subtract(Omega, x->predicted.Omega), subtract(Omega, by_start.Omega), watched, &x->identification);
 }
 
 /* The measured field less the onboard model's B_N, smoothed. */
@@ -202,9 +202,9 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
         /* What rods give shows only where their commands and the field are known. */
-        x->identification.watched =
+        const bool watched =
             p->find_failures && x->identification.spread > 0.0 && controller_planned_has_u_applied(u) && has_field(u);
-        filter(law, x, &measured, B_B, given, &around, dt);
+        filter(law, x, &measured, B_B, given, &around, dt, watched);
         if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
             controller_planned_watch_wheel(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
             controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);

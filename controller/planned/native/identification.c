@@ -131,13 +131,13 @@ static bool watch(double dt, Vector rate, Identification *id)
     return S > 0.0 && controller_planned_watch_rods(dt, id->time, rate, S, &id->watch);
 }
 
-void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, Identification *id)
+void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, bool watched, Identification *id)
 {
     double innovation[MOTION];
     store(turn, innovation);
     store(rate, innovation + RATE_STATE);
     id->bias = vector(id->p + BIAS);
-    const bool suspected = id->watched && watch(dt, rate, id);
+    const bool suspected = watched && watch(dt, rate, id);
     if (suspected) {
         controller_planned_suspect_rods(id);
     }
@@ -154,7 +154,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     id->evidence = larger(id->evidence + 0.5 * (dot(rate, rate) - dot(nominal, nominal)) / expected, 0.0);
     controller_planned_correct(innovation, id);
     const bool beyond = keep_all_within(id);
-    if (beyond && id->watched && !id->watch.wide && !(id->watch.paused > 0.0)) {
+    if (beyond && watched && !id->watch.wide && !(id->watch.paused > 0.0)) {
         controller_planned_suspect_rods(id);
     }
     if (id->evidence > EVIDENCE_MAX) {

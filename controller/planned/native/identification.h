@@ -24,7 +24,6 @@ typedef struct {
     double alike[2];             /* mean cosine between the innovation and the next, of attitude and of rate */
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
-    bool watched;                /* whether it is looked for */
     RodsWatch watch;             /* for a rod that fails */
     double spread;               /* of the gains before the flight */
     double inertia_spread[6];    /* kg m2, of the inertia */
@@ -79,7 +78,8 @@ void controller_planned_propagate(const Passed *passed, Identification *id);
 void controller_planned_correct(const double innovation[MOTION], Identification *id);
 
 /* The correction by the measurement at the sample's end. `turn`, rad, and `rate`, rad/s, are the innovations, with the bias taken
- * off; `nominal`, rad/s, is that of the rate predicted with inertia and gains as before the flight. */
-void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, Identification *id);
+ * off; `nominal`, rad/s, is that of the rate predicted with inertia and gains as before the flight.
+ * `watched`: whether failed rods are looked for. */
+void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nominal, bool watched, Identification *id);
 
 #endif

@@ -94,6 +94,12 @@ static inline bool has_wheel(const Model *model)
     return model->wheel_torque_max > 0.0;
 }
 
+/* The wheel's control, -1 to 1, that would bring its momentum l to rest in a time, s; 0 where it gives no torque. */
+static inline double wheel_to_rest(const Model *model, double l, double time)
+{
+    return has_wheel(model) ? clip(-l / (time * model->wheel_torque_max), -1.0, 1.0) : 0.0;
+}
+
 /* Dipole of the rods under the controls, A m2, body axes. */
 static inline Vector rods_dipole(const Model *model, const double u[CONTROLS])
 {

@@ -27,8 +27,7 @@ int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, 
     double H[CONTROLS][CONTROLS], g[CONTROLS];
     const double low[CONTROLS] = {-1.0, -1.0, -1.0, -1.0}, high[CONTROLS] = {1.0, 1.0, 1.0, 1.0};
     bool free[CONTROLS];
-    const double rest =
-        !has_wheel(model) ? 0.0 : clip(-l / (WHEEL_REST * model->scales.time * model->wheel_torque_max), -1.0, 1.0);
+    const double rest = wheel_to_rest(model, l, WHEEL_REST * model->scales.time);
     for (int i = 0; i < CONTROLS; ++i) {
         const double weight = i < 3 ? model->scales.weight_rods : model->scales.weight_motor;
         for (int j = 0; j < CONTROLS; ++j) {
