@@ -17,6 +17,7 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
   0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means so;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
+- `steps` (parameters in s): how many steps of its block the time has to be, "whole" (a whole number) or "at least one";
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
@@ -37,7 +38,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
-from .variables import FLAVOURS, Causality, Element, Interface, Type, Variable
+from .variables import FLAVOURS, STEPS, Causality, Element, Interface, Type, Variable
 
 ABSENT = 1e9
 """The start of every optional real input, which means that it is not connected."""
@@ -91,8 +92,8 @@ def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
 
 
 _KEYS = (
-    "causality type shape unit display_unit frame variability optional quantity start min max items description depends_on "
-    "initially_depends_on"
+    "causality type shape unit display_unit frame variability optional quantity steps start min max items description "
+    "depends_on initially_depends_on"
 ).split()
 
 
@@ -122,6 +123,12 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         raise InterfaceError(
             f"only a parameter states a quantity, found one of {entry['quantity']!r} at an {causality}"
         )
+    if (steps := entry.get("steps")) is not None and (
+        steps not in STEPS or causality != "parameter" or shape or entry.get("unit") != "s"
+    ):
+        raise InterfaceError(
+            f"steps: expected {' or '.join(map(repr, STEPS))} at a scalar parameter in s, found {steps!r}"
+        )
     default = "continuous" if kind == "real" else "discrete"
     return Variable(
         name=name,
@@ -145,6 +152,7 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
         initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
         optional=optional,
         quantity=entry.get("quantity"),
+        steps=steps,
     )
 
 

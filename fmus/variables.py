@@ -11,6 +11,7 @@ FLAVOURS = ("native", "python")
 Causality = Literal["input", "output", "parameter"]
 Type = Literal["real", "integer", "boolean", "string", "enumeration"]
 Scalar = float | int | bool | str
+STEPS = ("whole", "at least one")
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,8 @@ class Variable:
     """An input that may stay unconnected; its start then says so."""
     quantity: str | None = None
     """Of a parameter: the quantity that it states, the same in every block of a loop."""
+    steps: str | None = None
+    """Of a parameter that is a time: how many steps of its block it has to be, one of `STEPS`."""
 
     @property
     def unit(self) -> str | None:

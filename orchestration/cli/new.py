@@ -15,6 +15,7 @@ from fmus.native.toolchain import CompilerError
 from ..acceptance.vector import record, scenario_of
 from ..errors import BlockError, InputError, hint, reason
 from ..fmu.archive import shown
+from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
 from ..runner.read import read
 from ..runner.run import execute
@@ -115,7 +116,7 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
     try:
         whole = read(folder / found.flown)
-        loop = load_scenario(whole)
+        loop = open_scenario(load_scenario(whole)).plan.scenario
         sample = loop.step * max(entry.every for entry in loop.blocks.values())
         short = whole.without([("record",), ("expect",), ("figures",)]).with_entry(("duration",), sample)
         first = execute(load_scenario(short))

@@ -70,6 +70,11 @@ def view(block: str) -> Mapping[str, Any]:
     return load(block).view if block in own() else {}
 
 
+def in_steps(block: str) -> dict[str, str]:
+    """The parameters of one of the project's own interfaces that are times of so many steps: "whole" or "at least one"."""
+    return {v.name: v.steps for v in load(block).of("parameter") if v.steps} if block in own() else {}
+
+
 def helpers(block: str) -> dict[str, Helper]:
     """The helper inputs of one of the project's own interfaces; none of any other."""
     declared = load(block).helpers.values() if block in own() else ()

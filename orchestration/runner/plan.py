@@ -13,7 +13,7 @@ from ..expectations.holds import Look
 from ..fmu.model import Model
 from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
-from ..system import agreement, order, panels, signals, starts, timeline, view, wiring
+from ..system import agreement, order, panels, periods, signals, starts, timeline, view, wiring
 from ..system.clock import Clock, check_size, clock
 from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
@@ -61,6 +61,7 @@ def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | No
     notes = [
         *remarks,
         *agreement.notes(scenario, models, values),
+        *periods.notes(scenario, models, values),
         *wired.warnings,
         *sequence.warnings,
         *more,

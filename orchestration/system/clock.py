@@ -60,7 +60,7 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     """Counts of a scenario's times, and notes on them. Raises InputError where they do not divide."""
     step = Fraction(repr(scenario.step))
     ratio = Fraction(repr(scenario.duration)) / step
-    steps = _whole(ratio)
+    steps = whole(ratio)
     notes = []
     if steps is None:
         steps = math.ceil(ratio)
@@ -72,15 +72,12 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
         message = f"{scenario.duration:.10g} s are more than {EXACT:.1g} steps of {scenario.step:.6g} s"
         raise InputError(scenario.error(("duration",), message))
     interval = scenario.record.interval or scenario.step
-    every = _whole(Fraction(repr(interval)) / step)
+    every = whole(Fraction(repr(interval)) / step)
     if not every:
-        low = max(1, math.floor(Fraction(repr(interval)) / step))
-        near = " or ".join(f"{float(n * step):.10g} s" for n in (low, low + 1))
-        key = ("record", "interval")
-        message = (
-            f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s; nearest: {near}"
+        message = f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s"
+        raise InputError(
+            scenario.error(("record", "interval"), f"{message}; nearest: {multiples_near(interval, step)}")
         )
-        raise InputError(scenario.error(key, message))
     if every > steps:
         message = f"expected at most the duration, {scenario.duration:.10g} s, found {interval:.10g} s"
         raise InputError(scenario.error(("record", "interval"), message))
@@ -107,7 +104,13 @@ def check_size(scenario: Scenario, clock: Clock, columns: int) -> None:
     raise InputError(scenario.error(("duration",), f"{message}; remedy: a longer record.interval, or fewer signals"))
 
 
-def _whole(ratio: Fraction) -> int | None:
+def whole(ratio: Fraction) -> int | None:
     """The whole number that the ratio is, but for rounding."""
     nearest = round(ratio)
     return nearest if abs(ratio - nearest) <= Fraction(1, 10**9) * max(1, nearest) else None
+
+
+def multiples_near(time: float, step: Fraction) -> str:
+    """The multiples of a step on either side of a time, in words: "0.2 s or 0.3 s"."""
+    low = max(1, math.floor(Fraction(repr(time)) / step))
+    return " or ".join(f"{float(n * step):.10g} s" for n in (low, low + 1))

@@ -1,0 +1,46 @@
+"""Parameters that are times of so many steps of their block, such as the period of a sampled law, held against these steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from ..errors import InputError
+from ..fmu.interfaces import in_steps
+from ..fmu.model import Element, Model
+from ..scenario.scenario import Scenario
+from ..scenario.source import Key
+from .clock import multiples_near, whole
+from .starts import Start
+
+
+def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, Sequence[Start]]) -> list[str]:
+    """Warnings of times that are too short. Raises InputError with every time that its block's step does not divide.
+
+    An FMU other than of the project's own blocks does not say which of its parameters are such times.
+    """
+    warnings, errors = list[str](), list[str]()
+    for block, model in models.items():
+        values = {**model.starts, **{start.element: start.value for start in starts[block]}}
+        every = scenario.blocks[block].every
+        step = every * Fraction(repr(scenario.step))
+        counted = f" ({every} base steps of {scenario.step:.10g} s)" if every > 1 else ""
+        of = f"the step of {block}, {float(step):.10g} s{counted}"
+        for name, steps in in_steps(model.name).items():
+            time = float(values[Element(name, 0)])
+            count = Fraction(repr(time)) / step
+            if steps == "whole" and not whole(count):
+                message = f"expected a multiple of {of}, found {time:.10g} s; remedy: {multiples_near(time, step)}"
+                errors.append(scenario.error(_key(scenario, block, name), f"{message}, or another step"))
+            elif steps == "at least one" and count < 1 and whole(count) != 1:
+                message = f"{block}.{name} = {time:.10g} s is less than {of}; remedy: {float(step):.10g} s or more"
+                warnings.append(f"{message}, or a smaller step")
+    if errors:
+        raise InputError(*errors)
+    return warnings
+
+
+def _key(scenario: Scenario, block: str, name: str) -> Key:
+    """Where the parameter has its value: at its block, or, if it has none there, among the shared ones."""
+    own = name in scenario.blocks[block].start or name not in scenario.shared
+    return ("blocks", block, "start", name) if own else ("shared", name)
