@@ -1,6 +1,7 @@
 """A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values replace.
 
-A list of the form `{add: [...]}` adds its entries to the list below.
+A list of the form `{add: [...]}` adds its entries to the list below; connections of the form `{replace: [...]}` replace those to
+the same inputs.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, as_written
+from ..errors import InputError, as_written, hint
 from .source import PLACES, Key, Source, copied
 from .text import read as read_text
 
@@ -136,8 +137,8 @@ def _lay_under(
             parts.setdefault(place[len(key)], {})[place] = line
     for name, value in over.items():
         place, part = (*key, name), parts.get(name, {})
-        if _is_addition(value) and isinstance(data.get(name), list):
-            _add(data[name], place, value["add"], part, above, below)
+        if _is_change(place, value) and isinstance(data.get(name), list):
+            _change(data[name], place, value, part, above, below)
             continue
         if isinstance(value, dict) and isinstance(data.get(name), dict) and not _is_value(place):
             _lay_under(below, above, place, data[name], value, part)
@@ -153,22 +154,39 @@ def _lay_under(
         below.files.update((p, file) for p in part if (file := above.files.get(p, above.file)))
 
 
-def _is_addition(value: Any) -> bool:
-    return isinstance(value, dict) and value.keys() == {"add"} and isinstance(value["add"], list)
+def _is_change(place: Key, value: Any) -> bool:
+    kinds = {"add", "replace"} if place[-1] == "connections" else {"add"}
+    lists = isinstance(value, dict) and value.keys() <= kinds and all(isinstance(v, list) for v in value.values())
+    return lists and bool(value)
 
 
-def _add(
-    entries: list[Any], key: Key, added: list[Any], lines: Mapping[Key, int], above: Source, below: Source
+def _change(
+    entries: list[Any], key: Key, change: dict[str, list[Any]], lines: Mapping[Key, int], above: Source, below: Source
 ) -> None:
-    """Puts the entries behind those of the list under a key, with the lines that they have in `above`."""
-    first, at = len(entries), len(key) + 1
-    entries += copied(added)
+    """Replaces connections in the list under a key, each by the one to the same input, and puts what is added behind the
+    list; all with the lines that they have in `above`. Raises InputError where there is nothing to replace."""
+    moved: dict[Key, int] = {}
+    targets = [_target(entry) for entry in entries]
+    for number, entry in enumerate(change.get("replace", ())):
+        if (target := _target(entry)) not in targets:
+            message = f"{as_written(entry)}: there is no connection to this input to replace{hint(target, targets)}"
+            raise InputError(above.error((*key, "replace", number), message))
+        moved["replace", number] = at = targets.index(target)
+        entries[at] = entry
+        _forget(below, (*key, at))
+    for number, entry in enumerate(change.get("add", ())):
+        moved["add", number] = len(entries)
+        entries.append(copied(entry))
     for place, line in lines.items():
-        if isinstance(number := place[at] if len(place) > at else None, int):
-            moved = (*key, first + number, *place[at + 1 :])
-            below.lines[moved] = line
+        within = len(key) + 2
+        if (at := moved.get(place[len(key) : within], -1)) >= 0:
+            below.lines[*key, at, *place[within:]] = line
             if file := above.files.get(place, above.file):
-                below.files[moved] = file
+                below.files[*key, at, *place[within:]] = file
+
+
+def _target(connection: Any) -> str:
+    return "".join(str(connection).partition("->")[2].split())
 
 
 def _forget(source: Source, key: Key) -> None:

@@ -101,11 +101,12 @@ class Model(BaseModel):
 
 def _whole_or_extending(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
-    for entry in schema["properties"].values():
+    for name, entry in schema["properties"].items():
         if entry.get("type") == "array":
             whole = {key: entry.pop(key) for key in ("type", "items")}
-            add = {"type": "object", "properties": {"add": whole}, "required": ["add"], "additionalProperties": False}
-            entry["anyOf"] = [whole, add]
+            kinds = ("add", "replace") if name == "connections" else ("add",)
+            change = {"type": "object", "properties": dict.fromkeys(kinds, whole), "minProperties": 1}
+            entry["anyOf"] = [whole, change | {"additionalProperties": False}]
 
 
 class Extending(Model):
@@ -115,7 +116,7 @@ class Extending(Model):
 
     extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
     """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's values. Mappings
-    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, a null takes an entry out; later files go before earlier ones, this one before all."""
+    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, connections `{replace: [...]}` replace those to the same inputs, a null takes an entry out; later files go before earlier ones, this one before all."""
 
     @field_validator("extends")
     @classmethod

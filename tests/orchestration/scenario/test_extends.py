@@ -41,6 +41,42 @@ def test_entries_are_added_to_a_list_and_keep_their_lines(loop):
     ]
 
 
+def test_a_connection_replaces_that_to_the_same_input_in_its_place_and_keeps_its_line(loop):
+    below = load("loop.yaml").source.data["connections"]
+    text = (
+        "extends: loop.yaml\nconnections:\n  add: [motor.speed -> regulator.gain]\n  replace:\n    - motor.{} -> {}\n"
+    )
+    target = below[0].split(" -> ")[1]
+    (loop.parent / "over.yaml").write_text(text.format("load", target))
+    data = load("over.yaml").source.data
+    assert data["connections"] == [f"motor.load -> {target}", *below[1:], "motor.speed -> regulator.gain"]
+    with pytest.raises(InputError) as error:
+        run("over.yaml")
+    assert re.findall(r"(\w+\.yaml:\d+: \w+\[\d\])", str(error.value)) == [
+        "over.yaml:5: connections[1]",
+        f"over.yaml:3: connections[{len(below) + 1}]",
+    ]
+
+
+def test_a_connection_to_an_input_that_is_not_connected_replaces_none(loop):
+    (loop.parent / "over.yaml").write_text(
+        "extends: loop.yaml\nconnections:\n  replace: [motor.speed -> regulator.sped]\n"
+    )
+    with pytest.raises(
+        InputError,
+        match=r"over\.yaml:3: connections\.replace\[1\]: 'motor\.speed -> regulator\.sped': there is no connection to this "
+        r"input to replace; did you mean 'regulator\.speed'\?",
+    ):
+        load("over.yaml")
+
+
+@pytest.mark.parametrize("change", ["expect: {replace: []}", "connections: {}", "connections: {replace: a.b -> c.d}"])
+def test_only_connections_are_replaced_and_by_a_list_of_them(loop, change):
+    (loop.parent / "over.yaml").write_text(f"extends: loop.yaml\n{change}\n")
+    with pytest.raises(InputError, match=r"over\.yaml:2: \w+: expected a list"):
+        load("over.yaml")
+
+
 def test_an_addition_without_a_list_below_is_refused_where_it_stands(loop):
     (loop.parent / "over.yaml").write_text("extends: loop.yaml\ndelays: {add: [a.b]}\n")
     with pytest.raises(InputError, match=r"over\.yaml:2: delays: expected a list"):
