@@ -6,7 +6,9 @@ import os
 import sys
 from functools import cache
 from pathlib import Path
+from zlib import crc32
 
+import numpy as np
 import pytest
 
 from fmus.build import blocks_of, ensure
@@ -83,6 +85,12 @@ def markers_of(path: Path) -> list[str]:
     """The markers of the tests in a file."""
     place = path.relative_to(HERE)
     return [marker for marker, places in MARKERS.items() if any(place.is_relative_to(p) for p in places)]
+
+
+@pytest.fixture
+def rng(request: pytest.FixtureRequest) -> np.random.Generator:
+    """Random numbers of one test alone, the same whichever tests ran before it."""
+    return np.random.default_rng(crc32(request.node.name.encode()))
 
 
 @pytest.fixture(scope="session")

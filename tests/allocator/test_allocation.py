@@ -120,12 +120,12 @@ def test_basis_is_orthonormal_across_the_field_and_starts_from_the_demand():
         np.testing.assert_allclose(n @ tau, np.linalg.norm(tau - (tau @ b_hat) * b_hat), rtol=1e-12)
 
 
-def test_least_dipole_does_not_depend_on_the_basis():
+def test_least_dipole_does_not_depend_on_the_basis(rng):
     for tau, b, omega, h, U in CASES:
         B, b_hat = allocation.field(b)
         rest = tau - allocation.wheel_reaction(allocation.wheel_torque(tau, b_hat, omega, h), h, omega)
         dipole = allocation.least_dipole(rest, tau, B, b_hat, U)
-        for chooser in (RNG.normal(size=3), b_hat, np.zeros(3), -tau):
+        for chooser in (rng.normal(size=3), b_hat, np.zeros(3), -tau):
             other = allocation.least_dipole(rest, chooser, B, b_hat, U)
             np.testing.assert_allclose(other, dipole, rtol=0, atol=1e-12 * np.linalg.norm(dipole))
 

@@ -27,8 +27,8 @@ def test_principal_angle_of_a_single_precision_attitude_stays_finite_near_identi
             assert so3.principal_angle(Q) == pytest.approx(angle, abs=5e-7)
 
 
-def test_hat_multiplies_as_numpys_cross_product_and_vee_undoes_it():
-    for x, y in RNG.normal(size=(20, 2, 3)):
+def test_hat_multiplies_as_numpys_cross_product_and_vee_undoes_it(rng):
+    for x, y in rng.normal(size=(20, 2, 3)):
         np.testing.assert_allclose(so3.hat(x) @ y, np.cross(x, y), rtol=0, atol=1e-15)
         np.testing.assert_allclose(so3.cross(x, y), np.cross(x, y), rtol=0, atol=1e-15)
         np.testing.assert_array_equal(so3.vee(so3.hat(x)), x)
@@ -43,15 +43,15 @@ def test_exp_is_the_matrix_exponential(angle):
         )
 
 
-def test_projection_is_the_polar_factor_and_leaves_rotations_alone():
+def test_projection_is_the_polar_factor_and_leaves_rotations_alone(rng):
     for R in Rotation.random(20, random_state=7).as_matrix():
         np.testing.assert_allclose(so3.project(R), R, rtol=0, atol=2e-15)
-        near = R + 1e-3 * RNG.uniform(-1, 1, size=(3, 3))
+        near = R + 1e-3 * rng.uniform(-1, 1, size=(3, 3))
         np.testing.assert_allclose(so3.project(near), polar(near)[0], rtol=0, atol=1e-14)
 
 
-def test_projection_of_a_reflection_is_the_rotation_that_best_aligns_its_columns():
-    for M in RNG.normal(size=(20, 3, 3)):
+def test_projection_of_a_reflection_is_the_rotation_that_best_aligns_its_columns(rng):
+    for M in rng.normal(size=(20, 3, 3)):
         left_handed = -np.sign(np.linalg.det(M)) * M
         nearest = Rotation.align_vectors(left_handed.T, np.eye(3))[0].as_matrix()
         np.testing.assert_allclose(so3.project(left_handed), nearest, rtol=0, atol=1e-9)

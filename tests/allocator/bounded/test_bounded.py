@@ -38,34 +38,34 @@ def torque(y, u, p=P):
 
 
 FIELDS = {
-    "any": lambda: RNG.normal(size=3) * 3e-5,
-    "normal to the wheel": lambda: np.array([0.0, *RNG.normal(size=2)]) * 3e-5,
-    "along the wheel": lambda: RNG.choice([-3e-5, 3e-5]) * E1,
-    "along a rod": lambda: 3e-5 * P.U[RNG.integers(3)],
-    "weak": lambda: RNG.normal(size=3) * 10.0 ** RNG.uniform(-11.0, -6.0),
-    "none": lambda: np.zeros(3),
+    "any": lambda rng: rng.normal(size=3) * 3e-5,
+    "normal to the wheel": lambda rng: np.array([0.0, *rng.normal(size=2)]) * 3e-5,
+    "along the wheel": lambda rng: rng.choice([-3e-5, 3e-5]) * E1,
+    "along a rod": lambda rng: 3e-5 * P.U[rng.integers(3)],
+    "weak": lambda rng: rng.normal(size=3) * 10.0 ** rng.uniform(-11.0, -6.0),
+    "none": lambda rng: np.zeros(3),
 }
 
 
-def problem(kind, tuned=True):
+def problem(rng, kind, tuned=True):
     """Inputs and parameters: demands from those that are met to ten times too large, wheels still, running and full."""
-    free = RNG.random() < 0.5
+    free = rng.random() < 0.5
     u = inputs(
         BLOCK,
-        tau_cmd_B=RNG.normal(size=3) * 10.0 ** RNG.uniform(-6.0, -2.0),
-        b_B=FIELDS[kind](),
-        omega_B=RNG.normal(size=3) * 0.05,
-        h_w=RNG.choice([0.0, 0.03, -0.03, 0.0299, RNG.uniform(-0.03, 0.03), 0.04, -0.05]),
-        **({} if free else {"dipole_ff": RNG.uniform(-30.0, 30.0, 3), "wheel_torque_ff": RNG.uniform(-4e-3, 4e-3)}),
+        tau_cmd_B=rng.normal(size=3) * 10.0 ** rng.uniform(-6.0, -2.0),
+        b_B=FIELDS[kind](rng),
+        omega_B=rng.normal(size=3) * 0.05,
+        h_w=rng.choice([0.0, 0.03, -0.03, 0.0299, rng.uniform(-0.03, 0.03), 0.04, -0.05]),
+        **({} if free else {"dipole_ff": rng.uniform(-30.0, 30.0, 3), "wheel_torque_ff": rng.uniform(-4e-3, 4e-3)}),
     )
     if not tuned:
         return u, P
-    rods = np.array([unit(v) for v in RNG.normal(size=(3, 3))]) if kind != "along a rod" else P.rod_axes
-    p = replace(P, rod_axes=rods, rod_weight=10.0 ** RNG.uniform(-7, -6), wheel_weight=RNG.uniform(0.0, 0.3))
-    return u, replace(p, command_period=RNG.choice([0.1, 5.0, 30.0]), wheel_weight_ff=RNG.uniform(0.0, 0.3))
+    rods = np.array([unit(v) for v in rng.normal(size=(3, 3))]) if kind != "along a rod" else P.rod_axes
+    p = replace(P, rod_axes=rods, rod_weight=10.0 ** rng.uniform(-7, -6), wheel_weight=rng.uniform(0.0, 0.3))
+    return u, replace(p, command_period=rng.choice([0.1, 5.0, 30.0]), wheel_weight_ff=rng.uniform(0.0, 0.3))
 
 
-PROBLEMS = {kind: [problem(kind) for _ in range(300)] for kind in FIELDS}
+PROBLEMS = {kind: [problem(RNG, kind) for _ in range(300)] for kind in FIELDS}
 
 
 def cost_and_box(u, p):
@@ -121,11 +121,11 @@ def test_every_output_is_finite_and_never_held(kind):
         assert y.holding is False
 
 
-def test_without_limits_in_the_way_it_is_the_closed_form_of_weighted_least_squares():
+def test_without_limits_in_the_way_it_is_the_closed_form_of_weighted_least_squares(rng):
     """m = R^T (R R^T + w_r^2 I + ...)^-1 r form: x = p + W^-2 A^T (A W^-2 A^T + I)^-1 (r - A p), by the push-through identity."""
     compared = 0
-    for u, p in (problem(k) for k in ("any", "normal to the wheel", "weak") for _ in range(200)):
-        u = replace(u, tau_cmd_B=1e-5 * unit(u.tau_cmd_B), h_w=RNG.uniform(-5e-3, 5e-3), omega_B=np.zeros(3))
+    for u, p in (problem(rng, k) for k in ("any", "normal to the wheel", "weak") for _ in range(200)):
+        u = replace(u, tau_cmd_B=1e-5 * unit(u.tau_cmd_B), h_w=rng.uniform(-5e-3, 5e-3), omega_B=np.zeros(3))
         p = replace(p, wheel_weight=0.1, wheel_weight_ff=0.1, command_period=0.5)
         A, y, low, high = cost_and_box(u, p)
         inverse = np.diag(np.array([p.rod_weight, p.rod_weight, p.rod_weight, 0.1]) ** -2)
@@ -175,13 +175,13 @@ def test_a_demand_along_the_wheel_in_a_field_along_it_is_the_wheels_alone():
     assert y.wheel_torque_cmd == pytest.approx(-1e-3 / 1.04)
 
 
-def test_feed_forward_decides_where_torque_does_not():
+def test_feed_forward_decides_where_torque_does_not(rng):
     """Of a moment along the field nothing is felt: the preferred dipole comes through, and the torque stays."""
     for _ in range(100):
-        u, _ = problem("any", tuned=False)
+        u, _ = problem(rng, "any", tuned=False)
         u = replace(u, tau_cmd_B=1e-4 * unit(u.tau_cmd_B), omega_B=np.zeros(3), h_w=0.0)
         b = unit(u.b_B) * 3e-5
-        along = np.linalg.solve(P.U.T, RNG.uniform(-6.0, 6.0) * unit(b))  # dipoles whose moment lies along the field
+        along = np.linalg.solve(P.U.T, rng.uniform(-6.0, 6.0) * unit(b))  # dipoles whose moment lies along the field
         absent = replace(u, b_B=b, dipole_ff=np.full(3, 1e9), wheel_torque_ff=0.0)
         with_it = replace(absent, dipole_ff=along)
         y, z = given(absent), given(with_it)
@@ -193,10 +193,10 @@ def test_feed_forward_decides_where_torque_does_not():
             np.testing.assert_allclose(torque(z, with_it), torque(y, absent), rtol=0, atol=1e-13)
 
 
-def test_a_plan_that_gives_the_demand_is_followed():
+def test_a_plan_that_gives_the_demand_is_followed(rng):
     for _ in range(100):
-        u, _ = problem("any", tuned=False)
-        m, d = RNG.uniform(-25.0, 25.0, 3), RNG.uniform(-3e-3, 3e-3)
+        u, _ = problem(rng, "any", tuned=False)
+        m, d = rng.uniform(-25.0, 25.0, 3), rng.uniform(-3e-3, 3e-3)
         u = replace(u, dipole_ff=m, wheel_torque_ff=d, h_w=0.01)
         planned = torque(replace(given(u), dipole_cmd=m, wheel_torque_cmd=d), u)
         y = given(replace(u, tau_cmd_B=planned))
@@ -206,8 +206,8 @@ def test_a_plan_that_gives_the_demand_is_followed():
 
 
 @pytest.mark.parametrize("size", [1e9, -1e9, 3e12])
-def test_one_element_at_1e9_disconnects_a_feed_forward(size):
-    u, _ = problem("any", tuned=False)
+def test_one_element_at_1e9_disconnects_a_feed_forward(size, rng):
+    u, _ = problem(rng, "any", tuned=False)
     absent = replace(u, dipole_ff=np.full(3, 1e9), wheel_torque_ff=1e9)
     for i in range(3):
         dipole = np.array([3.0, -2.0, 5.0])
@@ -217,8 +217,8 @@ def test_one_element_at_1e9_disconnects_a_feed_forward(size):
         )
 
 
-def test_a_preference_beyond_a_limit_counts_as_the_limit():
-    u, _ = problem("any", tuned=False)
+def test_a_preference_beyond_a_limit_counts_as_the_limit(rng):
+    u, _ = problem(rng, "any", tuned=False)
     u = replace(u, h_w=0.0)
     beyond = replace(u, dipole_ff=np.array([99.0, -25.1, 3.0]), wheel_torque_ff=1.0)
     at = replace(u, dipole_ff=np.array([25.0, -25.0, 3.0]), wheel_torque_ff=0.003)
@@ -243,9 +243,9 @@ def test_a_running_wheel_is_drawn_to_rest_at_the_price_stated():
         assert np.linalg.norm(y.tau_residual_B) <= 0.1 * 1e-4 / 2.0 + 1e-12
 
 
-def test_renaming_rods_renames_their_dipoles():
+def test_renaming_rods_renames_their_dipoles(rng):
     for u, p in PROBLEMS["any"][:100]:
-        order = RNG.permutation(3)
+        order = rng.permutation(3)
         y = given(u, p)
         z = given(
             replace(u, dipole_ff=u.dipole_ff[order], rod_gains=u.rod_gains[order]),
@@ -266,9 +266,9 @@ def test_turning_a_rod_end_for_end_turns_its_dipole_over():
         np.testing.assert_allclose(z.dipole_cmd, signs * y.dipole_cmd, rtol=0, atol=1e-7)
 
 
-def test_with_gains_of_the_rods_scipy_finds_no_better_commands():
+def test_with_gains_of_the_rods_scipy_finds_no_better_commands(rng):
     for u, p in PROBLEMS["any"][:100]:
-        known = replace(u, rod_gains=RNG.choice([0.0, -1.0, 0.5, 0.9, 1.1], 3))
+        known = replace(u, rod_gains=rng.choice([0.0, -1.0, 0.5, 0.9, 1.1], 3))
         A, y, low, high = cost_and_box(known, p)
         scale = np.array([25.0, 25.0, 25.0, 3e-3])
         best = lsq_linear(A * scale, y, (low / scale, high / scale), method="bvls", tol=1e-15).cost
@@ -341,9 +341,9 @@ def test_what_is_given_never_works_against_the_demand():
             assert t @ u.tau_cmd_B >= t @ t - 1e-18
 
 
-def test_a_larger_demand_is_served_no_worse_and_its_direction_may_turn():
+def test_a_larger_demand_is_served_no_worse_and_its_direction_may_turn(rng):
     b, turned = np.array([2e-5, 1e-5, -3e-5]), 0.0
-    for direction in RNG.normal(size=(50, 3)):
+    for direction in rng.normal(size=(50, 3)):
         gained = 0.0
         for size in (1e-5, 1e-4, 1e-3, 1e-2, 1e-1):
             u = inputs(BLOCK, tau_cmd_B=size * unit(direction), b_B=b)
@@ -380,9 +380,9 @@ def test_without_a_field_only_the_wheel_acts():
         assert y.b_wheel == 0.0
 
 
-def test_nothing_wanted_of_a_still_wheel_is_nothing_commanded():
+def test_nothing_wanted_of_a_still_wheel_is_nothing_commanded(rng):
     for kind in FIELDS:
-        u = inputs(BLOCK, b_B=FIELDS[kind](), omega_B=[0.1, 0.2, 0.3])
+        u = inputs(BLOCK, b_B=FIELDS[kind](rng), omega_B=[0.1, 0.2, 0.3])
         y = given(u)
         np.testing.assert_array_equal(commands(y), 0.0)
         np.testing.assert_array_equal(y.tau_residual_B, 0.0)
@@ -456,11 +456,11 @@ def test_absurd_inputs_give_commands_within_the_limits(changes):
     assert 0.0 <= y.demand_fraction <= 1e6
 
 
-def test_the_first_command_is_that_of_the_inputs_at_the_start_and_steps_remember_nothing():
-    u, _ = problem("any", tuned=False)
+def test_the_first_command_is_that_of_the_inputs_at_the_start_and_steps_remember_nothing(rng):
+    u, _ = problem(rng, "any", tuned=False)
     x = bounded.start(P, u)
     first = bounded.outputs(x, u, P)
-    other, _ = problem("any", tuned=False)
+    other, _ = problem(rng, "any", tuned=False)
     x, _ = bounded.step(x, other, P, 0.5)
     x, y = bounded.step(x, u, P, 0.5)
     np.testing.assert_array_equal(commands(first), commands(y))
@@ -533,10 +533,10 @@ def test_wrong_parameters_are_refused_by_name_and_value(changes, message):
         bounded.check(parameters(BLOCK, **changes))
 
 
-def test_right_parameters_pass_and_axes_are_normalised_on_use():
+def test_right_parameters_pass_and_axes_are_normalised_on_use(rng):
     bounded.check(P)
     rounded = replace(P, rod_axes=P.rod_axes * (1.0 + 9e-7), wheel_weight=0.0, wheel_weight_ff=0.0)
     bounded.check(rounded)
-    u, _ = problem("any", tuned=False)
+    u, _ = problem(rng, "any", tuned=False)
     y, z = given(u, rounded), given(u, replace(rounded, rod_axes=P.rod_axes))
     np.testing.assert_allclose(commands(y), commands(z), rtol=1e-6, atol=1e-12)

@@ -84,12 +84,12 @@ def test_a_minimum_on_the_very_bound_is_that_bound():
         np.testing.assert_allclose(found, x, rtol=0, atol=1e-14)
 
 
-def test_rounding_takes_no_minimum_out_of_the_box():
+def test_rounding_takes_no_minimum_out_of_the_box(rng):
     """Minima that lie on bounds, as nearly as floating point tells."""
     for _ in range(1000):
-        A, low = RNG.normal(size=(5, 3)), -RNG.uniform(0.1, 2.0, 3)
-        high = low + RNG.uniform(0.1, 3.0, 3)
-        minimum = np.choose(RNG.integers(0, 3, 3), (low, high, 0.5 * (low + high)))
+        A, low = rng.normal(size=(5, 3)), -rng.uniform(0.1, 2.0, 3)
+        high = low + rng.uniform(0.1, 3.0, 3)
+        minimum = np.choose(rng.integers(0, 3, 3), (low, high, 0.5 * (low + high)))
         x, _ = least_squares(A, A @ minimum, low, high)
         assert ((low <= x) & (x <= high)).all()
         np.testing.assert_allclose(x, minimum, rtol=0, atol=1e-9)

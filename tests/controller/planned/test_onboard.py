@@ -16,7 +16,6 @@ from tests.authorities import orbits
 
 from . import core
 
-RNG = np.random.default_rng(81)
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
@@ -60,9 +59,9 @@ def test_sidereal_time_is_as_published(source):
 # ------------------------------------------------------------------------------------------- field
 
 
-def places(n=40):
+def places(rng, n=40):
     return [
-        (math.degrees(math.asin(RNG.uniform(-1, 1))), RNG.uniform(-180, 180), RNG.uniform(300, 900)) for _ in range(n)
+        (math.degrees(math.asin(rng.uniform(-1, 1))), rng.uniform(-180, 180), rng.uniform(300, 900)) for _ in range(n)
     ]
 
 
@@ -85,9 +84,9 @@ def by_ppigrf(date, degree, latitude, longitude, height):
 @pytest.mark.parametrize(
     ("year", "degree"), [(2000, 13), (2003, 13), (2009, 13), (2009, 10), (2009, 1), (2015, 4), (2029, 13)]
 )
-def test_igrf_is_ppigrfs(year, degree):
+def test_igrf_is_ppigrfs(year, degree, rng):
     date = datetime(year, 1, 1, tzinfo=UTC)
-    for place in places():
+    for place in places(rng):
         # The onboard year counts 365.25 days each: up to 0.7 day off, at up to 150 nT a year.
         assert ours("igrf14", date, degree, *place) == pytest.approx(by_ppigrf(date, degree, *place), abs=0.35)
 
@@ -96,20 +95,20 @@ def test_igrf_is_ppigrfs(year, degree):
     ("wmm2010", 2012.0, "wmm/WMM_2010.COF"), ("wmm2015", 2016.0, "wmm/WMM_2015v2.COF"),
     ("wmm2020", 2020.0, "wmm/WMM_2020.COF"), ("wmm2025", 2029.0, "wmm/WMM_2025.COF"),
 ])  # fmt: skip
-def test_wmm_is_pygeomags(model, year, file):
+def test_wmm_is_pygeomags(model, year, file, rng):
     theirs = GeoMag(coefficients_file=file)
     date = datetime(int(year), 1, 1, tzinfo=UTC)
-    for latitude, longitude, height in places():
+    for latitude, longitude, height in places(rng):
         found = theirs.calculate(glat=latitude, glon=longitude, alt=height, time=year)
         assert ours(model, date, 12, latitude, longitude, height) == pytest.approx(
             [found.x, found.y, found.z], abs=0.35
         )
 
 
-def test_the_field_turns_with_the_earth():
+def test_the_field_turns_with_the_earth(rng):
     """Some hours after the epoch the field at a place fixed to the Earth is what it was."""
     date = datetime(2009, 8, 10, tzinfo=UTC)
-    for place in places(5):
+    for place in places(rng, 5):
         assert ours("igrf14", date, 10, *place, seconds=20000.0) == pytest.approx(
             ours("igrf14", date, 10, *place), abs=1e-3
         )
@@ -183,8 +182,8 @@ def test_lvlh_looks_down_and_against_the_orbits_normal_and_turns_as_it_does():
 @pytest.mark.parametrize(
     "angle", [0.0, 1e-12, 1e-9, 1e-6, 1e-4, 0.01, 1.0, 2.5, 3.14, math.pi - 1e-5, math.pi - 1e-8, math.pi]
 )
-def test_the_logarithm_is_scipys_from_none_to_half_a_turn(angle):
-    axes = RNG.normal(size=(50, 3))
+def test_the_logarithm_is_scipys_from_none_to_half_a_turn(angle, rng):
+    axes = rng.normal(size=(50, 3))
     axes = np.vstack((axes / np.linalg.norm(axes, axis=1)[:, None], np.eye(3), -np.eye(3)))
     R = Rotation.from_rotvec(angle * axes).as_matrix()
     found = core.logs(R)

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from . import core, motion
 
-RNG = np.random.default_rng(15)
 R0, V0 = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
 FULL_J = np.array([[2.13, 0.11, -0.07], [0.11, 3.04, 0.19], [-0.07, 0.19, 3.09]])
 SATELLITE = core.Satellite(J=FULL_J, disturbance_B=np.array([1e-5, -2e-5, 3e-5]), residual_B=np.array([0.1, 0.2, -0.3]))
@@ -68,8 +67,8 @@ def errors(x, y):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_the_acceleration_is_that_of_the_equations(seed):
-    x, a, u = state(seed), around(seed), RNG.uniform(-1, 1, 4)
+def test_the_acceleration_is_that_of_the_equations(seed, rng):
+    x, a, u = state(seed), around(seed), rng.uniform(-1, 1, 4)
     expected = motion.rate_of_change(
         reference(SATELLITE, a),
         x.R,
@@ -104,8 +103,8 @@ def test_the_gravity_gradient_of_the_equations_is_that_of_two_masses():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_stage_comes_to_scipys_motion_in_second_order(seed):
-    x, a, u = state(seed), around(seed), RNG.uniform(-0.9, 0.9, 4)
+def test_a_stage_comes_to_scipys_motion_in_second_order(seed, rng):
+    x, a, u = state(seed), around(seed), rng.uniform(-0.9, 0.9, 4)
     exact = flown(SATELLITE, a, x, u, 4.0)
     sizes = []
     for n in (2, 4, 8, 16):
@@ -179,9 +178,9 @@ def test_at_the_target_with_the_wheel_at_rest_nothing_is_to_be_paid():
     assert gradient == pytest.approx(np.zeros(7), abs=1e-10)
 
 
-def test_controls_for_a_torque_are_scipys_least_squares():
+def test_controls_for_a_torque_are_scipys_least_squares(rng):
     for _ in range(100):
-        tau, B, h_w = RNG.normal(size=3) * 2e-3, RNG.normal(size=3) * 3e-5, RNG.uniform(-0.03, 0.03)
+        tau, B, h_w = rng.normal(size=3) * 2e-3, rng.normal(size=3) * 3e-5, rng.uniform(-0.03, 0.03)
         u = core.controls_for(SATELLITE, tau, B, h_w)
         A = np.column_stack((np.cross(SATELLITE.rods, B).T, -SATELLITE.wheel_torque_max * motion.E1))
         best = lsq_linear(A, tau, (-1, 1), tol=1e-14)
@@ -238,14 +237,14 @@ def test_a_plan_that_scipy_flies_without_feedback_stays_near_its_path():
     assert largest < math.radians(5.0)
 
 
-def test_no_small_change_of_the_controls_is_cheaper():
+def test_no_small_change_of_the_controls_is_cheaper(rng):
     """First-order optimality of the converged plan, by differences of its cost: inside the box no slope, at a bound none inward."""
     x = next(starts())
     plan = core.plan(SATELLITE, AHEAD, x, 400, 0.008)
     n, step = len(plan.h), 1e-3
     assert core.plan_cost(SATELLITE, AHEAD, x, plan.u) == pytest.approx(plan.cost, rel=1e-9)
     start = core.plan(SATELLITE, AHEAD, x, 0, 0.008)
-    for i in RNG.choice(n, 25, replace=False):
+    for i in rng.choice(n, 25, replace=False):
         for j in range(4):
             slopes = []
             for u in (start.u, plan.u):
