@@ -105,13 +105,39 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
     return due;
 }
 
+/* The motion by the model after a time, about that of a search, under a plan or the steering. */
+static Motion expected(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Plan *plan,
+                       const Motion *from, double t, double time)
+{
+    const Around around = controller_planned_around_at(ahead, t + 0.5 * time);
+    const double h = time / SEARCH_SAMPLES;
+    Steering steering = x->steering;
+    Motion then = *from;
+    for (int i = 0; i < SEARCH_SAMPLES && h > 0.0; ++i) {
+        double u[CONTROLS];
+        if (x->phase == PHASE_STEERING) {
+            const Vector B_B = apply_transposed(then.R, around.B_N);
+            controller_planned_steering_rods(&steering, then.R, B_B, model->rods, model->scales.time, u);
+            u[3] = controller_planned_wheel_to_rest(model, then.l);
+            steering.time = larger(steering.time - h, 0.0);
+        } else {
+            controller_planned_plan_at(plan, t + (i + 0.5) * h, u);
+        }
+        then = controller_planned_advanced(model, &around, &then, u, h);
+    }
+    return then;
+}
+
 /* The plan from now on: the one that was; or the one of the search, where there is none, or in the sample after where it is
  * better. */
 static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *model, const Ahead *ahead,
                    const Motion *now, double early, int32_t *work)
 {
     const bool fresh = x->plan.stages == 0, of_search = fresh || x->challenged;
-    controller_planned_renew(law, x, model, ahead, now, of_search ? &x->search.best : &x->plan, work);
+    const Search *search = &x->search;
+    const Motion there =
+        of_search ? expected(x, model, ahead, &search->best, &search->x, search->t, x->t - search->t) : x->reference;
+    controller_planned_renew(law, x, model, ahead, &there, now, of_search ? &search->best : &x->plan, work);
     if (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN)) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
@@ -122,28 +148,6 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
         x->next_challenge = x->t + CHALLENGE_PERIOD * x->scales.time;
     }
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
-}
-
-/* The motion by the model after the time that a search is expected to take, under the plan or the steering. */
-static Motion expected(const ControllerPlannedState *x, const Model *model, const Ahead *ahead, const Motion *now, double time)
-{
-    const Around around = controller_planned_around_at(ahead, x->t + 0.5 * time);
-    const double h = time / SEARCH_SAMPLES;
-    Steering steering = x->steering;
-    Motion then = *now;
-    for (int i = 0; i < SEARCH_SAMPLES; ++i) {
-        double u[CONTROLS];
-        if (x->phase == PHASE_STEERING) {
-            const Vector B_B = apply_transposed(then.R, around.B_N);
-            controller_planned_steering_rods(&steering, then.R, B_B, model->rods, model->scales.time, u);
-            u[3] = controller_planned_wheel_to_rest(model, then.l);
-            steering.time = larger(steering.time - h, 0.0);
-        } else {
-            controller_planned_plan_at(&x->plan, x->t + (i + 0.5) * h, u);
-        }
-        then = controller_planned_advanced(model, &around, &then, u, h);
-    }
-    return then;
 }
 
 /* The search goes on, or begins where a plan is wanted or challenged: at the first sample from where the satellite is, then from
@@ -160,7 +164,7 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
     }
     if (s->near && !search->active && !search->ready &&
         (x->phase == PHASE_STEERING || (challenge && x->t >= x->next_challenge - early))) {
-        const Motion then = search_time > 0.0 ? expected(x, model, ahead, now, search_time) : *now;
+        const Motion then = expected(x, model, ahead, &x->plan, now, x->t, search_time);
         controller_planned_search_begin(&then, x->t + search_time, controller_planned_is_urgent(x, model), search);
     }
     controller_planned_search_on(model, ahead, law->p.search_iterations, search, &law->workspace, work);

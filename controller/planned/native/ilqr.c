@@ -26,21 +26,21 @@ static void add_feedback(const Motion *x, const Motion *x0, double share, const 
     }
 }
 
-/* Motion and cost of the controls in `from` plus share k + K errors, into `to`, and when it settles; NEVER
- * where it turns too fast or costs more than the limit before its end. */
+/* Motion and cost of the controls in `from`, into `to`, and when it settles; where these are two, of the controls plus
+ * share k + K errors. NEVER where it turns too fast or costs more than the limit before its end. */
 static double rollout(const Model *model, const Plan *plan, Workspace *w, int from, int to, double share, double limit,
                       double *settles, int32_t *work)
 {
-    double cost = 0.0, t = plan->start;
+    double cost = 0.0, t = plan->start, settled = t;
     bool near;
-    *settles = t;
+    *settles = INFINITY;
     for (int i = 0; i < plan->stages; ++i) {
         *work -= WORK_ROLLOUT;
         const Motion *x = &w->x[to][i], *x0 = &w->x[from][i];
         const double h = plan->h[i];
         double *u = w->u[to][i];
         memcpy(u, w->u[from][i], sizeof w->u[from][i]);
-        if (share > 0.0) {
+        if (from != to) {
             add_feedback(x, x0, share, w->k[i], w->K[i], u);
         }
         u[3] = controller_planned_wheel_within(model, x->l, u[3], h);
@@ -50,7 +50,7 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         cost += h * (controller_planned_cost_of(model, &w->stage[i].target, x, w->weight[i], 1.0, NULL, NULL, &near) +
                      control_cost(model, u));
         t += h;
-        *settles = near ? *settles : t;
+        settled = near ? settled : t;
         if (cost > limit) {
             return NEVER;
         }
@@ -58,8 +58,11 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
     }
     cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages],
                                        model->scales.final_errors, model->scales.final_wheel, NULL, NULL, &near);
-    *settles = near ? *settles : INFINITY;
-    return cost == cost ? cost : NEVER;
+    if (!(cost < NEVER)) {
+        return NEVER;
+    }
+    *settles = near ? settled : INFINITY;
+    return cost;
 }
 
 /* A column without the wheel's element, which few have. */
@@ -206,19 +209,39 @@ static void weigh(const Plan *plan, double weight[STAGES])
     }
 }
 
-int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w, int32_t *work)
+/* Cost of the motion from x that follows the plan's from `expected`, into the second, and when it settles. */
+static double follow(const Model *model, const Plan *plan, const Motion *expected, const Motion *x, Workspace *w,
+                     double *settles, int32_t *work)
+{
+    double settles_there;
+    w->x[0][0] = *expected;
+    w->x[1][0] = *x;
+    if (*work < plan->stages * (WORK_OF_ITERATION + 2 * WORK_ROLLOUT) ||
+        !(rollout(model, plan, w, 0, 0, 0.0, NEVER, &settles_there, work) < NEVER) || !backward_pass(model, plan, w, 0, work)) {
+        return NEVER;
+    }
+    return rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work);
+}
+
+int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
+                               Workspace *w, int32_t *work)
 {
     int now = 0, used = 0;
-    w->x[0][0] = w->x[1][0] = *x;
+    double settles = INFINITY;
     memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
     weigh(plan, w->weight);
+    const double followed = expected != NULL ? follow(model, plan, expected, x, w, &settles, work) : NEVER;
+    w->x[0][0] = w->x[1][0] = *x;
     plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, &plan->settles, work);
+    if (plan->urgent && settles != plan->settles ? settles < plan->settles : followed < plan->cost) {
+        now = 1;
+        plan->cost = followed;
+        plan->settles = settles;
+    }
     if (!may_be_flown(plan)) {
-        plan->settles = INFINITY;
         return iterations;
     }
     while (used < iterations && *work >= plan->stages * WORK_OF_ITERATION) {
-        double settles = INFINITY;
         const double cost = backward_pass(model, plan, w, now, work) ? line_search(model, plan, w, now, &settles, work) : NEVER;
         if (!(cost < plan->cost)) {
             if (*work < plan->stages * WORK_ROLLOUT) {

@@ -30,7 +30,10 @@ typedef struct {
 } Workspace;
 
 /* Improves the plan from x by at most a number of iterations; the plan's cost is then that of its motion. Returns the iterations
- * that it took from the account; all of them where nothing more is to be gained. w->stage must be that of the plan. */
-int controller_planned_improve(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w, int32_t *work);
+ * that it took from the account; all of them where nothing more is to be gained. w->stage must be that of the plan.
+ * `expected`: where the plan's motion should have come to by now, or NULL; from x that motion is followed by the gains about it,
+ * where that is better than its controls alone. */
+int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
+                               Workspace *w, int32_t *work);
 
 #endif

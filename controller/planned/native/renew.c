@@ -30,7 +30,7 @@ static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
 }
 
 void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
-                              const Motion *now, const Plan *was, int32_t *work)
+                              const Motion *expected, const Motion *now, const Plan *was, int32_t *work)
 {
     const bool urgent = controller_planned_is_urgent(x, usual), hold = x->phase == PHASE_HOLD && has_wheel(usual);
     double stage;
@@ -41,7 +41,7 @@ void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
     for (;; x->longer = (x->longer + least - 1) / 2) {
         model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
         controller_planned_lay_stages(&model, ahead, now, x->t, urgent, was, &law->trial, law->workspace.stage, work);
-        controller_planned_improve(&model, now, ITERATIONS, &law->trial, &law->workspace, work);
+        controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, &law->workspace, work);
         controller_planned_hasten(&law->trial);
         const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
         if (!lost || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {

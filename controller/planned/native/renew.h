@@ -16,8 +16,8 @@ static inline bool controller_planned_is_urgent(const ControllerPlannedState *x,
     return has_wheel(model) && x->phase != PHASE_HOLD;
 }
 
-/* law->trial: the plan that was, from x->t and `now` on, as far as x->longer then says. */
+/* law->trial: the plan that was, from x->t and `now` on, as far as x->longer then says; its motion should have come to `expected`. */
 void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
-                              const Motion *now, const Plan *was, int32_t *work);
+                              const Motion *expected, const Motion *now, const Plan *was, int32_t *work);
 
 #endif

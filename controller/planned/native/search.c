@@ -116,7 +116,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         }
         const int until_hastened = (search->left - 1) % ITERATIONS_AT_ONCE + 1;
         const int used = controller_planned_improve(
-            model, &search->x, iterations < until_hastened ? iterations : until_hastened, &search->trial, w, work);
+            model, NULL, &search->x, iterations < until_hastened ? iterations : until_hastened, &search->trial, w, work);
         search->left -= used;
         iterations -= used;
         const bool compared = search->left % ITERATIONS_AT_ONCE == 0;

@@ -296,7 +296,7 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
         const Turn turn = {.rate = rate};
         controller_planned_cascade(&model, &now, &turn, plan, workspace.stage, &work);
     }
-    controller_planned_improve(&model, &now, iterations, plan, &workspace, &work);
+    controller_planned_improve(&model, NULL, &now, iterations, plan, &workspace, &work);
     for (int i = 0; i < plan->stages; ++i) {
         flatten(&now, &path[i]);
         h[i] = plan->h[i];
@@ -315,7 +315,7 @@ int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, dou
     const int n = probe_plan(m, a, x, a->t, 0.0, 0, h, u[0], &cost, path);
     const Model model = model_of(m);
     const Motion now = motion_of(x);
-    controller_planned_improve(&model, &now, 1, &plans[0], &workspace, &work);
+    controller_planned_improve(&model, NULL, &now, 1, &plans[0], &workspace, &work);
     memcpy(K, workspace.K, (size_t)n * sizeof workspace.K[0]);
     return n;
 }
@@ -330,7 +330,7 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
     Plan *plan = &plans[0];
     controller_planned_lay_stages(&model, &ahead, &now, t, false, NULL, plan, workspace.stage, &work);
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
-    controller_planned_improve(&model, &now, 0, plan, &workspace, &work);
+    controller_planned_improve(&model, NULL, &now, 0, plan, &workspace, &work);
     return plan->cost;
 }
 
