@@ -5,12 +5,18 @@ static const double TOO_FAST = 6.0;    /* 1/T, rate above which nothing is watch
 static const double AFTER_FAST = 10.0; /* T, for which nothing is watched after such a rate */
 static const double SUSPECTED = 25.0;  /* squared deviations of the gains' changes */
 
+/* The sums begin again, after a pause, s. */
+static void begin_anew(double pause, RodsWatch *watch)
+{
+    watch->M = (Matrix){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    watch->z = (Vector){0.0, 0.0, 0.0};
+    watch->paused = pause;
+}
+
 bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, RodsWatch *watch)
 {
     if (watch->rate > TOO_FAST / T) { /* an error of the inertia says more than the rods */
-        watch->M = times(0.0, watch->M);
-        watch->z = scale(0.0, watch->z);
-        watch->paused = larger(watch->paused, AFTER_FAST * T);
+        begin_anew(larger(watch->paused, AFTER_FAST * T), watch);
     }
     if (watch->paused > 0.0) {
         watch->paused -= dt;
@@ -25,8 +31,6 @@ bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, R
 
 void controller_planned_pause_watch(RodsWatch *watch)
 {
-    watch->M = (Matrix){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    watch->z = (Vector){0.0, 0.0, 0.0};
-    watch->paused = watch->pause;
+    begin_anew(watch->pause, watch);
     watch->pause *= 2.0;
 }
