@@ -316,6 +316,28 @@ def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: fl
 
 
 @dataclass(frozen=True)
+class Renewed:
+    """Stages h (n,) s; how many the plan has behind its usual horizon, negative: lacks; its cost, s; when it settles and when the
+    next one is to do so, s; what is left of the account of work."""
+
+    h: Array
+    longer: int
+    cost: float
+    settles: float
+    until: float
+    left: int
+
+
+def renewed(
+    m: Satellite, a: Ahead, x: Motion, phase: int, longer: int = 0, account: int = WORK_OF_SAMPLE, until: float = 0.0
+) -> Renewed:
+    """A plan without controls, to reach the target by `until`, s, that is renewed in a phase (2: acquisition, 3: hold)."""
+    (hs, h), found, count, left = _room(STAGES), _doubles([0.0, 0.0, until]), c_int32(longer), c_int32(account)
+    n = library().probe_renew(m.c(), a.c(), x.c(), phase, byref(left), byref(count), hs, found)
+    return Renewed(h()[:n], count.value, found[0], found[1], found[2], left.value)
+
+
+@dataclass(frozen=True)
 class Searched:
     """The controls u (208, 4) of a search and their cost, the calls that it took and the least that they left of their account."""
 

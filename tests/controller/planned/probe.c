@@ -3,6 +3,7 @@
 
 #include "controller_planned.h"
 #include "gauss_models.h"
+#include "renew.h"
 
 #if defined _WIN32
 #define PROBE __declspec(dllexport)
@@ -53,6 +54,8 @@ PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatM
 PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path);
 PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
                           const double *u, double t_next, double *h_next, double *u_next);
+PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
+                      double *h, double found[3]);
 PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
                        double *cost, double *u);
 PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
@@ -351,6 +354,32 @@ int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
     memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
     memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
     return plans[1].stages;
+}
+
+/* A plan without controls, renewed at a->t in this phase with such an account, of which the rest is given back: its stages, how
+ * many `longer` becomes, its cost, when it settles, and when the next one is to do so, which at first is when this one is. */
+int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
+                double *h, double found[3])
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState state;
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    memset(&plans[0], 0, sizeof plans[0]);
+    plans[0].start = state.t = a->t;
+    plans[0].until = found[2];
+    state.scales = model.scales;
+    state.phase = phase;
+    state.longer = *longer;
+    controller_planned_renew(&law, &state, &model, &ahead, NULL, &now, &plans[0], account);
+    memcpy(h, law.trial.h, (size_t)law.trial.stages * sizeof h[0]);
+    *longer = state.longer;
+    found[0] = law.trial.cost;
+    found[1] = law.trial.settles;
+    found[2] = law.trial.until;
+    return law.trial.stages;
 }
 
 /* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the account. */
