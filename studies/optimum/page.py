@@ -39,7 +39,9 @@ def figure(lines: Sequence[Line]) -> Any:
     best, flown, least = (column(lines, name) for name in ("best_s", "flown_s", "bound_s"))
     ax = axes[0, 0]
     ax.plot(np.arange(1, len(lines) + 1), np.sort(flown / best), "o-", color=BLUE, markersize=3, linewidth=0.8)
-    limit(ax, GOAL, GOAL_WORST)
+    for goal, where in ((GOAL, "at the median"), (GOAL_WORST, "at worst")):
+        limit(ax, goal)
+        ax.annotate(f"goal {where}: {goal}", (1, goal), xytext=(0, 3), textcoords="offset points", fontsize=8)
     ax.set_ylim(bottom=1.0)
     name_axes(ax, "tumbles, in order", "time flown / best found", "time flown over the best time found")
     ax = axes[0, 1]
