@@ -20,7 +20,7 @@ import pytest
 from fmus.interface import BLOCKS
 from fmus.native.toolchain import host_platform
 
-from . import kept
+from . import once
 from .controller.planned import core
 from .native import driver
 from .native.fuzzer import build
@@ -62,7 +62,7 @@ def main(ctx: click.Context) -> None:
 @main.command(hidden=True)
 def fly() -> None:
     """Run the tests on instrumented blocks. gcov writes its counts when this process ends."""
-    kept.FOLDER = OUT / "made" / "kept"
+    once.FOLDER = OUT / "made" / "kept"
     for module in (driver, core):
         vars(module)["compile_library"] = _compile
     words = ["-q", "-p", "no:xdist", "-p", "no:cacheprovider", *(f"tests/{name}" for name in TESTS)]

@@ -16,7 +16,7 @@ from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit
 from ..rotation import matrix, quaternions
-from ..scenario.kept import checked_before
+from ..scenario.checked import checked_before
 from ..scenario.references import Reference
 from ..scenario.view import GHOSTS, ViewEntry
 from . import phases

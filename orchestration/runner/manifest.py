@@ -17,8 +17,8 @@ from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.data import RunData
 from ..scenario import timeline
+from ..scenario.checked import dumped
 from ..scenario.faults import sentence
-from ..scenario.kept import dumped
 from ..scenario.source import copied
 from ..system import signals
 from ..system.starts import Start

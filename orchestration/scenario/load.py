@@ -7,8 +7,8 @@ from typing import Any
 
 from ..errors import InputError
 from . import complaints
+from .checked import checked_before
 from .extends import extended
-from .kept import checked_before
 from .scenario import Scenario
 from .source import Source
 

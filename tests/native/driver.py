@@ -15,7 +15,7 @@ from fmus import native
 from fmus.interface import Interface, load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.blocks import folder as folder_of
-from tests.kept import kept
+from tests.once import built
 
 ROOT = Path(__file__).parents[2]
 GUID = "{00000000-0000-0000-0000-000000000000}"
@@ -50,7 +50,7 @@ def library(block: str) -> ctypes.CDLL:
             path.write_bytes(compile_library(block, sources, includes, [host])[host])
 
         name = f"{block}{PLATFORMS[host].suffix}"
-        return opened(kept(name, [compiler(), *FLAGS, *sources, *includes, FREESTANDING], make))
+        return opened(built(name, [compiler(), *FLAGS, *sources, *includes, FREESTANDING], make))
 
 
 def opened(path: Path) -> ctypes.CDLL:

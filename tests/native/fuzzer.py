@@ -13,7 +13,7 @@ from pathlib import Path
 from fmus import native
 from fmus.interface import load
 from tests.blocks import folder
-from tests.kept import kept
+from tests.once import built
 
 from .driver import GUID
 
@@ -45,4 +45,4 @@ def fuzzer(block: str, compiler: Sequence[str]) -> Path:
     with tempfile.TemporaryDirectory() as generated:
         sources, includes = native.lay_out(load(block), folder(block), GUID, Path(generated))
         made_of = [version("ziglang"), *command, *sources, *includes, FUZZ]
-        return kept("fuzz", made_of, lambda path: build(block, command, path))
+        return built("fuzz", made_of, lambda path: build(block, command, path))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fmus.native.toolchain import FLAGS, FREESTANDING, compiler
-from tests.kept import kept
+from tests.once import built
 
 # math's functions are within a unit in the last place; two are allowed here.
 ULPS = 2.5
@@ -33,7 +33,7 @@ def lib() -> ctypes.CDLL:
         source.write_text(text + wrappers, "utf-8")
         subprocess.run([*command, str(source), str(FREESTANDING / "memory.c"), "-o", str(path)], check=True)
 
-    path = kept("elementary.so", [compiler(), *command, text + wrappers, FREESTANDING], make)
+    path = built("elementary.so", [compiler(), *command, text + wrappers, FREESTANDING], make)
     library = ctypes.CDLL(str(path))
     for name in (*names, "atan2"):
         getattr(library, f"own_{name}").restype = ctypes.c_double

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kept import computed
+from tests.once import computed
 
 from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, Outcome, outcomes, outcomes_3, rows, wrong
 

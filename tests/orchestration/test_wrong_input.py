@@ -7,7 +7,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from tests.kept import computed
+from tests.once import computed
 
 from .wrong_inputs import CASES, Case, outcomes, page
 

@@ -19,7 +19,7 @@ from fmus.build import FLAVOURS, blocks_of, ensure
 from fmus.places import work
 from hatch_build import BUILT, renamed
 from tests.compilers import has_compiler
-from tests.kept import once
+from tests.once import once
 
 ROOT = Path(__file__).parents[2]
 NAMES = {"attitude_cosim", "orchestration"}

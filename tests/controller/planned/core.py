@@ -16,7 +16,7 @@ from estimator.native import tables
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from studies.structures import filled, record
-from tests.kept import kept
+from tests.once import built
 
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
@@ -46,7 +46,7 @@ def library() -> ctypes.CDLL:
         path.write_bytes(compile_library("probe", [probe, *sources], [*common, path.parent], [host])[host])
 
     made_of = [compiler(), *FLAGS, *texts.values(), probe, *common, FREESTANDING]
-    lib = ctypes.CDLL(str(kept(f"probe{PLATFORMS[host].suffix}", made_of, make)))
+    lib = ctypes.CDLL(str(built(f"probe{PLATFORMS[host].suffix}", made_of, make)))
     for name in ("probe_year", "probe_sidereal", "probe_cost_rate", "probe_plan_cost", "probe_steer"):
         getattr(lib, name).restype = c_double
     return lib

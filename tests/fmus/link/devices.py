@@ -18,8 +18,8 @@ from fmus.interface import load
 from fmus.kit import linked
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.blocks import folder as folder_of
-from tests.kept import kept
 from tests.native.driver import GUID, Instance, opened
+from tests.once import built
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
 
@@ -30,7 +30,7 @@ def program(block: str) -> Path:
         flight, line, includes = linked.lay_out(load(block), folder_of(block), Path(folder))
         sources = [*flight, *line]
         made_of = [compiler(), *FLAGS, *sources, *includes, FREESTANDING]
-        return kept(f"{block}_device", made_of, lambda path: _build(sources, includes, path))
+        return built(f"{block}_device", made_of, lambda path: _build(sources, includes, path))
 
 
 def _build(sources: list[Path], includes: list[Path], path: Path) -> None:
@@ -49,7 +49,7 @@ def _build(sources: list[Path], includes: list[Path], path: Path) -> None:
 def fmu(block: str) -> Path:
     """The link FMU of a block for this machine."""
     made_of = [compiler(), *FLAGS, *link.sources(), native.SHELL, link.HERE / "link.toml", load(block).source]
-    return kept(f"{block}_link.fmu", made_of, lambda path: path.write_bytes(link.package(load(block), "host")))
+    return built(f"{block}_link.fmu", made_of, lambda path: path.write_bytes(link.package(load(block), "host")))
 
 
 @cache
@@ -63,7 +63,7 @@ def library(block: str) -> ctypes.CDLL:
             path.write_bytes(compile_library(path.name, sources, includes, [host], hosted=True)[host])
 
         name = f"{block}_link{PLATFORMS[host].suffix}"
-        return opened(kept(name, [compiler(), *FLAGS, *sources, *includes], make))
+        return opened(built(name, [compiler(), *FLAGS, *sources, *includes], make))
 
 
 def instance(block: str, **settings: Any) -> Instance:

@@ -12,8 +12,8 @@ from fmus import link
 from fmus.interface import load
 from fmus.kit import linked
 from fmus.kit.fill import filled
-from tests.kept import kept
 from tests.native.driver import GUID
+from tests.once import built
 
 HERE = Path(__file__).parent
 ENDS = ("device", "master")
@@ -32,7 +32,7 @@ def fuzzer(end: str, compiler: Sequence[str]) -> Path:
             assert done.returncode == 0, done.stderr
 
         made_of = [version("ziglang"), *command, *sources, *includes, own, HERE / "random.h"]
-        return kept(f"fuzz_{end}", made_of, build)
+        return built(f"fuzz_{end}", made_of, build)
 
 
 def _device(folder: Path) -> tuple[list[Path], list[Path]]:

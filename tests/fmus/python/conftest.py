@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmus.build import ensure
-from tests.kept import FOLDER
+from tests.once import FOLDER
 
 from ..toy import toy
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from .kept import once
+from .once import once
 
 
 def test_a_folder_whose_making_failed_is_made_anew_by_the_next_that_asks(tmp_path_factory) -> None:

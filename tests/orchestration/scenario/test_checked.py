@@ -10,7 +10,7 @@ import pytest
 
 from fmus import places
 from orchestration.runner.read import load
-from orchestration.scenario.kept import checked_before, dumped
+from orchestration.scenario.checked import checked_before, dumped
 from orchestration.scenario.types import Model
 
 SCENARIOS = sorted(places.shared("scenarios").glob("*.yaml"))
@@ -31,7 +31,7 @@ def never() -> Entry:
 @pytest.fixture
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(places, "work", lambda: tmp_path)
-    monkeypatch.setattr("orchestration.scenario.kept._again", {})
+    monkeypatch.setattr("orchestration.scenario.checked._again", {})
     return tmp_path
 
 

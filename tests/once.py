@@ -21,7 +21,7 @@ FOLDER = places.work() / "tests"
 """What is kept from one run of the tests to the next, by a hash of all that it is made of."""
 
 
-def kept(name: str, made_of: Iterable[str | Path], make: Callable[[Path], object]) -> Path:
+def built(name: str, made_of: Iterable[str | Path], make: Callable[[Path], object]) -> Path:
     """The path of a file of this name, which `make(path)` writes unless it is there for the same `made_of`.
 
     `made_of` are texts (the compiler, its options, generated sources), files, and folders with all that is in them.
