@@ -16,7 +16,13 @@ def test_steering_ends_below_its_limit_and_begins_again_beyond_twice_the_limit(s
     """The momentum about e3 as a share of the limit; the wheel, along e1, takes none of it. The rate does not follow the
     commands, which would be taken for a larger inertia: it is not estimated."""
     direct = Direct("controller_planned")
-    weak = {"J_B": 3.0 * np.eye(3), "steering_limit": 0.02, "dipole_max": 3.0, "reference": "inertial", "identify": False}
+    weak = {
+        "J_B": 3.0 * np.eye(3),
+        "steering_limit": 0.02,
+        "dipole_max": 3.0,
+        "reference": "inertial",
+        "identify": False,
+    }
     rates = {share: [0.0, 0.0, sign * share * 0.02 / 3.0] for share in (1.2, 0.9, 1.8, 2.2)}
     assert direct.start(**weak, omega_B=rates[1.2]) is None
     phases = []

@@ -1,5 +1,6 @@
 /* Differential dynamic programming with bounded controls: Tassa, Mansard and Todorov, ICRA 2014; errors of attitude in
- * body axes, R exp(d^). */
+ * body axes, R exp(d^).
+ * Longer than 250 lines: backward pass, rollout, line search and the choice between two motions work on one workspace. */
 #include "ilqr.h"
 
 #include <string.h>
