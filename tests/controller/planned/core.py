@@ -306,6 +306,14 @@ def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> fl
     return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), _doubles(u)))
 
 
+def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
+    """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from `expected`."""
+    store, costs = _room(2)
+    library().probe_followed(m.c(), expected.c(), x.c(), store)
+    alone, following = costs()
+    return float(alone), float(following)
+
+
 def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: float) -> tuple[Array, Array]:
     """Stages h (n,) and controls u (n, 4) of a plan from t that is laid anew from t_next."""
     (hs, h), (us, u) = _room(STAGES), _room(STAGES, 4)

@@ -52,6 +52,7 @@ PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x
                      double *h, double *u, double *cost, FlatMotion *path);
 PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u);
 PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path);
+PROBE void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMotion *x, double cost[2]);
 PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
                           const double *u, double t_next, double *h_next, double *u_next);
 PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
@@ -335,6 +336,17 @@ double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion 
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
     controller_planned_improve(&model, NULL, &now, 0, plan, &workspace, &work);
     return plan->cost;
+}
+
+/* Costs of the last plan of probe_plan from another motion: by its controls alone, and following the motion from `expected`. */
+void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMotion *x, double cost[2])
+{
+    const Model model = model_of(m);
+    const Motion there = motion_of(expected), now = motion_of(x);
+    for (int i = 0; i < 2; ++i) {
+        controller_planned_improve(&model, i > 0 ? &there : NULL, &now, 0, &plans[0], &workspace, &work);
+        cost[i] = plans[0].cost;
+    }
 }
 
 /* The stages and controls that a plan from t becomes when it is laid anew from t_next. */

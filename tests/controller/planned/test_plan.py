@@ -237,6 +237,17 @@ def test_a_plan_that_scipy_flies_without_feedback_stays_near_its_path():
     assert largest < math.radians(5.0)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_plan_follows_its_expected_motion_from_another_where_its_controls_alone_would_lose_it(seed):
+    """A degree and 9e-4 rad/s off; from the expected motion itself both are the plan that was."""
+    x = list(starts())[seed]
+    plan = core.plan(SATELLITE, AHEAD, x, 60, 0.008)
+    off = core.Motion(x.R @ Rotation.from_rotvec([0.0, math.radians(1.0), 0.0]).as_matrix(), x.Omega + 5e-4, x.h_w)
+    assert core.followed(SATELLITE, x, x) == pytest.approx((plan.cost, plan.cost), rel=1e-12)
+    alone, following = core.followed(SATELLITE, x, off)
+    assert following - plan.cost < 0.1 * (alone - plan.cost)
+
+
 def test_no_small_change_of_the_controls_is_cheaper(rng):
     """First-order optimality of the converged plan, by differences of its cost: inside the box no slope, at a bound none inward."""
     x = next(starts())
