@@ -192,8 +192,8 @@ static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const
 
     /* K = k K0, L = l L0 [9], with k and l by [10]. */
     const bool scheduled = p->gain_schedule == CONTROLLER_GAIN_SCHEDULE_ERROR;
-    const double k = scheduled ? p->kappa0 * (p->a1 + e.angle) / (p->a2 + now.attitude_error_0) : p->kappa0;
-    const double l = scheduled ? p->lambda0 * (p->c1 + norm(e.omega)) / (p->c2 + now.rate_error_0) : p->lambda0;
+    const double k = scheduled ? p->kappa0 / (p->a2 + now.attitude_error_0) * (p->a1 + e.angle) : p->kappa0;
+    const double l = scheduled ? p->lambda0 / (p->c2 + now.rate_error_0) * (p->c1 + norm(e.omega)) : p->lambda0;
     const Vector K = scale(k, vector(p->K0));
 
     /* sum k_i e_i x Q^T e_i [7]; Q^T e_i is row i of Q. */

@@ -4,7 +4,7 @@ enum { STAGES_MAX = 7 };
 
 typedef struct {
     int stages;
-    double shares[STAGES_MAX]; /* of the step */
+    double shares[STAGES_MAX + 1]; /* of the step, and a zero */
 } Composition;
 
 #define S 0.41449077179437573714 /* 1/(4 - 4^(1/3)) */
@@ -16,29 +16,29 @@ static const Composition order_2 = {1, {1.0}};
 static const Composition order_4 = {5, {S, S, 1.0 - 4.0 * S, S, S}};
 static const Composition order_6 = {7, {Y3, Y2, Y1, 1.0 - 2.0 * (Y1 + Y2 + Y3), Y1, Y2, Y3}};
 
-/* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. */
+/* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. The equation is of the second degree, so that
+ * ((a + p).c) c is left of it after a change c. */
 static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
 {
     const Vector wheel = scale(p, body->wheel_axis), difference = subtract(a, wheel), total = add(a, wheel);
     const Matrix J2 = body->J_twice;
     *f = scale(0.5, apply(body->J_inverse, difference));
+    double along = dot(total, *f);
+    Vector residual = add(cross(a, *f), scale(along, *f));
     for (int i = 0; i < 20; ++i) {
-        const double along = dot(total, *f);
-        const Vector residual = add(add(difference, cross(a, *f)), subtract(scale(along, *f), apply(J2, *f)));
         /* a^ + (a + p).f I + f (a + p)^T - 2 J */
         const Matrix jacobian = {
             {along + f->x * total.x - J2.a.x, -a.z + f->x * total.y - J2.a.y, a.y + f->x * total.z - J2.a.z},
             {a.z + f->y * total.x - J2.b.x, along + f->y * total.y - J2.b.y, -a.x + f->y * total.z - J2.b.z},
             {-a.y + f->z * total.x - J2.c.x, a.x + f->z * total.y - J2.c.y, along + f->z * total.z - J2.c.z}};
         const Vector change = solve(jacobian, residual);
+        const double along_change = dot(total, change), error = body->compliance * along_change;
         *f = subtract(*f, change);
-        const double size = dot(change, change);
-        if (size <= 1e-18 * (1.0 + dot(*f, *f))) { /* Newton's error squares: what is left is rounding */
+        if (error * error * dot(change, change) <= 1e-36) { /* rad^2 */
             return true;
         }
-        if (!(size < 1e12)) {
-            return false;
-        }
+        along -= along_change;
+        residual = scale(along_change, change);
     }
     return false;
 }
@@ -56,24 +56,26 @@ bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *mo
                    double t, Attitude *x, Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
-    double s = 0.0;
-    Vector tau = moment(context, &x->R, t);
-    for (int i = 0; i < composition->stages; ++i) {
+    double before = 0.0, s = 0.0;
+    for (int i = 0;; ++i) {
         const double h = composition->shares[i] * wheel->duration;
-        const Vector kicked = add(x->Pi, scale(0.5 * h, tau));
+        /* The second half of the moment's kick of the substep before, and the first half of this one's. */
+        x->Pi = add(x->Pi, scale(0.5 * (before + h), moment(context, &x->R, t + s)));
+        if (i == composition->stages) {
+            return true;
+        }
+        const Vector a = scale(h, x->Pi);
         const double p = h * plant_segment_mean(wheel, s, h);
         Vector turn;
         s += h;
         announce(context, t + s);
-        if (!solve_cayley(body, scale(h, kicked), p, &turn)) {
-            const Vector a = scale(h, kicked);
+        if (!solve_cayley(body, a, p, &turn)) {
             return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, scale(p, body->wheel_axis)))),
                          "a turn below about 1 rad in an internal step, so that the attitude step converges");
         }
         const Matrix F = cayley(turn);
         x->R = multiply(x->R, F);
-        tau = moment(context, &x->R, t + s);
-        x->Pi = add(apply_transposed(F, kicked), scale(0.5 * h, tau));
+        x->Pi = apply_transposed(F, x->Pi);
+        before = h;
     }
-    return true;
 }

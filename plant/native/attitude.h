@@ -21,6 +21,7 @@ typedef void Announce(void *context, double t);
 
 typedef struct {
     Matrix J, J_inverse, J_twice; /* kg m2, wheel locked */
+    double compliance;            /* trace of (2 J)^-1, which lengthens a vector by no more */
     Vector wheel_axis;            /* unit */
 } Body;
 

@@ -143,21 +143,20 @@ bool plant_check(const PlantParameters *p, Fault *f)
            is_above_ground(p, &orbit, f) && (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
 }
 
-/* Width across the flats; from (along, across, other) to body axes in their cyclic order. */
+/* Width across the flats. */
 static Cylinder cylinder_of(const PlantParameters *p)
 {
     static const double edge = 0.41421356237309504880; /* of the width: tan 22.5 deg */
-    const Vector x = {1.0, 0.0, 0.0}, y = {0.0, 1.0, 0.0}, z = {0.0, 0.0, 1.0};
     const double coefficient = 0.5 * p->drag_factor * p->drag_coefficient;
     const double side = coefficient * edge * p->body_width * p->body_length;
     const double end = 2.0 * coefficient * edge * p->body_width * p->body_width;
-    Cylinder cylinder = {x, y, z, side, end, 0.5 * end * p->body_length - side * p->body_width, vector(p->center_of_mass_B)};
-    if (p->body_axis == PLANT_BODY_AXIS_Y) {
-        cylinder.along = y, cylinder.across = z, cylinder.other = x;
-    } else if (p->body_axis == PLANT_BODY_AXIS_Z) {
-        cylinder.along = z, cylinder.across = x, cylinder.other = y;
-    }
-    return cylinder;
+    const Vector axes[] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    return (Cylinder){p->body_axis,
+                      axes[p->body_axis - 1],
+                      side,
+                      end,
+                      0.5 * end * p->body_length - side * p->body_width,
+                      vector(p->center_of_mass_B)};
 }
 
 /* The rotation of a quaternion, scalar first. */
@@ -177,8 +176,9 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     Environment *environment = &plant->environment;
 
     plant->p = *p;
-    const Matrix J = inertia(p);
-    plant->body = (Body){J, inverse(J), {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}, unit_vector(vector(p->wheel_axis))};
+    const Matrix J = inertia(p), K = inverse(J);
+    plant->body = (Body){
+        J, K, {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}, 0.5 * (K.a.x + K.b.y + K.c.z), unit_vector(vector(p->wheel_axis))};
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));

@@ -18,10 +18,11 @@ typedef struct {
     double dipole_mean[3]; /* of the rods over the last step, A m2 */
 } PlantState;
 
-/* An octagonal cylinder, eight sides and two ends: its axis, and the two axes across along which the normals of four sides lie.
+/* An octagonal cylinder, eight sides and two ends, along a body axis; the normals of four sides lie along the two others.
  * Areas are times C_d/2: of a side and of an end. */
 typedef struct {
-    Vector along, across, other;
+    int32_t axis; /* a value of body_axis */
+    Vector along; /* the same as a unit vector */
     double side, end;
     double slenderness;    /* end times its distance from the middle, minus twice the same of a side, m3 */
     Vector center_of_mass; /* from the middle, m */
