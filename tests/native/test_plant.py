@@ -96,6 +96,27 @@ def test_a_step_has_the_fewest_parts_that_step_max_allows(h: float, turns: int) 
         np.testing.assert_allclose(whole.get("R_NB"), parts.get("R_NB"), rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("h_w0", [0.0, 0.03])
+@pytest.mark.parametrize("rate", [0.01, 0.3, 0.7])
+def test_an_internal_step_turns_a_body_as_the_python_flavour_does_however_many_passes_newtons_method_takes(
+    rate: float, h_w0: float, order: int
+) -> None:
+    start: dict[str, Any] = {"omega_B0": [0.6 * rate, -0.64 * rate, 0.48 * rate], "h_w0": h_w0}
+    start |= {"drag": False, "step_max": 1.0, "integrator_order": order}
+    p, u = checked(**start), command()
+    x, _ = plant.step(plant.start(p, u), u, p, 1.0)
+    with started(**start) as it:
+        it.step(0.0, 1.0)
+        np.testing.assert_allclose(np.reshape(it.get("R_NB"), (3, 3)), x.R, rtol=0, atol=1e-14)
+
+
+def test_a_body_that_turns_too_far_in_an_internal_step_is_refused_with_the_remedy() -> None:
+    refused = pytest.raises(Refused, match="step_max: expected a turn below about 1 rad in an internal step")
+    with started(omega_B0=[3.0, -4.0, 5.0], step_max=1.0) as it, refused:
+        it.step(0.0, 1.0)
+
+
 def test_sensors_that_sample_more_than_a_billion_times_in_a_step_are_refused() -> None:
     with Instance("plant_sensors") as it:
         it.set("sample_period", 1e-6)
