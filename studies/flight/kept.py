@@ -17,7 +17,7 @@ from .. import markdown
 from ..paper import ORBIT, Array
 from .cases import ALARMS, HOLD, Group
 
-GOALS = {"nominal": (0.09, 0.20, 0.01), "errors": (0.10, 0.23, 0.1)}
+GOALS = {"nominal": (0.066, 0.17, 0.01), "errors": (0.075, 0.20, 0.1)}
 """Median and worst time to 5 deg, orbits, and hold error, deg rms."""
 COLUMNS = (
     "group run node_deg duration_s settled_5deg_s settled_1deg_s early_5deg_s momentum_bound_s initial_rate_deg_s hold_rms_deg "
