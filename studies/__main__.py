@@ -132,7 +132,7 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
 
 @main.command()
 @click.option(
-    "--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles, from run 0."
+    "--cases", default=40, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles, from run 0."
 )
 def sweep(cases: int) -> None:
     """Fly tumbles with constants of the planned controller at half and twice their values, for docs/sweep.md: some minutes, one process."""

@@ -11,7 +11,7 @@ from typing import Any, TypeVar, get_type_hints
 from orchestration import InputError
 
 T = TypeVar("T")
-_OF_TEXT: dict[type, Callable[[str], Any]] = {bool: "True".__eq__}
+_OF_TEXT: dict[type, Callable[[str], Any]] = {bool: {"True": True, "False": False}.__getitem__}
 """What makes a value of its text; the type itself where it is not here."""
 
 
@@ -36,9 +36,13 @@ def load(kind: type[T], file: Path, remedy: str) -> list[T]:
     """The lines as records of a dataclass, whose fields are the columns. Raises InputError as `read` does."""
     kinds = get_type_hints(kind)
     of_text = {name: _OF_TEXT.get(kinds[name], kinds[name]) for name in _columns(kind)}
-    return [
-        kind(**{name: make(line[name]) for name, make in of_text.items()}) for line in read(file, list(of_text), remedy)
-    ]
+    records = []
+    for number, line in enumerate(read(file, list(of_text), remedy), 2):
+        try:
+            records.append(kind(**{name: make(line[name]) for name, make in of_text.items()}))
+        except (TypeError, ValueError, KeyError) as error:
+            raise InputError(f"{file}:{number}: {error}; remedy: {remedy}") from error
+    return records
 
 
 def save(kind: type[T], file: Path, records: Iterable[T]) -> None:

@@ -168,10 +168,16 @@ def _change(
     moved: dict[Key, int] = {}
     targets = [_target(entry) for entry in entries]
     for number, entry in enumerate(change.get("replace", ())):
-        if (target := _target(entry)) not in targets:
+        place = (*key, "replace", number)
+        if not (target := _target(entry)):
+            raise InputError(above.error(place, f"expected 'block.output -> block.input', found {as_written(entry)}"))
+        if target not in targets:
             message = f"{as_written(entry)}: there is no connection to this input to replace{hint(target, targets)}"
-            raise InputError(above.error((*key, "replace", number), message))
-        moved["replace", number] = at = targets.index(target)
+            raise InputError(above.error(place, message))
+        at = targets.index(target)
+        if at in moved.values():
+            raise InputError(above.error(place, f"{as_written(entry)}: the connection to this input is replaced twice"))
+        moved["replace", number] = at
         entries[at] = entry
         _forget(below, (*key, at))
     for number, entry in enumerate(change.get("add", ())):
@@ -186,7 +192,8 @@ def _change(
 
 
 def _target(connection: Any) -> str:
-    return "".join(str(connection).partition("->")[2].split())
+    """The input that a connection goes to; empty for what is none."""
+    return "".join(connection.partition("->")[2].split()) if isinstance(connection, str) else ""
 
 
 def _forget(source: Source, key: Key) -> None:

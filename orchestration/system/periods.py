@@ -27,7 +27,9 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
         counted = f" ({every} base steps of {scenario.step:.10g} s)" if every > 1 else ""
         of = f"the step of {block}, {float(step):.10g} s{counted}"
         for name, steps in in_steps(model.name).items():
-            time = float(values[Element(name, 0)])
+            if (element := Element(name, 0)) not in values:
+                continue  # an FMU that has taken the name of a block of ours, without this parameter
+            time = float(values[element])
             count = Fraction(repr(time)) / step
             if steps == "whole" and not whole(count):
                 message = f"expected a multiple of {of}, found {time:.10g} s; remedy: {multiples_near(time, step)}"

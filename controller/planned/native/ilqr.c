@@ -214,14 +214,18 @@ static void weigh(const Plan *plan, double weight[STAGES])
 static double follow(const Model *model, const Plan *plan, const Motion *expected, const Motion *x, Workspace *w,
                      double *settles, int32_t *work)
 {
+    const int32_t kept = 2 * plan->stages * WORK_ROLLOUT; /* for the rollouts after the backward pass */
     double settles_there;
     w->x[0][0] = *expected;
     w->x[1][0] = *x;
-    if (*work < plan->stages * (WORK_OF_ITERATION + 2 * WORK_ROLLOUT) ||
-        !(rollout(model, plan, w, 0, 0, 0.0, NEVER, &settles_there, work) < NEVER) || !backward_pass(model, plan, w, 0, work)) {
+    if (*work < plan->stages * WORK_OF_ITERATION + kept ||
+        !(rollout(model, plan, w, 0, 0, 0.0, NEVER, &settles_there, work) < NEVER)) {
         return NEVER;
     }
-    return rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work);
+    *work -= kept;
+    const bool passed = backward_pass(model, plan, w, 0, work);
+    *work += kept;
+    return passed ? rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work) : NEVER;
 }
 
 int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
@@ -234,7 +238,7 @@ int controller_planned_improve(const Model *model, const Motion *expected, const
     const double followed = expected != NULL ? follow(model, plan, expected, x, w, &settles, work) : NEVER;
     w->x[0][0] = w->x[1][0] = *x;
     plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, &plan->settles, work);
-    if (plan->urgent && settles != plan->settles ? settles < plan->settles : followed < plan->cost) {
+    if ((plan->urgent && settles != plan->settles) ? settles < plan->settles : followed < plan->cost) {
         now = 1;
         plan->cost = followed;
         plan->settles = settles;

@@ -385,7 +385,7 @@ int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int
     state.scales = model.scales;
     state.phase = phase;
     state.longer = *longer;
-    controller_planned_renew(&law, &state, &model, &ahead, NULL, &now, &plans[0], account);
+    controller_planned_renew(&law, &state, &model, &ahead, &now, &now, &plans[0], account);
     memcpy(h, law.trial.h, (size_t)law.trial.stages * sizeof h[0]);
     *longer = state.longer;
     found[0] = law.trial.cost;

@@ -70,6 +70,26 @@ def test_a_connection_to_an_input_that_is_not_connected_replaces_none(loop):
         load("over.yaml")
 
 
+def test_two_connections_that_replace_that_to_one_input_are_refused(loop):
+    first = load("loop.yaml").source.data["connections"][0]
+    (loop.parent / "over.yaml").write_text(
+        f"extends: loop.yaml\nconnections:\n  replace:\n    - {first}\n    - {first}\n"
+    )
+    with pytest.raises(
+        InputError, match=r"over\.yaml:5: connections\.replace\[2\]: .* the connection to this input is replaced twice"
+    ):
+        load("over.yaml")
+
+
+@pytest.mark.parametrize("entry", ["motor.speed regulator.speed", "{motor.speed: regulator.speed}", "3"])
+def test_what_is_no_connection_replaces_none(loop, entry):
+    (loop.parent / "over.yaml").write_text(f"extends: loop.yaml\nconnections:\n  replace:\n    - {entry}\n")
+    with pytest.raises(
+        InputError, match=r"over\.yaml:4: connections\.replace\[1\]: expected 'block\.output -> block\.input', found "
+    ):
+        load("over.yaml")
+
+
 @pytest.mark.parametrize("change", ["expect: {replace: []}", "connections: {}", "connections: {replace: a.b -> c.d}"])
 def test_only_connections_are_replaced_and_by_a_list_of_them(loop, change):
     (loop.parent / "over.yaml").write_text(f"extends: loop.yaml\n{change}\n")

@@ -8,7 +8,9 @@ import pytest
 
 from fmus.interface import InterfaceError, parse
 from orchestration import InputError, load
+from orchestration.fmu.model import Model
 from orchestration.runner.open import open_scenario
+from orchestration.system import periods
 
 FLIGHT = Path(__file__).parents[3] / "scenarios" / "flight_vb.yaml"
 """Controller and allocator are stepped once in five base steps."""
@@ -47,6 +49,12 @@ def test_a_period_that_is_a_multiple_but_for_rounding_is_taken(step, period):
 def test_the_line_of_a_wrong_step_is_named_where_the_period_has_its_default():
     with pytest.raises(InputError, match=r"flight_vb\.yaml:\d+: blocks\.controller\.start\.control_period: expected"):
         notes(step="0.04 s")
+
+
+def test_an_fmu_with_the_name_of_a_block_of_ours_and_without_its_period_is_taken():
+    scenario = load(FLIGHT)
+    other = Model("controller_planned", {})
+    assert periods.notes(scenario, {"controller": other}, {"controller": []}) == []
 
 
 def test_a_command_that_acts_for_longer_than_the_allocator_takes_into_account_is_warned_of():
