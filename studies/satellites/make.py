@@ -31,21 +31,23 @@ def make(cases: int, jobs: int) -> Path:
     """Flies what is left of so many tumbles each; then writes docs/satellites.csv and the page, and returns it."""
     with crew(jobs) as hands:
         for satellite, condition, most in parts(cases):
-            hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
+            if len(flown(satellite, condition)) < most:
+                hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
     return publish()
+
+
+def flown(satellite: str, condition: str) -> Rows | tuple[()]:
+    """What these FMUs have flown so far."""
+    folder = folder_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
+    return Rows(folder) if (folder / "runs").exists() else ()
 
 
 def publish() -> Path:
     """Writes docs/satellites.csv and the page from what these FMUs have flown so far. Raises InputError for nothing."""
-    flown = {}
-    for satellite in ALL:
-        for condition, errors in CONDITIONS.items():
-            folder = folder_of(tumbles(satellite, PART, errors).case, RESULTS)
-            if (folder / "runs").exists() and len(rows := Rows(folder)):
-                flown[satellite, condition] = rows
-    if not flown:
+    rows = {(s, c): found for s in ALL for c in CONDITIONS if isinstance(found := flown(s, c), Rows) and len(found)}
+    if not rows:
         raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies satellites")
-    save(ROOT / "docs" / FILE, flown)
+    save(ROOT / "docs" / FILE, rows)
     target = ROOT / "docs" / "satellites.md"
     target.write_text(page.text(load(ROOT / "docs" / FILE)), "utf-8")
     return target

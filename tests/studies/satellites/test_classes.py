@@ -1,8 +1,12 @@
 """The classes of docs/satellites.md: bodies that exist, and tumbles of each that can be flown."""
 
+from contextlib import nullcontext
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from studies.satellites import make
 from studies.satellites.classes import ALL, DURATION, box, settled, tumbles
 from studies.satellites.kept import CONDITIONS
 from studies.satellites.make import PART, parts
@@ -63,3 +67,14 @@ def test_all_satellites_have_as_many_flights_at_any_time_to_a_part():
         flown[name, kind] = most
         assert max(flown.values()) - min(flown.values()) <= PART
     assert set(flown.values()) == {25}
+
+
+def test_a_part_that_a_satellite_has_flown_already_is_not_flown_again(monkeypatch):
+    """A campaign that has more runs than are wanted is refused."""
+    wanted = []
+    hands = SimpleNamespace(fly=lambda case, _: wanted.append(case.runs))
+    monkeypatch.setattr(make, "crew", lambda _: nullcontext(hands))
+    monkeypatch.setattr(make, "flown", lambda *_: range(15))
+    monkeypatch.setattr(make, "publish", lambda: None)
+    make.make(22, 1)
+    assert set(wanted) == {20, 22}
