@@ -11,7 +11,6 @@ from collections.abc import Container, Mapping
 from ..errors import BlockError
 from ..fmu.model import Model
 from ..scenario.scenario import Scenario
-from ..scenario.source import Key
 
 _MARK = re.compile(r"\[(?:error|fatal|discard)\] (.*)")
 
@@ -21,8 +20,7 @@ def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError
     if failure.time is not None or not failure.problem.startswith("gave status"):
         return None
     block = failure.block
-    given: dict[str, Key] = {name.variable: ("shared", name) for name in scenario.shared}
-    given |= {name.variable: ("blocks", block, "start", name) for name in scenario.blocks[block].start}
+    given = scenario.given(block)
     lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
     for line in lines:
         if match := _named(line, given):

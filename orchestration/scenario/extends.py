@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, as_written, hint
+from .references import Connection
 from .source import PLACES, Key, Source, copied
 from .text import read as read_text
 
@@ -193,7 +194,10 @@ def _change(
 
 def _target(connection: Any) -> str:
     """The input that a connection goes to; empty for what is none."""
-    return "".join(connection.partition("->")[2].split()) if isinstance(connection, str) else ""
+    try:
+        return "".join(Connection(connection).target.split()) if isinstance(connection, str) else ""
+    except ValueError:
+        return ""
 
 
 def _forget(source: Source, key: Key) -> None:

@@ -138,6 +138,11 @@ class Scenario(Extending):
     def source(self) -> Source:
         return self._source
 
+    def given(self, block: str) -> dict[str, Key]:
+        """Where the start values of a block stand, by variable: its own go before the shared ones."""
+        shared: dict[str, Key] = {name.variable: ("shared", name) for name in self.shared}
+        return shared | {name.variable: ("blocks", block, "start", name) for name in self.blocks[block].start}
+
     def error(self, key: Key, message: str) -> str:
         """The message with the place in the file that it is about."""
         return self._source.error(key, message)

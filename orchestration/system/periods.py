@@ -9,7 +9,6 @@ from ..errors import InputError
 from ..fmu.interfaces import in_steps
 from ..fmu.model import Element, Model
 from ..scenario.scenario import Scenario
-from ..scenario.source import Key
 from .clock import multiples_near, whole
 from .starts import Start
 
@@ -33,16 +32,11 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
             count = Fraction(repr(time)) / step
             if steps == "whole" and not whole(count):
                 message = f"expected a multiple of {of}, found {time:.10g} s; remedy: {multiples_near(time, step)}"
-                errors.append(scenario.error(_key(scenario, block, name), f"{message}, or another step"))
+                key = scenario.given(block).get(name, ("blocks", block, "start", name))
+                errors.append(scenario.error(key, f"{message}, or another step"))
             elif steps == "at least one" and count < 1 and whole(count) != 1:
                 message = f"{block}.{name} = {time:.10g} s is less than {of}; remedy: {float(step):.10g} s or more"
                 warnings.append(f"{message}, or a smaller step")
     if errors:
         raise InputError(*errors)
     return warnings
-
-
-def _key(scenario: Scenario, block: str, name: str) -> Key:
-    """Where the parameter has its value: at its block, or, if it has none there, among the shared ones."""
-    own = name in scenario.blocks[block].start or name not in scenario.shared
-    return ("blocks", block, "start", name) if own else ("shared", name)

@@ -12,8 +12,7 @@ import numpy as np
 
 from orchestration.campaign.flying.rows import Rows
 
-from .. import lines as files
-from .. import markdown
+from .. import files, markdown
 from ..paper import ORBIT, Array
 from .cases import ALARMS, HOLD, Group
 

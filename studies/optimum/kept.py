@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import lines
+from .. import files
 
 FILE = "optimum.csv"
 
@@ -41,8 +41,8 @@ class Line:
 
 def load(file: Path) -> list[Line]:
     """The lines of a file that `save` wrote. Raises InputError for one of another form."""
-    return lines.load(Line, file, "python -m studies optimum")
+    return files.load(Line, file, "python -m studies optimum")
 
 
 def save(file: Path, found: Sequence[Line]) -> None:
-    lines.save(Line, file, sorted(found, key=lambda line: line.run))
+    files.save(Line, file, sorted(found, key=lambda line: line.run))

@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestration.campaign.flying.rows import Rows
 
-from .. import lines as files
+from .. import files
 from ..flight.bound import bound, starts
 from ..flight.cases import ALARMS, Group
 from ..paper import Array

@@ -31,20 +31,21 @@ def make(cases: int, jobs: int) -> Path:
     """Flies what is left of so many tumbles each; then writes docs/satellites.csv and the page, and returns it."""
     with crew(jobs) as hands:
         for satellite, condition, most in parts(cases):
-            if len(flown(satellite, condition)) < most:
+            rows = flown(satellite, condition)
+            if rows is None or len(rows) < most:
                 hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
     return publish()
 
 
-def flown(satellite: str, condition: str) -> Rows | tuple[()]:
-    """What these FMUs have flown so far."""
+def flown(satellite: str, condition: str) -> Rows | None:
+    """What these FMUs have flown so far; None where they have not begun."""
     folder = folder_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
-    return Rows(folder) if (folder / "runs").exists() else ()
+    return Rows(folder) if (folder / "runs").exists() else None
 
 
 def publish() -> Path:
     """Writes docs/satellites.csv and the page from what these FMUs have flown so far. Raises InputError for nothing."""
-    rows = {(s, c): found for s in ALL for c in CONDITIONS if isinstance(found := flown(s, c), Rows) and len(found)}
+    rows = {(s, c): found for s in ALL for c in CONDITIONS if (found := flown(s, c))}
     if not rows:
         raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies satellites")
     save(ROOT / "docs" / FILE, rows)

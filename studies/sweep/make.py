@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import lines as files
-from .. import markdown
+from .. import files, markdown
 from ..flight.cases import SEEDS, tumbles
 from ..paper import ROOT, Array
 from .constants import CONSTANTS
