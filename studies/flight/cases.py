@@ -66,8 +66,13 @@ class Group:
 
     def drawn(self) -> list[Data]:
         """Start values of each run by `block.parameter`."""
-        job = self.case.job
-        return [job.draws.given(job.draws.at(point)) for point in job.design.points(range(self.runs)).tolist()]
+        return drawn(self.case, self.runs)
+
+
+def drawn(case: Case, runs: int) -> list[Data]:
+    """Start values of a campaign's first runs by `block.parameter`."""
+    job = case.job
+    return [job.draws.given(job.draws.at(point)) for point in job.design.points(range(runs)).tolist()]
 
 
 def metrics(duration: float, early: float, scenario: Data, settled_rate: float = RATE) -> list[Data]:

@@ -1,5 +1,5 @@
 /* The loop of plant, sensors, planned controller and bounded allocator by the blocks' own C, without FMUs between them. It is that
- * of scenarios/flight_tumble.yaml, but that the plant too has the step of the others. The judge sees the plant's truth. */
+ * of scenarios/flight_failures.yaml, but that the plant too has the step of the others. The judge sees the plant's truth. */
 #include <string.h>
 
 #include "allocator_bounded.h"
@@ -50,6 +50,23 @@ static struct {
     PlantJudgeOutputs judge;
 } out;
 
+/* The same structures stand in loop.py. */
+enum { FROZEN_ATTITUDE = 1, FROZEN_FIELD = 2, ALARMS = 7 };
+
+typedef struct {
+    double step, until, quiet; /* s; how long it stays settled before it counts, or is ended where no hold is judged */
+    double angle, rate;        /* rad, rad/s: settled below both */
+    double hold;               /* s, from when the hold is judged */
+    double fails;              /* s, from when the failed parameters hold, and measurements are frozen */
+    int32_t frozen;            /* of FROZEN_ATTITUDE and FROZEN_FIELD */
+} Course;
+
+typedef struct {
+    double settled;      /* s, since when; or infinite */
+    double rms, largest; /* rad, attitude error in the hold */
+    double told[ALARMS]; /* s, first time: rod 1, 2, 3 failed, wheel failed, wheel given up, attitude frozen, field failed */
+} Flown;
+
 /* What is wrong with the parameters, or NULL. */
 static const char *prepare(const Given *p, Fault *f)
 {
@@ -65,8 +82,8 @@ static const char *prepare(const Given *p, Fault *f)
     return NULL;
 }
 
-/* The blocks behind the plant, at the start or h later. */
-static bool behind_plant(const Wires *u, double h, bool first, Fault *f)
+/* The blocks behind the plant, at the start or h later; of the measurements some are frozen. */
+static bool behind_plant(const Wires *u, double h, bool first, int32_t frozen, Fault *f)
 {
     const PlantOutputs *truth = &out.plant;
     COPY(u->judge->R_NB, truth->R_NB), COPY(u->judge->omega_B, truth->omega_B);
@@ -84,9 +101,14 @@ static bool behind_plant(const Wires *u, double h, bool first, Fault *f)
         return false;
     }
     const PlantSensorsOutputs *measured = &out.sensors;
-    COPY(u->controller->R_NB, measured->R_NB_measured), COPY(u->controller->omega_B, measured->omega_B_measured);
+    if (!(frozen & FROZEN_ATTITUDE)) {
+        COPY(u->controller->R_NB, measured->R_NB_measured);
+    }
+    if (!(frozen & FROZEN_FIELD)) {
+        COPY(u->controller->b_B, measured->b_B_measured);
+    }
+    COPY(u->controller->omega_B, measured->omega_B_measured);
     COPY(u->controller->r_N, measured->r_N_measured), COPY(u->controller->v_N, measured->v_N_measured);
-    COPY(u->controller->b_B, measured->b_B_measured);
     u->controller->h_w = measured->h_w_measured;
     memcpy(u->controller->u_applied, out.allocator.dipole_cmd, sizeof out.allocator.dipole_cmd);
     u->controller->u_applied[3] = out.allocator.wheel_torque_cmd;
@@ -97,7 +119,7 @@ static bool behind_plant(const Wires *u, double h, bool first, Fault *f)
     }
     COPY(u->allocator->tau_cmd_B, out.controller.tau_cmd_B), COPY(u->allocator->dipole_ff, out.controller.dipole_ff);
     COPY(u->allocator->rod_gains, out.controller.rod_gains_estimate);
-    COPY(u->allocator->b_B, measured->b_B_measured), COPY(u->allocator->omega_B, measured->omega_B_measured);
+    COPY(u->allocator->b_B, out.controller.b_used_B), COPY(u->allocator->omega_B, measured->omega_B_measured);
     u->allocator->wheel_torque_ff = out.controller.wheel_torque_ff;
     u->allocator->h_w = measured->h_w_measured;
     return first ? allocator_bounded_start(&law.allocator, u->allocator, &state.allocator, f) &&
@@ -105,35 +127,71 @@ static bool behind_plant(const Wires *u, double h, bool first, Fault *f)
                  : allocator_bounded_step(&law.allocator, &state.allocator, u->allocator, h, &out.allocator, f);
 }
 
-/* Flies in steps of h until the angle is below `angle` and the rate error below `rate` for `quiet`, or until `until`, all s, rad
- * and rad/s. `settled`: since when they are, or infinite. Returns the name of what a block refuses, or NULL. */
-__attribute__((visibility("default"))) const char *sweep_fly(const Given *p, const Wires *u, double h, double until,
-                                                             double quiet, double angle, double rate, double *settled);
-const char *sweep_fly(const Given *p, const Wires *u, double h, double until, double quiet, double angle, double rate,
-                      double *settled)
+/* The first time of each alarm. */
+static void listen(double t, Flown *flown)
+{
+    const ControllerPlannedOutputs *y = &out.controller;
+    const bool alarm[ALARMS] = {y->failed_rod == 1,          y->failed_rod == 2, y->failed_rod == 3, y->wheel_failed,
+                                state.controller.rods_alone, y->attitude_frozen, y->field_failed};
+    for (int i = 0; i < ALARMS; ++i) {
+        flown->told[i] = alarm[i] ? smaller(flown->told[i], t) : flown->told[i];
+    }
+}
+
+/* Flies until the course's end, or until it has been settled for long where no hold is judged. Returns the name of what a block
+ * refuses, or NULL. */
+__attribute__((visibility("default"))) const char *sweep_fly(const Given *p, const Given *failed, const Wires *u,
+                                                             const Course *course, Flown *flown);
+const char *sweep_fly(const Given *p, const Given *failed, const Wires *u, const Course *course, Flown *flown)
 {
     static Fault f;
+    const double h = course->step;
+    double squares = 0.0, judged = 0.0;
+    int32_t frozen = 0;
+    bool fails = false;
     memset(&out, 0, sizeof out);
-    *settled = INFINITY;
+    *flown = (Flown){.settled = INFINITY};
+    for (int i = 0; i < ALARMS; ++i) {
+        flown->told[i] = INFINITY;
+    }
     if (prepare(p, &f) != NULL || !plant_start(&law.plant, u->plant, &state.plant, &f) ||
-        !plant_outputs(&law.plant, &state.plant, u->plant, &out.plant, &f) || !behind_plant(u, h, true, &f)) {
+        !plant_outputs(&law.plant, &state.plant, u->plant, &out.plant, &f) || !behind_plant(u, h, true, 0, &f)) {
         return f.name;
     }
-    for (int i = 1; i * h <= until; ++i) {
+    double t = 0.0;
+    for (int i = 1; i * h <= course->until; ++i) {
+        if (!fails && t >= course->fails) {
+            fails = true;
+            frozen = course->frozen;
+            if (prepare(failed, &f) != NULL) {
+                return f.name;
+            }
+        }
+        t = i * h;
         COPY(u->plant->dipole_cmd, out.allocator.dipole_cmd);
         u->plant->wheel_torque_cmd = out.allocator.wheel_torque_cmd;
-        if (!plant_step(&law.plant, &state.plant, u->plant, h, &out.plant, &f) || !behind_plant(u, h, false, &f)) {
+        if (!plant_step(&law.plant, &state.plant, u->plant, h, &out.plant, &f) || !behind_plant(u, h, false, frozen, &f)) {
             return f.name;
         }
-        const double *e = out.judge.rate_error_B;
-        if (!(out.judge.attitude_error < angle && e[0] * e[0] + e[1] * e[1] + e[2] * e[2] < rate * rate)) {
-            *settled = INFINITY;
-        } else if (*settled > i * h) {
-            *settled = i * h;
-        } else if (i * h - *settled >= quiet) {
-            return NULL;
+        listen(t, flown);
+        const double *e = out.judge.rate_error_B, angle = out.judge.attitude_error;
+        if (t >= course->hold) {
+            squares += angle * angle;
+            judged += 1.0;
+            flown->largest = larger(flown->largest, angle);
+        }
+        if (!(angle < course->angle && e[0] * e[0] + e[1] * e[1] + e[2] * e[2] < course->rate * course->rate)) {
+            flown->settled = INFINITY;
+        } else {
+            flown->settled = smaller(flown->settled, t);
+        }
+        if (t - flown->settled >= course->quiet && course->hold > course->until) {
+            break;
         }
     }
-    *settled = INFINITY;
+    if (!(t - flown->settled >= course->quiet)) {
+        flown->settled = INFINITY;
+    }
+    flown->rms = sqrt(squares / judged); /* NaN where no hold is judged */
     return NULL;
 }

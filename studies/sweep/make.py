@@ -1,113 +1,80 @@
-"""Flies tumbles with each constant at half and at twice its value, and writes docs/sweep.csv and docs/sweep.md."""
+"""Flies the flights of each group with its constants at half and at twice their values, and writes docs/sweep.csv and docs/sweep.md."""
 
 from __future__ import annotations
 
-import math
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from ctypes import CDLL
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
-from .. import files, markdown
-from ..flight.cases import SEEDS, tumbles
-from ..paper import ROOT, Array
-from .constants import CONSTANTS
-from .loop import UNTIL, built, settled, tumbles_of, value_of
+from .. import files
+from ..paper import Array
+from .cases import GROUPS
+from .constants import of_group
+from .loop import Flight, built, flown, put, value_of
+from .measures import FILE, MEASURES, Key, Line, line, load
+from .page import publish
 
-FILE = "sweep.csv"
-FACTORS = (0.5, 2.0)
-
-
-@dataclass(frozen=True)
-class Line:
-    """Tumbles with one value of one constant; without a name as they are."""
-
-    file: str
-    name: str
-    value: float
-    runs: int
-    settled: int
-    median_s: float
-    worst_s: float
-    ratio: float
-    """Geometric mean of the times over those with the chosen value; one that does not settle counts as UNTIL."""
+__all__ = ["FILE", "load", "make", "publish"]
 
 
-def make(runs: int, file: Path) -> Iterator[str]:
-    """Tells of each value, saved as it is flown. A sweep of another number of tumbles, or before a change of a value, begins anew."""
-    group = tumbles_of(tumbles("nominal", SEEDS["nominal"], runs))
+def make(acquisitions: int, file: Path) -> Iterator[str]:
+    """Tells of each value, saved as it is flown. A group of other flights, or of flights that have changed, begins anew."""
+    known = {key: list(lines) for key, lines in groupby(load(file), lambda k: k.key)} if file.is_file() else {}
+    lines: list[Line] = []
     with tempfile.TemporaryDirectory() as folder:
+        library = built(Path(folder, "loop"))
+        for group, cases in GROUPS.items():
+            flights = cases.flights(acquisitions if group == "acquisition" else cases.runs)
+            others = [each for key in known if key[0] not in {k.group for k in lines} | {group} for each in known[key]]
+            chosen = _fly(library, flights, cases.measures)
+            now = list(_lines((group, "", "", 0.0), flights, chosen, chosen))
+            kept = known if _same(known.get(now[0].key, []), now) else {}
+            lines += now
+            for file_name, name, usual, value in _values(group):
+                key = (group, file_name, name, float(value))
+                if key not in kept:
+                    put(library, file_name, name, value)
+                    kept = {**kept, key: list(_lines(key, flights, _fly(library, flights, cases.measures), chosen))}
+                    put(library, file_name, name, usual)
+                lines += kept[key]
+                files.save(Line, file, [*lines, *others])
+                told = ", ".join(
+                    f"{each.measure} {each.reached} of {each.runs}, {each.ratio:.3f}" for each in kept[key]
+                )
+                yield f"{group}: {name} {value}: {told}"
 
-        def fly(constant: tuple[str, str] | None, value: str) -> Array:
-            library = built(constant, value, Path(folder, "-".join((*(constant or ()), value))))
-            return np.array([settled(library, tumble) for tumble in group])
 
-        chosen = fly(None, "chosen")
-        lines = [_line("", "", math.nan, chosen, chosen)]
-        known = load(file) if file.is_file() else []
-        kept = {(k.file, k.name, k.value): k for k in known} if known[:1] and _same(known[0], lines[0]) else {}
-        for source, name, _ in CONSTANTS:
-            for factor in FACTORS:
-                text = _scaled(value_of(source, name), factor)
-                key = (source, name, float(text))
-                line = kept.get(key) or _line(*key, fly((source, name), text), chosen)
-                lines.append(line)
-                files.save(Line, file, lines)
-                yield f"{name} {text}: {line.settled} of {line.runs}, {line.ratio:.3f} of the time"
+def _values(group: str) -> Iterator[tuple[str, str, str, str]]:
+    """File, name, chosen and other value of the group's constants."""
+    for constant in of_group(group):
+        usual = value_of(constant.file, constant.name)
+        for factor in constant.factors:
+            yield constant.file, constant.name, usual, _scaled(usual, factor)
 
 
-def _same(a: Line, b: Line) -> bool:
-    times = ((a.median_s, b.median_s), (a.worst_s, b.worst_s))
-    return (a.runs, a.settled) == (b.runs, b.settled) and all(math.isclose(*pair, rel_tol=1e-3) for pair in times)
+def _fly(library: CDLL, flights: list[Flight], measures: Iterable[str]) -> dict[str, Array]:
+    """Each measure of the flights (n,)."""
+    told = [flown(library, flight) for flight in flights]
+    return {name: np.array([*map(MEASURES[name].of, flights, told)]) for name in measures}
+
+
+def _lines(key: Key, flights: list[Flight], values: dict[str, Array], chosen: dict[str, Array]) -> Iterator[Line]:
+    for name in values:
+        most = np.array([MEASURES[name].many(flight) for flight in flights])
+        yield line(key, name, values[name], chosen[name], most)
+
+
+def _same(known: list[Line], now: list[Line]) -> bool:
+    def rounded(each: Line) -> tuple[object, ...]:
+        return each.measure, each.runs, each.reached, f"{each.median:.4g}", f"{each.worst:.4g}"
+
+    return [*map(rounded, known)] == [*map(rounded, now)]
 
 
 def _scaled(value: str, factor: float) -> str:
     """A whole number stays one."""
-    return f"{float(value) * factor:g}" if "." in value else f"{max(1, round(int(value) * factor))}"
-
-
-def _line(file: str, name: str, value: float, times: Array, chosen: Array) -> Line:
-    ratio = np.exp(np.mean(np.log(np.minimum(times, UNTIL) / np.minimum(chosen, UNTIL))))
-    found = int(np.isfinite(times).sum())
-    return Line(file, name, value, len(times), found, float(np.median(times)), float(times.max()), float(ratio))
-
-
-def load(file: Path) -> list[Line]:
-    """The lines of docs/sweep.csv. Raises InputError for a file of another form."""
-    return files.load(Line, file, "python -m studies sweep")
-
-
-def publish(folder: Path = ROOT / "docs") -> Path:
-    """Writes the page from the file in the folder; returns it."""
-    target = folder / "sweep.md"
-    target.write_text(text(load(folder / FILE)), "utf-8")
-    return target
-
-
-def text(lines: list[Line]) -> str:
-    """The page."""
-    chosen, swept = lines[0], lines[1:]
-    meaning = {(file, name): what for file, name, what in CONSTANTS}
-    names = list(dict.fromkeys((line.file, line.name) for line in swept))
-    rows = []
-    for file, name in names:
-        pair = [line for line in swept if (line.file, line.name) == (file, name)]
-        rows.append([f"`{name}` ({file})", meaning[file, name], value_of(file, name), *map(_cell, pair)])
-    return markdown.render(
-        Path(__file__).parent,
-        runs=chosen.runs,
-        settled=chosen.settled,
-        median=f"{chosen.median_s:.0f}",
-        worst=f"{chosen.worst_s:.0f}",
-        until=f"{UNTIL:.0f}",
-        rows=rows,
-        count=len(names),
-    )
-
-
-def _cell(line: Line) -> str:
-    lost = "" if line.settled == line.runs else f", {line.settled} of {line.runs} settle"
-    worst = f"{line.worst_s:.0f} s" if math.isfinite(line.worst_s) else "not settled"
-    return f"{line.value:g}: {line.ratio:.2f} ×, worst {worst}{lost}"
+    return f"{max(1, round(int(value) * factor))}" if value.isdigit() else f"{float(value) * factor:g}"
