@@ -29,6 +29,8 @@ from .paper import ROOT
 from .processor import make as cost
 from .reproduction import make as paper
 from .satellites import make as satellites_flown
+from .satellites.kept import FILE as SATELLITES
+from .satellites.kept import HOLDS, load
 from .sensors import make as sensor_figures
 from .sweep import make as swept
 
@@ -120,9 +122,8 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
     What is in docs/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
     """
     if not page:
-        if find_spec("casadi") is None:
-            raise InputError("the package casadi is not installed; remedy: pip install casadi")
-        from .optimum.make import fly_again, make  # CasADi, a package of this study alone  # noqa: PLC0415
+        _needs_casadi()
+        from .optimum.make import fly_again, make  # CasADi, a package of two studies alone  # noqa: PLC0415
 
         file = ROOT / "docs" / FILE
         for line in fly_again(file) if flown else make(cases, file):
@@ -173,9 +174,27 @@ def flight_tune(jobs: int) -> None:
 @_jobs
 @click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
 @click.option("--page", is_flag=True, help="Write the page from what is flown so far.")
-def satellites(jobs: int, cases: int, page: bool) -> None:
+@click.option(
+    "--holds",
+    is_flag=True,
+    help="Search the best holds of what is flown, some seconds each (needs the package casadi).",
+)
+def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
     """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/satellites.md; one that was interrupted goes on."""
+    if holds:
+        _needs_casadi()
+        from .satellites.hold import make  # CasADi, a package of two studies alone  # noqa: PLC0415
+
+        for line in make(jobs, load(ROOT / "docs" / SATELLITES), ROOT / "docs" / HOLDS):
+            say(line)
+        say(f"written: {satellites_flown.write()}")
+        return
     say(f"written: {satellites_flown.publish() if page else satellites_flown.make(cases, jobs)}")
+
+
+def _needs_casadi() -> None:
+    if find_spec("casadi") is None:
+        raise InputError("the package casadi is not installed; remedy: pip install casadi")
 
 
 if __name__ == "__main__":

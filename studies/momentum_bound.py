@@ -2,17 +2,17 @@
 
 Longer than 250 lines: the proof stands beside the code that evaluates it.
 
-Rods and wheel cannot change the momentum H_N = R (J Omega + l_w e1) as they like: the wheel's torque is internal,
+Rods and wheel cannot change the momentum H_N = R (J Omega + l_w e_w) as they like: the wheel's torque is internal,
 and a dipole m in the field B gives m x B only. Over [0, T]
 
     H_N(T) - H_N(0) = integral of (m x B_N + disturbances) dt,      |m| <= rho,
 
 where the ball of radius rho contains every rotation of the rods' polytope, so nothing need be known of the attitude
-on the way. At the end the motion is the desired one (to a tolerance), so that H_N(T) = R_d (J Omega_d + l e1) for some
+on the way. At the end the motion is the desired one (to a tolerance), so that H_N(T) = R_d (J Omega_d + l e_w) for some
 |l| <= l_max. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if for some p
 
     g(p, T) = p.D - l_max |p.a| - rho (integral of |B_N x p| dt) - slack |p| > 0,
-    D = R_d J Omega_d - H_N(0),  a = R_d e1,  slack: disturbances over T and the tolerances.
+    D = R_d J Omega_d - H_N(0),  a = R_d e_w,  slack: disturbances over T and the tolerances.
 
 The end states and the reachable momenta are convex compact sets, so such a p exists whenever they are disjoint; g is
 concave in p, and its maximum over the unit ball is a convex problem. Whatever p the optimiser returns is a proof by
@@ -169,7 +169,7 @@ class MomentumBalance:
     def needed(self, T: float) -> tuple[Array, Array]:
         """D and a at time T: momentum to be given with an empty wheel, N m s, and the wheel's axis, in N."""
         reference = self._reference(T)
-        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, reference.R_d[:, 0]
+        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, reference.R_d @ self.plant.body.wheel_axis
 
     def slack(self, T: float) -> float:
         return self._tolerance + self._disturbance * T

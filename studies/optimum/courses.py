@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from ..motion import SECONDS
 from ..paper import Array
-from .motion import SECONDS
 from .problem import FEWEST, HELD, HOLD, INTERVAL
 from .transcription import Guess, Solution
 

@@ -8,28 +8,15 @@ while after it into M. The variables are x at all nodes, u in all intervals, and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from ..motion import IPOPT
 from ..paper import Array
 
 EFFORT = 1e-3
 """Weight of the mean square of u beside T: where the least time leaves a command open, the smallest is taken."""
-OPTIONS: dict[str, Any] = {
-    "print_time": False,
-    "ipopt": {
-        "print_level": 0,
-        "sb": "yes",
-        "max_iter": 150,
-        "tol": 1e-5,
-        "acceptable_tol": 1e-3,
-        "acceptable_constr_viol_tol": 1e-6,
-        "acceptable_iter": 8,
-        "mu_strategy": "adaptive",
-    },
-}
 FEASIBLE = 1e-5
 """Largest gap, and largest excess over a limit."""
 
@@ -92,7 +79,7 @@ def solve(task: Task, guess: Guess) -> Solution:
     low, high = -limits, limits.copy()
     low[:, 0] = high[:, 0] = guess.x[:, 0]
     ones, free = np.ones(U.numel()), gaps.numel()
-    found = ca.nlpsol("least_time", "ipopt", problem, OPTIONS)
+    found = ca.nlpsol("least_time", "ipopt", problem, IPOPT)
     end = found(
         x0=np.concatenate((guess.x.T.ravel(), guess.u.T.ravel(), [guess.time])),
         lbx=np.concatenate((low.T.ravel(), -ones, [1e-3])),

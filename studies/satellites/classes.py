@@ -13,6 +13,8 @@ from ..paper import INERTIA, Array
 
 FIELD = 4.4e-5
 """T: dipole_max times this is the torque of the rods, of which a disturbance is a share."""
+SHARES = {False: 1e-3, True: 1e-2}
+"""This share, nominal and with errors; a tenth of it without a wheel."""
 DURATION, EARLY = 2e4, 9e3
 """s: three orbits or more, at 350 to 1200 km; after EARLY it is told what becomes of a flight."""
 SEED = 500
@@ -44,6 +46,10 @@ class Satellite:
     def time(self) -> float:
         """T, s: sqrt(J/(dipole_max FIELD)) with the mean moment, docs/planned.md."""
         return math.sqrt(sum(self.moments) / 3.0 / (self.dipole_max * FIELD))
+
+    def disturbance(self, errors: bool) -> float:
+        """N m, of the torque fixed in the body."""
+        return SHARES[errors] * (1.0 if self.has_wheel else 0.1) * self.dipole_max * FIELD
 
     @property
     def slow(self) -> float:
@@ -87,9 +93,9 @@ ALL = CLASSES | VARIANTS
 def tumbles(name: str, runs: int, errors: bool = False) -> Group:
     """Random tumbles of a satellite: attitude, rate to its `rate_max`, node, inclination 0 to 98 deg, height 350 to 1200 km.
 
-    Nominal: a disturbance of a thousandth of the rods' torque. Errors as in docs/flight.md, but for a disturbance of a hundredth, and
-    for the inertia: errors of each moment for itself would make no body of a flat or a long one. The second moments of mass are off,
-    by sqrt(2) of 5 to 10% each, so that the moments of inertia are off as much in the mean square.
+    Errors are those of docs/flight.md, but for the disturbance and for the inertia: errors of each moment for itself would make no
+    body of a flat or a long one. The second moments of mass are off, by sqrt(2) of 5 to 10% each, so that the moments of inertia are
+    off as much in the mean square.
     """
     it = ALL[name]
     data = base()
@@ -105,7 +111,6 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
     change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1]})
     if not errors:
         change(data, NO_ERRORS)
-    push = (1e-2 if errors else 1e-3) * it.dipole_max * FIELD
     drawn = {
         **DRAWN,
         "omega": {"sphere": {"uniform": ["0 deg/s", f"{it.rate_max:g} deg/s"]}},
@@ -118,7 +123,7 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
         "plant.node_longitude": "node",
         "plant.orbit_radius": "radius",
         "plant.inclination": "tilt",
-        "plant.disturbance_torque_B": f"{push} * push",
+        "plant.disturbance_torque_B": f"{it.disturbance(errors)} * push",
         "sensors.seed": "noise",
     }
     if errors:

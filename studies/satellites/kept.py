@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from ..paper import Array
 from .classes import ALL, settled, tumbles
 
 FILE = "satellites.csv"
+HOLDS = "satellites_hold.csv"
 CONDITIONS = {"nominal": False, "errors": True}
 RADIUS = 6371.0
 """km, from which heights count."""
@@ -69,7 +70,7 @@ def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
         "later_max_deg": (np.degrees(value["later_max"]), ".3g"),
         "hold_rms_deg": (np.degrees(value["hold_rms"]), ".3g"),
         "wheel_share": (value["wheel_max"] / ALL[satellite].wheel_momentum_max, ".3g"),
-        "momentum_bound_s": (_bounds(group, rows, times), ".1f"),
+        "momentum_bound_s": (_bounds(group, rows, times, ALL[satellite].has_wheel), ".1f"),
     }
     reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
     found = []
@@ -83,11 +84,36 @@ def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
     return found
 
 
-def _bounds(group: Group, rows: Rows, times: Array) -> Array:
-    """Momentum bounds, s, of those that do not settle: infinite beyond HORIZON, NaN for the others and for failed runs."""
+def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
+    """Momentum bounds, s, of those that do not settle: infinite beyond HORIZON, NaN for others, failed runs and without a wheel."""
     data = starts(group)
     least = np.full(len(times), math.nan)
-    for i in np.flatnonzero(~np.isfinite(times) & ~rows.failed):
+    for i in np.flatnonzero(~np.isfinite(times) & ~rows.failed & wheel):
         found = bound(data[int(rows.index[i])], HORIZON)
         least[i] = math.inf if found is None else found
     return least
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best hold (hold.py) of a tumble: angles in deg, wheel momentum over its limit, largest gap of the motion."""
+
+    satellite: str
+    condition: str
+    run: int
+    rms_deg: float
+    largest_deg: float
+    wheel_share: float
+    gap: float
+
+
+def load_holds(file: Path) -> list[Best]:
+    """The best holds of a file, none without one. Raises InputError for a file of another form."""
+    return files.load(Best, file, "python -m studies satellites --holds") if file.is_file() else []
+
+
+def save_holds(file: Path, holds: Iterable[Best]) -> None:
+    """Writes them by satellite, condition and run."""
+    satellites, conditions = list(ALL), list(CONDITIONS)
+    order = [(satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold) for hold in holds]
+    files.save(Best, file, [hold for *_, hold in sorted(order, key=lambda entry: entry[:3])])

@@ -12,7 +12,7 @@ from ..crew import crew, folder_of
 from ..paper import FOLDER, ROOT
 from . import page
 from .classes import ALL, tumbles
-from .kept import CONDITIONS, FILE, load, save
+from .kept import CONDITIONS, FILE, HOLDS, load, load_holds, save
 
 RESULTS = FOLDER / "satellites"
 PART = 10
@@ -49,6 +49,11 @@ def publish() -> Path:
     if not rows:
         raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies satellites")
     save(ROOT / "docs" / FILE, rows)
+    return write()
+
+
+def write() -> Path:
+    """Writes the page from the files in docs/."""
     target = ROOT / "docs" / "satellites.md"
-    target.write_text(page.text(load(ROOT / "docs" / FILE)), "utf-8")
+    target.write_text(page.text(load(ROOT / "docs" / FILE), load_holds(ROOT / "docs" / HOLDS)), "utf-8")
     return target

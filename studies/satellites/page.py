@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,13 +14,22 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, Flights, column
+from .kept import CONDITIONS, HORIZON, Best, Flights, column
 
+Key = tuple[str, str, str]
+"""Satellite, condition and run."""
 NAMES = {"nominal": "nominal", "errors": "all errors"}
+BETWEEN = (0.0, 0.01, 0.1, 1.0, 5.0, math.inf)
+"""deg: limits between the rows of the table of best holds."""
+STEEP = 30.0
+"""deg, an inclination from which the field turns well along the orbit."""
+CLOSED = 1e-4
+"""Largest gap of what counts as a hold that was found."""
 
 
-def text(flights: Flights) -> str:
+def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     """The page."""
+    best = {(hold.satellite, hold.condition, f"{hold.run}"): hold for hold in holds if hold.gap < CLOSED}
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
         Path(__file__).parent,
@@ -31,13 +41,29 @@ def text(flights: Flights) -> str:
         if min(counts) == max(counts)
         else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
-        left=_left(flights),
-        alarms=sum(bool(line["told"]) for line in flights.lines if ALL[line["satellite"]].has_wheel),
+        left=_left(flights, best),
+        held=_held(flights, best),
+        sought=len(holds),
+        found=len(best),
+        full=_full(flights, best),
+        steep=f"{STEEP:g}°",
+        without=_without(flights),
+        by_inclination=_by_inclination(flights),
+        alarms=[
+            f"{s}, {NAMES[c]}, run {line['run']}"
+            for line in flights.lines
+            for s, c in [(line["satellite"], line["condition"])]
+            if line["told"] and ALL[s].has_wheel
+        ],
         duration=f"{DURATION:,.0f}",
         early=f"{EARLY:,.0f}",
         hold=f"{HOLD:,.0f}",
         horizon=f"{HORIZON:,.0f}",
     )
+
+
+def _key(line: Mapping[str, str]) -> Key:
+    return line["satellite"], line["condition"], line["run"]
 
 
 def _times(lines: Sequence[Mapping[str, str]]) -> Array:
@@ -72,14 +98,79 @@ def _row(flights: Flights, name: str, condition: str) -> list[str]:
     ]
 
 
-def _left(flights: Flights) -> list[list[str]]:
+def _by_inclination(flights: Flights) -> list[list[str]]:
+    """What became of the flights with a wheel."""
+    lines = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
+    tilt, times, early = column(lines, "inclination_deg"), _times(lines), column(lines, "early_s", math.inf)
+    kinds = np.array([line["condition"] for line in lines])
+    rows = []
+    for low, high in itertools.pairwise((0.0, 15.0, STEEP, 98.0)):
+        row = [f"{low:g} to {high:g}°"]
+        for kind in CONDITIONS:
+            among = (tilt >= low) & (tilt < high) & (kinds == kind)
+            lost = among & np.isfinite(early) & (times > EARLY)
+            row += [f"{(among & np.isfinite(times)).sum()} of {among.sum()}", f"{lost.sum()}"]
+        rows.append(row)
+    return rows
+
+
+def _left(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.lines:
         if line["settled_5deg_s"] or not ALL[line["satellite"]].has_wheel:
             continue
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
-        hold = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
+        flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
-        rows.append([line["satellite"], NAMES[line["condition"]], line["run"], *where, *hold, *rest, line["remark"]])
+        hold = best.get(_key(line))
+        possible = [degrees(hold.rms_deg), degrees(hold.largest_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 3
+        rows.append(
+            [line["satellite"], NAMES[line["condition"]], line["run"], *where, *flown, *rest, *possible, line["remark"]]
+        )
+    return rows
+
+
+def _full(flights: Flights, best: Mapping[Key, Best]) -> str:
+    """Of the flights that are not settled and whose best hold was found, in how many of these holds the wheel comes to its limit."""
+    shares = [
+        best[key].wheel_share for line in flights.lines if not line["settled_5deg_s"] and (key := _key(line)) in best
+    ]
+    return f"{sum(share > 0.995 for share in shares)} of {len(shares)}"
+
+
+def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
+    """What became of the flights whose best hold was found, by its rms."""
+    lines = [line for line in flights.lines if _key(line) in best]
+    rms = np.array([best[_key(line)].rms_deg for line in lines])
+    times, early = _times(lines), column(lines, "early_s", math.inf)
+    rows = []
+    for low, high in itertools.pairwise(BETWEEN):
+        among = (rms >= low) & (rms < high)
+        if among.any():
+            name = f"below {high:g}°" if low == 0.0 else f"{low:g} to {high:g}°".replace(" to inf°", "° and more")
+            settled, lost = among & np.isfinite(times), among & np.isfinite(early) & (times > EARLY)
+            rows.append([name, f"{among.sum()}", f"{settled.sum()}", f"{lost.sum()}"])
+    return rows
+
+
+def _without(flights: Flights) -> list[list[str]]:
+    """What satellites without a wheel hold, settled or not."""
+    rows = []
+    for name, it in ALL.items():
+        for kind in () if it.has_wheel else CONDITIONS:
+            lines = flights.of(name, kind)
+            largest, rms = column(lines, "later_max_deg", math.inf), column(lines, "hold_rms_deg", math.inf)
+            below = [f"{(largest < limit).sum()} of {len(lines)}" for limit in (5.0, 15.0)]
+            steep = column(lines, "inclination_deg") > STEEP
+            rows.append(
+                [
+                    name,
+                    NAMES[kind],
+                    f"{1e9 * it.disturbance(CONDITIONS[kind]):.2g}",
+                    *below,
+                    f"{(steep & (largest < 15.0)).sum()} of {steep.sum()}",
+                    degrees(float(np.median(rms[steep]))) if steep.any() else "–",
+                ]
+            )
     return rows

@@ -194,3 +194,16 @@ def test_a_steady_torque_counts_with_its_size_over_the_whole_time():
     torque = {"plant.disturbance_torque_B": [1e-6, -2e-6, 2e-6]}
     with_it, without = (balance(**changes) for changes in (torque, {}))
     assert with_it.slack(500.0) - without.slack(500.0) == pytest.approx(500.0 * 3e-6, rel=1e-12)
+
+
+def test_what_a_wheel_keeps_is_along_its_own_axis(monkeypatch):
+    """Momentum along a steady field stays: with a wheel along it that can carry it all nothing is short, with one across it all is."""
+    probe = in_field([0.0, 0.0, 3e-5], monkeypatch)
+    R_d = probe.law.desired_attitude_0
+    direction = probe.H0 / np.linalg.norm(probe.H0)
+    along, across = R_d.T @ direction, R_d.T @ np.linalg.svd(direction[None])[2][1]
+    size = float(np.linalg.norm(probe.H0))
+    for axis, short in ((along, 0.0), (across, size)):
+        changes = {"plant.wheel_axis": axis, "plant.wheel_momentum_max": 1.01 * size}
+        steady = in_field(3e-5 * direction, monkeypatch, **changes)
+        assert steady.at(900.0).gap == pytest.approx(short, abs=0.02 * size)

@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation
 from orchestration import run
 from studies.flight.bound import loop, starts
 from studies.flight.schemes import change
+from studies.motion import SECONDS
 from studies.optimum.check import check
 from studies.optimum.courses import Course
 from studies.optimum.make import group
-from studies.optimum.motion import SECONDS, Motion
+from studies.optimum.motion import Motion
 from studies.optimum.problem import HOLD
 from studies.optimum.transcription import Guess, Task, solve
 

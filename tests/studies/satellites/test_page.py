@@ -7,7 +7,7 @@ import pytest
 from orchestration import InputError
 from studies.satellites import page
 from studies.satellites.classes import ALL
-from studies.satellites.kept import COLUMNS, CONDITIONS, Flights, load
+from studies.satellites.kept import COLUMNS, CONDITIONS, Best, Flights, load, load_holds
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -28,7 +28,8 @@ def row(text, satellite, condition):
 
 
 def test_the_page_is_that_of_the_kept_flights():
-    assert (DOCS / "satellites.md").read_text("utf-8") == page.text(load(DOCS / "satellites.csv"))
+    kept = load(DOCS / "satellites.csv"), load_holds(DOCS / "satellites_hold.csv")
+    assert (DOCS / "satellites.md").read_text("utf-8") == page.text(*kept)
 
 
 def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_is_later_than_all():
@@ -41,6 +42,21 @@ def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_
     found = row(page.text(Flights(tuple(lines))), "3U", "all errors")
     assert found[2:] == ["3 of 4", "14,000", "–", "–", "1, to 31°", "0.02°", "0.02°"]
     assert "| 3U | all errors | 2 |" in page.text(Flights(tuple(lines)))
+
+
+def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none():
+    flights = Flights(
+        (line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("6U", 0, "", ""))
+    )
+    holds = [
+        Best("3U", "errors", 0, 0.002, 0.01, 0.1, 1e-8),
+        Best("3U", "errors", 1, 2.0, 6.0, 1.0, 1e-8),
+        Best("3U", "errors", 2, 3.0, 9.0, 1.0, 1e-8),
+    ]
+    text = page.text(flights, [*holds, Best("6U", "errors", 0, 0.0, 0.0, 1.0, 0.1)])
+    assert "| below 0.01° | 1 | 1 | 0 |" in text
+    assert "| 1 to 5° | 2 | 1 | 1 |" in text
+    assert "found for 3 of 4." in text
 
 
 def test_a_row_without_flights_says_so():

@@ -1,0 +1,127 @@
+"""The best hold that IPOPT finds for a satellite: a motion about the target that ends an orbit later as it began.
+
+Nothing limits it but the actuators: the disturbance, the inertia and the field of the whole orbit are known. Where its error is
+zero, the satellite can be held for good. Where it is not, the momentum that the disturbance brings along the field cannot be taken
+out without leaving the target: the rods give no torque along the field, and the wheel is at its limit.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+import controller.reference
+import plant
+
+from ..crew import crew
+from ..flight.bound import loop, starts
+from ..flight.schemes import Data
+from ..motion import IPOPT, SECONDS, advanced
+from ..paper import Array
+from .classes import ALL, EARLY, tumbles
+from .kept import CONDITIONS, Best, Flights, load_holds, save_holds
+
+LONGEST = 30.0
+"""s, of an interval of constant commands."""
+TURN = 0.5
+"""rad, of the free motion of a body with a full wheel in one interval."""
+UNIT = 100.0
+"""The error is counted in so many halves of a radian, about degrees."""
+EFFORT = 1e-3
+"""Weight of the mean square of the commands beside that of the error."""
+SEARCH: dict[str, Any] = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 600}}
+SAMPLE = 20
+"""Tumbles of each satellite whose hold is sought, settled or not."""
+AT_ONCE = 8
+"""Tumbles between two writings of the file."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What was found: angles in rad, largest wheel momentum over its limit, largest gap between intervals."""
+
+    rms: float
+    largest: float
+    wheel: float
+    gap: float
+
+
+def best(p: plant.Parameters, begin: float) -> Hold:
+    """Over one orbit from the plant's time `begin`, s: a local minimum of the mean square of the attitude error."""
+    times = _nodes(p, begin)
+    n, h = len(times) - 1, float(times[1] - times[0]) / SECONDS
+    fields = [np.array([_field(p, t + share * SECONDS * h) for t in times[:-1]]).T for share in (0.0, 0.5, 1.0)]
+    turn = np.array(controller.reference.lvlh(*p.orbit.position_velocity(begin)).Omega_d)
+    x, u, at = ca.SX.sym("x", 8), ca.SX.sym("u", 4), [ca.SX.sym(f"field{i}", 3) for i in range(3)]
+    step = ca.Function("step", [x, u, *at], [advanced(p, turn, x, u, ca.SX(h), at)])
+    X, U = ca.MX.sym("X", 8, n + 1), ca.MX.sym("U", 4, n)
+    gaps = X[:, 1:] - step.map(n)(X[:, :-1], U, *map(ca.DM, fields))
+    error = ca.sumsqr(UNIT * X[1:4, :]) / n
+    problem = {
+        "x": ca.vertcat(ca.vec(X), ca.vec(U)),
+        "f": error + EFFORT * ca.sumsqr(U) / n,
+        "g": ca.vertcat(ca.vec(gaps), ca.sumsqr(X[:4, 0]) - 1.0, X[1:, -1] - X[1:, 0]),
+    }
+    l_max = SECONDS * p.wheel_momentum_max
+    high = np.repeat(np.array([np.inf] * 7 + [l_max])[:, None], n + 1, axis=1)
+    bounds = np.concatenate((high.T.ravel(), np.ones(4 * n)))
+    rest = np.repeat(np.array([1.0, 0.0, 0.0, 0.0, *(SECONDS * turn), 0.0])[:, None], n + 1, axis=1)
+    found = ca.nlpsol("hold", "ipopt", problem, SEARCH)
+    end = found(x0=np.concatenate((rest.T.ravel(), np.zeros(4 * n))), lbx=-bounds, ubx=bounds, lbg=0.0, ubg=0.0)
+    states = np.asarray(end["x"]).ravel()[: 8 * (n + 1)].reshape(n + 1, 8)
+    angle = 2.0 * np.arcsin(np.minimum(np.linalg.norm(states[:, 1:4], axis=1), 1.0))
+    return Hold(
+        math.sqrt(float(np.mean(angle**2))),
+        float(angle.max()),
+        float(np.abs(states[:, 7]).max() / l_max),
+        float(np.abs(np.asarray(end["g"])).max()),
+    )
+
+
+def _nodes(p: plant.Parameters, begin: float) -> Array:
+    """The ends of the intervals, s."""
+    orbit = 2.0 * math.pi * math.sqrt(p.orbit.semi_major_axis**3 / p.gravitational_parameter)
+    least = np.linalg.eigvalsh(p.body.J)[:2]
+    free = math.sqrt(float(least.prod())) / p.wheel_momentum_max
+    return np.linspace(begin, begin + orbit, math.ceil(orbit / min(LONGEST, TURN * free)) + 1)
+
+
+def _field(p: plant.Parameters, t: float) -> Array:
+    """In LVLH (3,), T."""
+    return np.asarray(controller.reference.lvlh(*p.orbit.position_velocity(t)).R_d).T @ p.field.at(t)
+
+
+def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
+    """Searches what the file does not have, and tells of each part when it has been saved.
+
+    Sought are the holds of the first SAMPLE tumbles of each satellite with a wheel under all errors, and of all that are not settled.
+    """
+    found = load_holds(file)
+    known = {(hold.satellite, hold.condition, hold.run) for hold in found}
+    wanted = []
+    for name, condition in itertools.product((name for name in ALL if ALL[name].has_wheel), CONDITIONS):
+        lines = flights.of(name, condition)
+        runs = {int(line["run"]) for line in lines if not line["settled_5deg_s"]}
+        runs |= set(range(SAMPLE)) if condition == "errors" else set()
+        runs = {run for run in runs if (name, condition, run) not in known}
+        if runs:
+            data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))
+            wanted += [(name, condition, run, data[run]) for run in sorted(runs)]
+    with crew(jobs) as hands:
+        for i in range(0, len(wanted), AT_ONCE):
+            found += hands.each("best holds", _of_tumble, wanted[i : i + AT_ONCE])
+            save_holds(file, found)
+            yield f"{min(i + AT_ONCE, len(wanted))} of {len(wanted)} tumbles"
+
+
+def _of_tumble(tumble: tuple[str, str, int, Data]) -> Best:
+    name, condition, run, data = tumble
+    found = best(loop(data).plant, EARLY)
+    return Best(name, condition, run, math.degrees(found.rms), math.degrees(found.largest), found.wheel, found.gap)

@@ -1,0 +1,45 @@
+"""The best hold of docs/satellites.md against closed forms of the momentum along the field."""
+
+import math
+
+import numpy as np
+import pytest
+
+from studies.flight.bound import loop, starts
+from studies.satellites.classes import tumbles
+from studies.satellites.hold import best
+
+
+@pytest.fixture(scope="module")
+def tumble():
+    """A satellite of 50 kg at an inclination where the field turns."""
+    data = starts(tumbles("50 kg", 8, errors=True))
+    return next(one for one in data if math.radians(60.0) < one["blocks"]["plant"]["start"]["inclination"])
+
+
+def plant_of(data, **changes):
+    start = data["blocks"]["plant"]["start"] | changes
+    return loop({"blocks": {"plant": data["blocks"]["plant"] | {"start": start}}, "shared": data["shared"]}).plant
+
+
+def test_where_the_field_turns_a_disturbance_of_a_hundredth_of_the_rods_is_held_to_the_end(tumble):
+    found = best(plant_of(tumble), 9000.0)
+    assert found.gap < 1e-5
+    assert found.largest < math.radians(0.1)
+    assert found.wheel < 1.0
+
+
+def test_along_a_steady_field_a_disturbance_is_only_undone_by_turning_it_away(tumble, monkeypatch):
+    """H.b grows by d.b: over a motion that ends as it began d.b is zero in the mean, so it is once at 90 deg or more."""
+
+    class AlongTheNormal:
+        def __init__(self, p):
+            r, v = (np.array(x) for x in p.orbit.position_velocity(0.0))
+            self.normal = np.cross(r, v) / np.linalg.norm(np.cross(r, v))
+
+        def at(self, t):
+            return 3e-5 * self.normal
+
+    monkeypatch.setattr("plant.parameters.Parameters.field", property(AlongTheNormal))
+    found = best(plant_of(tumble, disturbance_torque_B=[0.0, 1e-5, 0.0]), 9000.0)
+    assert found.gap > 1e-4 or found.largest >= math.radians(90.0)
