@@ -11,6 +11,7 @@ from orchestration.campaign.load import read_campaign
 from ..flight.cases import SEEDS, Group, drawn, tumbles
 from ..flight.schemes import Data, base, change
 from ..paper import ORBIT, ROOT
+from ..satellites.classes import tumbles as tumbles_of_satellite
 from .loop import FROZEN_ATTITUDE, FROZEN_FIELD, Flight, parameters, tumbles_of
 
 WHEEL, GIVEN_UP, ATTITUDE, FIELD = 3, 4, 5, 6
@@ -89,6 +90,11 @@ def _hold(runs: int) -> list[Flight]:
     return [Flight(given, until=2.0 * ORBIT, hold=ORBIT) for given in tumbles_of(_tumbles("errors", runs))]
 
 
+def _small(runs: int) -> list[Flight]:
+    group = tumbles_of_satellite("1U", runs, errors=True)
+    return [Flight(given, until=1.5 * ORBIT, hold=0.5 * ORBIT, rate=group.slow) for given in tumbles_of(group)]
+
+
 def _estimate(runs: int) -> list[Flight]:
     """With friction; every second wheel's momentum is measured with noise, every third rate with ten times the noise told."""
     flights = []
@@ -136,6 +142,7 @@ class Cases:
 GROUPS = {
     "acquisition": Cases(_acquisition, 40, ("settled",)),
     "hold": Cases(_hold, 3, ("hold",)),
+    "small satellite": Cases(_small, 2, ("hold",)),
     "estimate": Cases(_estimate, 3, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
     "failed sensors": Cases(_failing(SENSORS), len(SENSORS), ("found", "sound", "hold")),

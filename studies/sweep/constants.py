@@ -79,6 +79,9 @@ CONSTANTS = tuple(
         ("scales.c", "STIFFNESS", "stiffness of the law [8]", "hold"),
         ("scales.c", "DAMPING", "its damping", "hold"),
         ("scales.c", "UNEVEN", "how even its stiffness is", "hold"),
+        ("renew.c", "HOLD_ORBITS", "what a plan sees at least, in orbits", "small satellite"),
+        ("renew.c", "STAGE_LONG", "length of the stages that this takes", "small satellite"),
+        ("renew.c", "LONGER_MAX", "number of these stages from which they are longer", "small satellite", (0.5, 1.4)),
         ("covariance.c", "TURN_SHARE", "error of the model by turning", "estimate"),
         ("covariance.c", "RODS_SHARE", "the same by the rods", "estimate"),
         ("identification_start.c", "REST_NOISE", "the same at rest", "estimate"),
@@ -160,7 +163,6 @@ NOT_SWEPT = {
     "units": "EARTH_RADIUS LOW_ORBIT SURFACE_FIELD",
     "the table of six starts of a search": "STRAIGHT",
     "the limit of the damping for long control periods, which none of the flights has": "DAMPING_SAMPLED",
-    "how far plans of small satellites see in the hold: longer than those of the paper's": "HOLD_ORBITS LONGER_MAX STAGE_LONG",
     "wheels that are as good as none": "NO_WHEEL",
     "references by the ports, of which planned.md has measurements": "CHANGE_LASTS STILL",
 }
