@@ -19,6 +19,8 @@ from orchestration.cli.status import Commands
 from .allocators import make as allocator_runs
 from .allocators import page as allocator_page
 from .estimator import make as estimates
+from .failures import make as failures_flown
+from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
 from .flight.tune import search
@@ -188,6 +190,21 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
         say(f"written: {satellites_flown.write()}")
         return
     say(f"written: {satellites_flown.publish() if page else satellites_flown.make(cases, jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=10, show_default=True, type=click.IntRange(1, 1000), help="Flights of each row.")
+@click.option(
+    "--table", "tables", multiple=True, type=click.Choice(TABLES), help="Fly this table alone; may be repeated."
+)
+@click.option("--page", is_flag=True, help="Write the page from what is flown so far.")
+def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None:
+    """Fly tumbles with rods, sensors and wheels that fail, and make docs/failures.md; one that was interrupted goes on.
+
+    A flight takes about two seconds of a core, one with a stuck wheel 36.
+    """
+    say(f"written: {failures_flown.publish() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
 
 
 def _needs_casadi() -> None:

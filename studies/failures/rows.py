@@ -1,0 +1,171 @@
+"""The rows of docs/failures.md as campaigns: the tumbles of docs/flight.md under all errors, with a failure that nobody tells of."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from orchestration.campaign.load import Case
+
+from .. import crew
+from ..flight.cases import ALARMS, DRAWN, EARLY, LONG, RATE, tumbles
+from ..flight.schemes import Data, base, change
+from ..paper import ORBIT
+
+SEED = 600
+HELD, HOLD = 3000.0, 6000.0
+"""s: from HELD on a failure is one in the hold; when most of these come."""
+GAIN = 0.9
+"""What a rod gives that has not failed."""
+ASKED = 1e-8
+"""N m: below it nothing is asked of the wheel."""
+TABLES = RODS, SENSORS, UNSEARCHED, WHEEL = "rods", "sensors", "unsearched", "wheel"
+"""The tables of the page."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Flights with one failure, for three orbits from it on."""
+
+    table: str
+    text: str
+    """What fails, as the page says it."""
+    faults: tuple[Data, ...] = field(hash=False)
+    push: float = 1e-5
+    """N m: the size of the disturbance torque, constant in the body."""
+    flag: str = "rod_failed"
+    rod: int = 0
+    """Which rod fails; 0: none."""
+    start: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    """Start values beside those of the tumbles."""
+
+    @property
+    def at(self) -> float:
+        """When it fails, s."""
+        return float(self.faults[0]["at"])
+
+    @property
+    def since(self) -> float:
+        """From when on the hold counts, s: of rods alone over the third orbit; else from a failure in the hold, or from EARLY."""
+        if self.table == WHEEL:
+            return self.at + 2.0 * ORBIT
+        return self.at if self.at >= HELD else EARLY
+
+    @property
+    def name(self) -> str:
+        """By which the CSV file knows it."""
+        return f"{self.table}: {self.text}, {1e6 * self.push:g} uN m"
+
+    def case(self, flights: int) -> Case:
+        """The campaign, checked. Raises InputError."""
+        data = change(base("failures"), self.start)
+        data |= {"faults": [dict(fault) for fault in self.faults], "duration": self.at + LONG}
+        vary = tumbles(self.name, SEED, 1, errors=True).vary
+        vary["plant.disturbance_torque_B"] = f"{self.push} * push"
+        campaign = {
+            "name": re.sub(r"\W+", "_", self.name),
+            "scenario": data,
+            "draw": DRAWN,
+            "vary": {name: {"expression": text} for name, text in vary.items()},
+            "runs": flights,
+            "seed": SEED,
+            "metrics": [{"name": name, **metric} for name, metric in self._metrics.items()],
+        }
+        return crew.case(campaign, Path(__file__).parent)
+
+    @cached_property
+    def _metrics(self) -> dict[str, Data]:
+        angle: Data = {"signal": "judge.attitude_error"}
+        rate: Data = {"signal": "judge.rate_error_B", "measure": "norm"}
+        from_it, held = {"after": self.at}, {"after": self.since}
+        wheel: Data = {"signal": "allocator.wheel_torque_cmd"}
+        return {
+            "angle": {**angle, "settles": {"below": "5 deg"}},
+            "rate": {**rate, "settles": {"below": f"{RATE} rad/s"}},
+            "within_15": {**angle, "settles": {"below": "15 deg"}, **from_it},
+            "within_5": {**angle, "settles": {"below": "5 deg"}, **from_it},
+            "given_up": {**wheel, "settles": {"within": f"{ASKED} N.m"}, **from_it},
+            "hold_rms": {**angle, "statistic": "rms", **held},
+            "hold_max": {**angle, "statistic": "maximum", **held},
+            **{name: {"signal": f"controller.{name}", "reaches": {"equals": True}} for name in ALARMS},
+            **{f"rod_{i}": {"signal": "controller.failed_rod", "reaches": {"equals": i}} for i in (1, 2, 3)},
+        }
+
+
+def _rod(i: int, gain: float, at: float = 0.0) -> tuple[Data, ...]:
+    return ({"at": at, "set": f"plant.rod_gain[{i}] = {gain}"},)
+
+
+def _frozen(signal: str, at: float, until: float | None = None) -> tuple[Data, ...]:
+    fault: Data = {"at": at, "freeze": f"sensors.{signal}"}
+    return (fault if until is None else {**fault, "until": until},)
+
+
+def _biased(size: float) -> tuple[Data, ...]:
+    """T, the same along each axis of the body."""
+    return ({"at": HELD, "bias": "sensors.b_B_measured", "by": [size / math.sqrt(3.0)] * 3},)
+
+
+def _wheel(parameter: str, value: float, at: float = 0.0) -> tuple[Data, ...]:
+    return ({"at": at, "set": f"plant.wheel_{parameter} = {value}"},)
+
+
+def _drags(text: str, torque: float, at: float = 0.0, push: float = 1e-5) -> Row:
+    return Row(SENSORS, text, _wheel("coulomb_friction", torque, at), push, "wheel_failed")
+
+
+def _stuck(text: str, push: float, *more: Data, at: float = 0.0, momentum: float = 0.0) -> Row:
+    faults = (*_wheel("torque_max", 0.0, at), *more)
+    return Row(WHEEL, text, faults, push, "wheel_failed", start={"plant.h_w0": momentum})
+
+
+_CALM: Data = {"at": ORBIT, "set": "plant.disturbance_torque_B = [0, 0, 0]"}
+_GAINS = {"dead": 0.0, "gives half": 0.5 * GAIN, "reversed": -GAIN}
+ROWS = (
+    *(
+        Row(RODS, f"rod {i} {how}, from the start", _rod(i, gain), push, rod=i)
+        for how, gain in _GAINS.items()
+        for i in (1, 2, 3)
+        for push in (1e-6, 1e-5)
+    ),
+    *(Row(RODS, f"rod {i} dies after 6000 s, in the hold", _rod(i, 0.0, HOLD), rod=i) for i in (1, 2, 3)),
+    Row(
+        SENSORS,
+        "attitude frozen for 600 s, after 300 s",
+        _frozen("R_NB_measured", 300.0, 900.0),
+        flag="attitude_frozen",
+    ),
+    Row(
+        SENSORS,
+        "attitude frozen for 600 s in the hold",
+        _frozen("R_NB_measured", HOLD, HOLD + 600.0),
+        flag="attitude_frozen",
+    ),
+    Row(SENSORS, "attitude frozen for good in the hold", _frozen("R_NB_measured", HOLD), flag="attitude_frozen"),
+    Row(SENSORS, "field frozen for good after 100 s", _frozen("b_B_measured", 100.0), flag="field_failed"),
+    Row(SENSORS, "field frozen for good in the hold", _frozen("b_B_measured", HOLD), flag="field_failed"),
+    *(
+        Row(SENSORS, f"field with a bias of {size} µT after 3000 s", _biased(1e-6 * size), flag="field_failed")
+        for size in (12, 6, 3.6, 2.9, 1.9, 1.0)
+    ),
+    _drags("wheel drags with 1.5 mN m from the start", 1.5e-3),
+    _drags("wheel drags with 1.5 mN m in the hold", 1.5e-3, HOLD),
+    _drags("wheel drags with 0.3 mN m from the start", 3e-4),
+    _drags("wheel drags with 0.3 mN m in the hold", 3e-4, HOLD),
+    *(
+        Row(UNSEARCHED, f"rod {i} {how}", _rod(i, gain), push, rod=i, start={"controller.find_failures": False})
+        for how, gain in _GAINS.items()
+        for i in (1, 2, 3)
+        for push in ((1e-6, 1e-5) if how == "dead" else (1e-5,))
+    ),
+    _stuck("stuck from the start", 1e-6),
+    _stuck("stuck from the start, without a disturbance", 0.0),
+    _stuck("stuck from the start with 1 mN m s", 0.0, momentum=1e-3),
+    _stuck("stuck after 6000 s, in the hold", 1e-6, at=HOLD),
+    _stuck("stuck from the start, the disturbance for one orbit", 1e-5, _CALM),
+)
