@@ -94,11 +94,10 @@ def _unsearched(row: Row, flights: Sequence[Flight]) -> list[str]:
 
 def _wheel(row: Row, flights: Sequence[Flight]) -> list[str]:
     soon = np.where((times := _column(flights, "within_5_s")) <= SOON * ORBIT, times, math.inf)
-    given_up = _found(_column(flights, "given_up_s"))
     return [
         row.text,
         _torque(row),
-        *given_up[1:],
+        *_found(_column(flights, "found_s"))[1:],
         *_spread(_column(flights, "within_15_s")),
         finite(soon),
         *_hold(flights),

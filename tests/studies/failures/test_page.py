@@ -43,8 +43,8 @@ def test_a_flight_that_is_not_found_and_one_that_is_lost_are_counted_as_such():
 
 def test_below_five_degrees_too_late_does_not_count_as_soon():
     stuck = name("stuck from the start")
-    late = flight(stuck, run=1, within_5_s=1.6 * ORBIT, given_up_s=400.0, within_15_s=ORBIT)
-    row = next(r for r in page.text([flight(stuck), late]).splitlines() if r.startswith("| stuck") and "| 370 s |" in r)
+    late = flight(stuck, run=1, within_5_s=1.6 * ORBIT, found_s=400.0, within_15_s=ORBIT)
+    row = next(r for r in page.text([flight(stuck), late]).splitlines() if r.startswith("| stuck") and "| 225 s |" in r)
     assert row.strip("| ").split(" | ")[3:8] == ["400 s", "2 of 2", "0.052", "1.000", "1 of 2"]
 
 
