@@ -136,7 +136,7 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
 @main.command()
 @click.option("--cases", default=40, show_default=True, type=click.IntRange(2, 1000), help="Flights of acquisition.")
 def sweep(cases: int) -> None:
-    """Fly with constants of the planned controller at half and twice their values, for docs/sweep.md: twenty minutes, one process."""
+    """Fly with constants of the planned controller at half and twice their values, for docs/sweep.md: forty minutes, one process."""
     for line in swept.make(cases, ROOT / "docs" / swept.FILE):
         say(line)
     say(f"written: {swept.publish()}")

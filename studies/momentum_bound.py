@@ -21,8 +21,6 @@ convex in B) and a bound on B's distance from its chords.
 
 As T grows by dT, g falls by at most `_fall` dT, so that every time in [T, T + g/_fall) is impossible too: from T = 0 on,
 such steps end where g vanishes, and all times before are excluded, not only those that were looked at.
-
-Over 250 lines, so that the whole proof stands in one file.
 """
 
 from __future__ import annotations

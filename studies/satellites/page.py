@@ -19,7 +19,7 @@ from .kept import CONDITIONS, HORIZON, Best, Flights, column
 Key = tuple[str, str, str]
 """Satellite, condition and run."""
 NAMES = {"nominal": "nominal", "errors": "all errors"}
-BETWEEN = (0.0, 0.01, 0.1, 1.0, 5.0, math.inf)
+BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
 """deg: limits between the rows of the table of best holds."""
 STEEP = 30.0
 """deg, an inclination from which the field turns well along the orbit."""
@@ -43,17 +43,15 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         settled=int(np.isfinite(_times(flights.lines)).sum()),
         left=_left(flights, best),
         held=_held(flights, best),
-        sought=len(holds),
         found=len(best),
-        full=_full(flights, best),
+        **_unsettled(flights, best),
         steep=f"{STEEP:g}°",
         without=_without(flights),
         by_inclination=_by_inclination(flights),
         alarms=[
-            f"{s}, {NAMES[c]}, run {line['run']}"
+            f"{line['satellite']}, {NAMES[line['condition']]}, run {line['run']}"
             for line in flights.lines
-            for s, c in [(line["satellite"], line["condition"])]
-            if line["told"] and ALL[s].has_wheel
+            if line["told"]
         ],
         duration=f"{DURATION:,.0f}",
         early=f"{EARLY:,.0f}",
@@ -131,12 +129,17 @@ def _left(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     return rows
 
 
-def _full(flights: Flights, best: Mapping[Key, Best]) -> str:
-    """Of the flights that are not settled and whose best hold was found, in how many of these holds the wheel comes to its limit."""
-    shares = [
-        best[key].wheel_share for line in flights.lines if not line["settled_5deg_s"] and (key := _key(line)) in best
-    ]
-    return f"{sum(share > 0.995 for share in shares)} of {len(shares)}"
+def _unsettled(flights: Flights, best: Mapping[Key, Best]) -> dict[str, int]:
+    """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
+    lines = [line for line in flights.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel]
+    known = [best[key] for line in lines if (key := _key(line)) in best]
+    return {
+        "unsettled": len(lines),
+        "were_settled": sum(bool(line["early_s"]) for line in lines),
+        "known": len(known),
+        "full": sum(hold.wheel_share > 0.995 for hold in known),
+        "within": sum(hold.largest_deg < 5.0 for hold in known),
+    }
 
 
 def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:

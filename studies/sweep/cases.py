@@ -141,9 +141,9 @@ class Cases:
 
 GROUPS = {
     "acquisition": Cases(_acquisition, 40, ("settled",)),
-    "hold": Cases(_hold, 3, ("hold",)),
+    "hold": Cases(_hold, 10, ("hold",)),
     "small satellite": Cases(_small, 2, ("hold",)),
-    "estimate": Cases(_estimate, 3, ("settled", "hold", "sound")),
+    "estimate": Cases(_estimate, 10, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
     "failed sensors": Cases(_failing(SENSORS), len(SENSORS), ("found", "sound", "hold")),
     "failed wheel": Cases(_failing(MOTOR), len(MOTOR), ("found", "sound")),

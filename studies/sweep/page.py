@@ -120,8 +120,9 @@ def _better(lines: list[Line]) -> list[list[str]]:
     rows = []
     for key, of in groupby((line for line in lines if line.name), lambda line: line.key):
         values = list(of)
-        signs = [line.change for line in values] + [float(chosen[key[0], v.measure] - v.reached) for v in values]
-        if min(signs) < 0.0 and max(signs) <= 0.0:
+        fewer = [chosen[key[0], v.measure] - v.reached for v in values]
+        worse = max(line.change for line in values) > 0.0 or max(fewer) > 0
+        if not worse and (min(line.change for line in values) < 0.0 or min(fewer) < -1):
             rows.append([f"`{key[2]}` ({key[1]})", key[0], value_of(key[1], key[2]), _cell(values)])
     return rows
 
@@ -134,7 +135,11 @@ def _nothing(lines: list[Line]) -> list[list[str]]:
         key = line.file, line.name
         changing[key] = changing.get(key, False) or not _is_same(line, told)
     same = (c for c in CONSTANTS if not changing.get((c.file, c.name), True))
-    return [[_named(c), c.what, value_of(c.file, c.name), c.groups] for c in same]
+    flown = {(line.file, line.name, line.group) for line in lines}
+    return [
+        [_named(c), c.what, value_of(c.file, c.name), ", ".join(g for g in GROUPS if (c.file, c.name, g) in flown)]
+        for c in same
+    ]
 
 
 def _together(lines: list[Line]) -> list[list[str]]:
@@ -153,4 +158,6 @@ def _told(line: Line) -> tuple[int, float, float]:
 
 
 def _is_same(line: Line, told: dict[tuple[str, str], tuple[int, float, float]]) -> bool:
-    return _told(line) == told[line.group, line.measure] and (math.isnan(line.ratio) or line.ratio == 1.0)
+    return _told(line) == told[line.group, line.measure] and (
+        math.isnan(line.ratio) or (line.ratio == 1.0 and not line.error > 0.0)
+    )

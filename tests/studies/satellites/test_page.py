@@ -54,9 +54,9 @@ def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none
         Best("3U", "errors", 2, 3.0, 9.0, 1.0, 1e-8),
     ]
     text = page.text(flights, [*holds, Best("6U", "errors", 0, 0.0, 0.0, 1.0, 0.1)])
-    assert "| below 0.01° | 1 | 1 | 0 |" in text
+    assert "| below 0.1° | 1 | 1 | 0 |" in text
     assert "| 1 to 5° | 2 | 1 | 1 |" in text
-    assert "found for 3 of 4." in text
+    assert "; 3 are found so far" in text
 
 
 def test_a_row_without_flights_says_so():
