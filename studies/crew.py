@@ -27,6 +27,12 @@ def folder_of(wanted: Case, results: Path) -> Path:
     return results / f"{wanted.campaign.name}-{wanted.fingerprint[:8]}"
 
 
+def runs_of(wanted: Case, results: Path) -> Rows | None:
+    """The runs of a campaign that stand in its folder; None where it has not begun."""
+    folder = folder_of(wanted, results)
+    return Rows(folder) if (folder / "runs").exists() else None
+
+
 class Crew:
     """Worker processes behind a scheduler's address; without one, this process."""
 

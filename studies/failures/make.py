@@ -8,7 +8,7 @@ from pathlib import Path
 from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew, folder_of
+from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
 from . import page
 from .kept import FILE, load, save
@@ -37,8 +37,7 @@ def make(cases: int, tables: Collection[str], jobs: int) -> Path:
 
 def flown(row: Row) -> Rows | None:
     """What these FMUs have flown so far; None where they have not begun."""
-    folder = folder_of(row.case(PART), RESULTS)
-    return Rows(folder) if (folder / "runs").exists() else None
+    return runs_of(row.case(PART), RESULTS)
 
 
 def publish() -> Path:

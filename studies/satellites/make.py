@@ -8,7 +8,7 @@ from pathlib import Path
 from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew, folder_of
+from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
 from . import page
 from .classes import ALL, tumbles
@@ -39,8 +39,7 @@ def make(cases: int, jobs: int) -> Path:
 
 def flown(satellite: str, condition: str) -> Rows | None:
     """What these FMUs have flown so far; None where they have not begun."""
-    folder = folder_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
-    return Rows(folder) if (folder / "runs").exists() else None
+    return runs_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
 
 
 def publish() -> Path:

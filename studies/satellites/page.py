@@ -68,6 +68,11 @@ def _times(lines: Sequence[Mapping[str, str]]) -> Array:
     return column(lines, "settled_5deg_s", math.inf)
 
 
+def _lost(lines: Sequence[Mapping[str, str]]) -> Array:
+    """Which were settled at EARLY and left again (n,)."""
+    return np.isfinite(column(lines, "early_s")) & (_times(lines) > EARLY)
+
+
 def _data(name: str, it: Satellite) -> list[str]:
     """What a satellite is."""
     of_wheel = [f"{1e3 * x:g}" if it.has_wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
@@ -80,8 +85,7 @@ def _row(flights: Flights, name: str, condition: str) -> list[str]:
     lines = flights.of(name, condition)
     times = _times(lines)
     well = np.isfinite(times)
-    early = np.isfinite(column(lines, "early_s"))
-    lost = early & (times > EARLY)
+    lost = _lost(lines)
     held = column(lines, "hold_rms_deg")[well]
     spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 0.9, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
@@ -99,15 +103,14 @@ def _row(flights: Flights, name: str, condition: str) -> list[str]:
 def _by_inclination(flights: Flights) -> list[list[str]]:
     """What became of the flights with a wheel."""
     lines = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
-    tilt, times, early = column(lines, "inclination_deg"), _times(lines), column(lines, "early_s", math.inf)
+    tilt, times, lost = column(lines, "inclination_deg"), _times(lines), _lost(lines)
     kinds = np.array([line["condition"] for line in lines])
     rows = []
     for low, high in itertools.pairwise((0.0, 15.0, STEEP, 98.0)):
         row = [f"{low:g} to {high:g}°"]
         for kind in CONDITIONS:
             among = (tilt >= low) & (tilt < high) & (kinds == kind)
-            lost = among & np.isfinite(early) & (times > EARLY)
-            row += [f"{(among & np.isfinite(times)).sum()} of {among.sum()}", f"{lost.sum()}"]
+            row += [f"{(among & np.isfinite(times)).sum()} of {among.sum()}", f"{(among & lost).sum()}"]
         rows.append(row)
     return rows
 
@@ -146,14 +149,13 @@ def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     """What became of the flights whose best hold was found, by its rms."""
     lines = [line for line in flights.lines if _key(line) in best]
     rms = np.array([best[_key(line)].rms_deg for line in lines])
-    times, early = _times(lines), column(lines, "early_s", math.inf)
+    times, lost = _times(lines), _lost(lines)
     rows = []
     for low, high in itertools.pairwise(BETWEEN):
         among = (rms >= low) & (rms < high)
         if among.any():
             name = f"below {high:g}°" if low == 0.0 else f"{low:g} to {high:g}°".replace(" to inf°", "° and more")
-            settled, lost = among & np.isfinite(times), among & np.isfinite(early) & (times > EARLY)
-            rows.append([name, f"{among.sum()}", f"{settled.sum()}", f"{lost.sum()}"])
+            rows.append([name, f"{among.sum()}", f"{(among & np.isfinite(times)).sum()}", f"{(among & lost).sum()}"])
     return rows
 
 
