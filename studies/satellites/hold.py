@@ -30,6 +30,8 @@ from .kept import CONDITIONS, Best, Flights, load_holds, save_holds
 
 LONGEST = 30.0
 """s, of an interval of constant commands."""
+PARTS = 3
+"""Of an interval: the error counts at the beginning of each, so that no motion within an interval is free."""
 TURN = 0.5
 """rad, of the free motion of a body with a full wheel in one interval."""
 UNIT = 100.0
@@ -57,13 +59,18 @@ def best(p: plant.Parameters, begin: float) -> Hold:
     """Over one orbit from the plant's time `begin`, s: a local minimum of the mean square of the attitude error."""
     times = _nodes(p, begin)
     n, h = len(times) - 1, float(times[1] - times[0]) / SECONDS
-    fields = [np.array([_field(p, t + share * SECONDS * h) for t in times[:-1]]).T for share in (0.0, 0.5, 1.0)]
+    parts = [i / (2 * PARTS) for i in range(2 * PARTS + 1)]
+    fields = [np.array([_field(p, t + part * SECONDS * h) for t in times[:-1]]).T for part in parts]
     turn = np.array(controller.reference.lvlh(*p.orbit.position_velocity(begin)).Omega_d)
-    x, u, at = ca.SX.sym("x", 8), ca.SX.sym("u", 4), [ca.SX.sym(f"field{i}", 3) for i in range(3)]
-    step = ca.Function("step", [x, u, *at], [advanced(p, turn, x, u, ca.SX(h), at)])
+    x, u, at = ca.SX.sym("x", 8), ca.SX.sym("u", 4), [ca.SX.sym(f"field{i}", 3) for i in range(len(parts))]
+    passed = [x]
+    for i in range(PARTS):
+        passed.append(advanced(p, turn, passed[-1], u, ca.SX(h / PARTS), at[2 * i : 2 * i + 3]))
+    step = ca.Function("step", [x, u, *at], [passed[-1], ca.horzcat(*(each[1:4] for each in passed[:-1]))])
     X, U = ca.MX.sym("X", 8, n + 1), ca.MX.sym("U", 4, n)
-    gaps = X[:, 1:] - step.map(n)(X[:, :-1], U, *map(ca.DM, fields))
-    error = ca.sumsqr(UNIT * X[1:4, :]) / n
+    ends, within = step.map(n)(X[:, :-1], U, *map(ca.DM, fields))
+    gaps = X[:, 1:] - ends
+    error = ca.sumsqr(UNIT * within) / (PARTS * n)
     problem = {
         "x": ca.vertcat(ca.vec(X), ca.vec(U)),
         "f": error + EFFORT * ca.sumsqr(U) / n,
@@ -75,12 +82,14 @@ def best(p: plant.Parameters, begin: float) -> Hold:
     rest = np.repeat(np.array([1.0, 0.0, 0.0, 0.0, *(SECONDS * turn), 0.0])[:, None], n + 1, axis=1)
     found = ca.nlpsol("hold", "ipopt", problem, SEARCH)
     end = found(x0=np.concatenate((rest.T.ravel(), np.zeros(4 * n))), lbx=-bounds, ubx=bounds, lbg=0.0, ubg=0.0)
-    states = np.asarray(end["x"]).ravel()[: 8 * (n + 1)].reshape(n + 1, 8)
-    angle = 2.0 * np.arcsin(np.minimum(np.linalg.norm(states[:, 1:4], axis=1), 1.0))
+    states, commands = np.split(np.asarray(end["x"]).ravel(), [8 * (n + 1)])
+    states, commands = states.reshape(n + 1, 8).T, commands.reshape(n, 4).T
+    turned = np.asarray(ca.Function("within", [X, U], [within])(states, commands))
+    angle = 2.0 * np.arcsin(np.minimum(np.linalg.norm(turned, axis=0), 1.0))
     return Hold(
         math.sqrt(float(np.mean(angle**2))),
         float(angle.max()),
-        float(np.abs(states[:, 7]).max() / l_max),
+        float(np.abs(states[7]).max() / l_max),
         float(np.abs(np.asarray(end["g"])).max()),
     )
 
@@ -101,15 +110,17 @@ def _field(p: plant.Parameters, t: float) -> Array:
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
     """Searches what the file does not have, and tells of each part when it has been saved.
 
-    Sought are the holds of the first SAMPLE tumbles of each satellite with a wheel under all errors, and of all that are not settled.
+    Sought are the holds of the first SAMPLE tumbles of each satellite under all errors, without a wheel under both conditions; and
+    of all that are not settled and have a wheel.
     """
     found = load_holds(file)
     known = {(hold.satellite, hold.condition, hold.run) for hold in found}
     wanted = []
-    for name, condition in itertools.product((name for name in ALL if ALL[name].has_wheel), CONDITIONS):
+    for name, condition in itertools.product(ALL, CONDITIONS):
+        wheel = ALL[name].has_wheel
         lines = flights.of(name, condition)
-        runs = {int(line["run"]) for line in lines if not line["settled_5deg_s"]}
-        runs |= set(range(SAMPLE)) if condition == "errors" else set()
+        runs = {int(line["run"]) for line in lines if wheel and not line["settled_5deg_s"]}
+        runs |= set(range(SAMPLE)) if condition == "errors" or not wheel else set()
         runs = {run for run in runs if (name, condition, run) not in known}
         if runs:
             data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))

@@ -43,10 +43,11 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         settled=int(np.isfinite(_times(flights.lines)).sum()),
         left=_left(flights, best),
         held=_held(flights, best),
-        found=len(best),
+        found=sum(ALL[name].has_wheel for name, *_ in best),
         **_unsettled(flights, best),
         steep=f"{STEEP:g}°",
         without=_without(flights),
+        beside=_beside(flights, best),
         by_inclination=_by_inclination(flights),
         alarms=[
             f"{line['satellite']}, {NAMES[line['condition']]}, run {line['run']}"
@@ -146,8 +147,8 @@ def _unsettled(flights: Flights, best: Mapping[Key, Best]) -> dict[str, int]:
 
 
 def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
-    """What became of the flights whose best hold was found, by its rms."""
-    lines = [line for line in flights.lines if _key(line) in best]
+    """What became of the flights with a wheel whose best hold was found, by its rms."""
+    lines = [line for line in flights.lines if _key(line) in best and ALL[line["satellite"]].has_wheel]
     rms = np.array([best[_key(line)].rms_deg for line in lines])
     times, lost = _times(lines), _lost(lines)
     rows = []
@@ -178,4 +179,20 @@ def _without(flights: Flights) -> list[list[str]]:
                     degrees(float(np.median(rms[steep]))) if steep.any() else "–",
                 ]
             )
+    return rows
+
+
+def _beside(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
+    """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
+    rows = []
+    for name, it in ALL.items():
+        for kind in () if it.has_wheel else CONDITIONS:
+            lines = [line for line in flights.of(name, kind) if _key(line) in best]
+            holds = [best[_key(line)] for line in lines]
+            largest = np.array([hold.largest_deg for hold in holds])
+            ratios = column(lines, "hold_rms_deg", math.inf) / np.array([hold.rms_deg for hold in holds])
+            if lines:
+                below = [f"{(largest < limit).sum()} of {len(lines)}" for limit in (5.0, 15.0)]
+                medians = [degrees(float(np.median([hold.rms_deg for hold in holds]))), f"{np.median(ratios):.2g}"]
+                rows.append([name, NAMES[kind], *below, *medians])
     return rows

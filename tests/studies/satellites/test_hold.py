@@ -28,6 +28,15 @@ def test_where_the_field_turns_a_disturbance_of_a_hundredth_of_the_rods_is_held_
     assert found.largest < math.radians(0.1)
 
 
+def test_a_motion_by_rods_alone_does_not_swing_out_between_the_ends_of_its_intervals(monkeypatch):
+    """Intervals of twice the length give the same hold; an error that counted at their ends alone gave a tenth of it."""
+    data = starts(tumbles("1U, no wheel", 4))[3]
+    fine = best(plant_of(data), 9000.0)
+    monkeypatch.setattr("studies.satellites.hold.LONGEST", 60.0)
+    coarse = best(plant_of(data), 9000.0)
+    assert (fine.rms, fine.largest) == pytest.approx((coarse.rms, coarse.largest), rel=0.02)
+
+
 class AlongTheNormal:
     """A steady field along the orbit's normal, the pitch axis."""
 

@@ -56,7 +56,7 @@ def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none
     text = page.text(flights, [*holds, Best("6U", "errors", 0, 0.0, 0.0, 1.0, 0.1)])
     assert "| below 0.1° | 1 | 1 | 0 |" in text
     assert "| 1 to 5° | 2 | 1 | 1 |" in text
-    assert "; 3 are found so far" in text
+    assert "a wheel 3 are found so far" in text
 
 
 def test_a_row_without_flights_says_so():
