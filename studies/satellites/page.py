@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -160,39 +160,44 @@ def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     return rows
 
 
+def _without_wheel(flights: Flights) -> Iterator[tuple[str, str, list[Mapping[str, str]]]]:
+    """Satellite, condition and lines of each row without a wheel."""
+    for name, kind in itertools.product((name for name in ALL if not ALL[name].has_wheel), CONDITIONS):
+        yield name, kind, flights.of(name, kind)
+
+
+def _below(largest: Array) -> list[str]:
+    """How many of these errors, deg, are below 5 and 15 deg."""
+    return [f"{(largest < limit).sum()} of {len(largest)}" for limit in (5.0, 15.0)]
+
+
 def _without(flights: Flights) -> list[list[str]]:
     """What satellites without a wheel hold, settled or not."""
     rows = []
-    for name, it in ALL.items():
-        for kind in () if it.has_wheel else CONDITIONS:
-            lines = flights.of(name, kind)
-            largest, rms = column(lines, "later_max_deg", math.inf), column(lines, "hold_rms_deg", math.inf)
-            below = [f"{(largest < limit).sum()} of {len(lines)}" for limit in (5.0, 15.0)]
-            steep = column(lines, "inclination_deg") > STEEP
-            rows.append(
-                [
-                    name,
-                    NAMES[kind],
-                    f"{1e9 * it.disturbance(CONDITIONS[kind]):.2g}",
-                    *below,
-                    f"{(steep & (largest < 15.0)).sum()} of {steep.sum()}",
-                    degrees(float(np.median(rms[steep]))) if steep.any() else "–",
-                ]
-            )
+    for name, kind, lines in _without_wheel(flights):
+        largest, rms = column(lines, "later_max_deg", math.inf), column(lines, "hold_rms_deg", math.inf)
+        steep = column(lines, "inclination_deg") > STEEP
+        rows.append(
+            [
+                name,
+                NAMES[kind],
+                f"{1e9 * ALL[name].disturbance(CONDITIONS[kind]):.2g}",
+                *_below(largest),
+                f"{(steep & (largest < 15.0)).sum()} of {steep.sum()}",
+                degrees(float(np.median(rms[steep]))) if steep.any() else "–",
+            ]
+        )
     return rows
 
 
 def _beside(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
     rows = []
-    for name, it in ALL.items():
-        for kind in () if it.has_wheel else CONDITIONS:
-            lines = [line for line in flights.of(name, kind) if _key(line) in best]
-            holds = [best[_key(line)] for line in lines]
-            largest = np.array([hold.largest_deg for hold in holds])
-            ratios = column(lines, "hold_rms_deg", math.inf) / np.array([hold.rms_deg for hold in holds])
-            if lines:
-                below = [f"{(largest < limit).sum()} of {len(lines)}" for limit in (5.0, 15.0)]
-                medians = [degrees(float(np.median([hold.rms_deg for hold in holds]))), f"{np.median(ratios):.2g}"]
-                rows.append([name, NAMES[kind], *below, *medians])
+    for name, kind, lines in _without_wheel(flights):
+        sought = [line for line in lines if _key(line) in best]
+        if sought:
+            holds = [best[_key(line)] for line in sought]
+            rms, largest = np.array([(hold.rms_deg, hold.largest_deg) for hold in holds]).T
+            ratio = float(np.median(column(sought, "hold_rms_deg", math.inf) / rms))
+            rows.append([name, NAMES[kind], *_below(largest), degrees(float(np.median(rms))), f"{ratio:.2g}"])
     return rows
