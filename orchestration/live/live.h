@@ -37,14 +37,18 @@ typedef struct {
     size_t set_count;
 } Level;
 
-/* Values that a fault sets at an instant, and takes back at another. */
+/* The begin or the end of a fault that sets values. Its element i is number elements[i] of those that faults set. */
 typedef struct {
     int64_t due; /* made once so many base steps are done */
+    size_t end;  /* of a begin: which change ends it, change_count where none does; of an end 0 */
     size_t fault;
     size_t seat;
-    const Exchange *before; /* gets what it takes the place of; NULL where that is not wanted again */
-    size_t before_count;
-    const Exchange *sets;
+    const size_t *elements;
+    const double *values;
+    size_t count;
+    const Exchange *gets; /* into element_before */
+    size_t get_count;
+    const Exchange *sets; /* from element_given */
     size_t set_count;
 } Change;
 
@@ -91,6 +95,9 @@ extern const Level levels[];
 extern const size_t level_count;
 extern const Change changes[];
 extern const size_t change_count;
+extern double element_before[]; /* of each element that faults set: as it stands before a change, */
+extern double element_sound[];  /* as it stands without a fault, */
+extern double element_given[];  /* and what it is set to */
 extern double start_values[];
 extern int32_t acting[];        /* of each fault, whether it is injected */
 extern const size_t fault_of[]; /* of each disturbance */

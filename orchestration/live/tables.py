@@ -273,10 +273,7 @@ class _Writer:
         disturbances = [(i, d) for i, each in enumerate(faults) for d in each.disturbances]
         self._define("static Disturbance disturbances", [self._disturbance(d) for _, d in disturbances])
         self._define("const size_t fault_of", [str(i) for i, _ in disturbances] or ["0"])
-        changes = [change for i, each in enumerate(faults) for s in each.settings for change in self._changes(i, s)]
-        changes.sort(key=lambda change: change[0])
-        self._define("const Change changes", [text for _, text in changes])
-        self.lines.append(f"const size_t change_count = {len(changes)};")
+        self._changes([(i, setting) for i, each in enumerate(faults) for setting in each.settings])
         self.lines.append(f"int32_t acting[{max(1, len(faults))}];")
 
     def _disturbance(self, fault: Disturbance) -> str:
@@ -295,32 +292,47 @@ class _Writer:
         }
         return _fields(entries)
 
-    def _changes(self, number: int, setting: Setting) -> Iterable[tuple[int, str]]:
-        """When a setting begins, and when it ends, with what is exchanged then."""
-        block = setting.block
-        every, ends = self.plan.scenario.blocks[block].every, setting.span[1] < math.inf
-        places = {element: i for i, (element, _) in enumerate(setting.values)}
-        values = self._room("double", len(places))
-        self.lines[-1] = f"static double {values}[] = {_list(float(value) for _, value in setting.values)};"
-        kept = self._room("double", len(places)) if ends else ""
-        begun = [
-            self._listed(self._moves("Set", block, places, values)),
-            self._listed(self._moves("Get", block, places, kept) if ends else []),
+    def _changes(self, settings: Sequence[tuple[int, Setting]]) -> None:
+        """The begins and ends of settings in the order of time, and the elements that they set; each with its fault's number."""
+        nodes = dict.fromkeys(Node(s.block, element) for _, s in settings for element, _ in s.values)
+        numbers = {node: number for number, node in enumerate(nodes)}
+        for name in ("before", "sound", "given"):
+            self.lines.append(f"double element_{name}[{max(1, len(numbers))}];")
+        moments = []
+        shared = []
+        for place, (fault, setting) in enumerate(settings):
+            block = setting.block
+            every = self.plan.scenario.blocks[block].every
+            begin, end = setting.span
+            moments.append((math.ceil(begin / every) * every, place, False))
+            if end < math.inf:
+                moments.append((math.ceil(end / every) * every, place, True))
+            mine = {element: numbers[Node(block, element)] for element, _ in setting.values}
+            shared.append(
+                {
+                    "fault": fault,
+                    "seat": self.seats[block],
+                    "elements": self._array("size_t", mine.values()),
+                    "values": self._array("double", (float(value) for _, value in setting.values)),
+                    "count": len(mine),
+                    **self._listed("get", self._moves("Get", block, mine, "element_before")),
+                    **self._listed("set", self._moves("Set", block, mine, "element_given")),
+                }
+            )
+        moments.sort(key=lambda moment: moment[0])
+        ends = {place: number for number, (_, place, is_end) in enumerate(moments) if is_end}
+        changes = [
+            {"due": due, "end": 0 if is_end else ends.get(place, len(moments)), **shared[place]}
+            for due, place, is_end in moments
         ]
-        spans = [(setting.span[0], begun[1], begun[0])]
-        if ends:
-            spans.append((int(setting.span[1]), ("NULL", 0), self._listed(self._moves("Set", block, places, kept))))
-        for count, before, sets in spans:
-            due = math.ceil(count / every) * every
-            yield due, _list([due, number, self.seats[block], *before, *sets])
+        self._define("const Change changes", [_fields(change) for change in changes])
+        self.lines.append(f"const size_t change_count = {len(changes)};")
 
-    def _listed(self, made: Sequence[str]) -> tuple[str, int]:
-        """The name of an array of exchanges, and how many there are."""
-        if not made:
-            return "NULL", 0
+    def _listed(self, kind: str, made: Sequence[str]) -> dict[str, Any]:
+        """The entries for an array of exchanges: its name, and how many there are."""
         name = f"exchanges_{len(self.lines)}"
         self._define(f"static const Exchange {name}", made)
-        return name, len(made)
+        return {f"{kind}s": name, f"{kind}_count": len(made)}
 
 
 def _number(value: Any) -> str:

@@ -27,9 +27,12 @@ Span = tuple[int, float]
 """The counts of base steps at which a fault acts first, and no more."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Setting:
-    """Values that a block is given at an instant. Those of a fault stand over those of the timeline while its span lasts."""
+    """Values that a block is given at an instant. Those of a fault stand over those of the timeline while its span lasts.
+
+    Two with the same entries are still two, each of which begins and ends.
+    """
 
     block: str
     values: tuple[tuple[Element, Scalar], ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,13 @@ def page(opened: Tab) -> Tab:
     return opened
 
 
+@pytest.fixture
+def elsewhere(opened: Tab, folder: Path) -> Iterator[Tab]:
+    """The tab for another page; it has V.B again afterwards."""
+    yield opened
+    opened.open(folder / "vb.html", 1400)
+
+
 def flown(page: Tab) -> dict[str, str]:
     """What the page says of its last flight, once nothing flies."""
     page.until("document.documentElement.dataset.state !== 'flying'")
@@ -92,6 +99,37 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
         seen.add(own)
     assert len(seen) == len(SETS)
     assert page.complaints == []
+
+
+def test_faults_that_overlap_on_one_element_have_the_hash_of_the_native_run(elsewhere, tmp_path):
+    own = [
+        {"set": "plant.rod_gain[1] = 0", "at": 2, "until": 6},
+        {"set": "plant.rod_gain[1] = 0.5", "at": 4, "until": 8},
+    ]
+    added = [
+        {"name": "all rods weak", "set": "plant.rod_gain = [0.7, 0.8, 0.9]", "at": 3, "until": 7},
+        {"name": "the same again", "set": "plant.rod_gain[1] = 0", "at": 2, "until": 6},
+        {"name": "the second for good", "set": "plant.rod_gain[2] = 0.3", "at": 5},
+        {"name": "the second for a time", "set": "plant.rod_gain[2] = 0.2", "at": 6, "until": 9},
+    ]
+    start = {"dipole_cmd": [5, 6, 7], "wheel_torque_cmd": 0}
+    plant = {"fmu": "plant", "every": 2, "start": start}
+    data = minimal(step=0.5, duration=12, blocks={"plant": plant}, faults=own, live={"faults": added})
+    scenario, page = tmp_path / "overlap.yaml", tmp_path / "overlap.html"
+    scenario.write_text(json.dumps(data), "utf-8")
+    done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(page)], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    elsewhere.open(page, 1400)
+    seen = {flown(elsewhere)["hash"]}
+    assert seen == {run(scenario).sha256}
+    for pressed in range(len(own), len(own) + len(added)):
+        elsewhere.page.click(f"[data-fault='{pressed}']")
+        hash_ = flown(elsewhere)["hash"]
+        of_page = tmp_path / "of_the_page.yaml"
+        of_page.write_text(elsewhere.page.text_content("#scenario") or "", "utf-8")
+        assert hash_ == run(of_page).sha256, pressed
+        seen.add(hash_)
+    assert len(seen) == len(added)  # the same fault a second time changes nothing
 
 
 def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_meanwhile(page, folder):

@@ -186,6 +186,12 @@ def test_what_was_set_for_a_while_is_set_back():
     assert result["block.y"][1:10].tolist() == [1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 2.0, 2.0]
 
 
+def test_the_same_fault_twice_begins_and_ends_as_one():
+    fault = {"at": 0.3, "until": 0.7, "set": "block.gain = 3"}
+    once, twice = tuned(fault)[0], tuned(fault, fault)[0]
+    np.testing.assert_array_equal(once["block.y"], twice["block.y"])
+
+
 def test_an_input_that_is_not_connected_can_be_set():
     result, _ = tuned({"at": 0, "until": 0.3, "set": "block.free = 5"})
     assert result["block.y"][[1, 3, 4]].tolist() == [6.0, 6.0, 1.0]
