@@ -50,11 +50,11 @@ def page(live: Live, native: RunData) -> str:
         parts["fault"].format(
             number=i,
             pressed=str(i < len(scenario.faults)).lower(),
-            state=" disabled" if fault.at > scenario.duration else "",  # of a run that an option shortens
+            state="" if does else " disabled",
             text=sentence(fault),
             name=name,
         )
-        for i, (fault, name) in enumerate(zip(live.faults, names, strict=True))
+        for i, (fault, does, name) in enumerate(zip(live.faults, live.each, names, strict=True))
     ]
     body = [
         Markup("<style>{}</style>").format(Markup(str(parts["style"]).replace("{{", "{").replace("}}", "}"))),

@@ -37,6 +37,8 @@ class Live:
     controls: list[Control]
     faults: list[Fault]
     """Those of the scenario, then those that only the page injects."""
+    each: list[Faults]
+    """What each does; nothing in a run that an option shortens so that it ends before."""
 
 
 def prepare(scenario: Scenario) -> Live:
@@ -53,7 +55,7 @@ def prepare(scenario: Scenario) -> Live:
             starts[node.block].append(Start(node.element, start_value(plan, node)))
     code = {name: entry.fmu for name, entry in both.blocks.items()}
     tabled = tables(plan, code, starts, each)
-    return Live(scenario, opened, _compiled(scenario, code, tabled), tabled, made, both.faults)
+    return Live(scenario, opened, _compiled(scenario, code, tabled), tabled, made, both.faults, each)
 
 
 def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[Faults]]:

@@ -59,11 +59,9 @@ class Clock:
 def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     """Counts of a scenario's times, and notes on them. Raises InputError where they do not divide."""
     step = Fraction(repr(scenario.step))
-    ratio = Fraction(repr(scenario.duration)) / step
-    steps = whole(ratio)
+    steps, exact = steps_to(scenario, scenario.duration)
     notes = []
-    if steps is None:
-        steps = math.ceil(ratio)
+    if not exact:
         end = float(steps * step)
         notes.append(
             f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at {end:.10g} s"
@@ -86,6 +84,13 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
             message = f"{name} would never be stepped: the run has only {steps} base step{'s' if steps > 1 else ''}"
             raise InputError(scenario.error(("blocks", name, "every"), message))
     return Clock(step.numerator, step.denominator, steps, every), notes
+
+
+def steps_to(scenario: Scenario, time: float) -> tuple[int, bool]:
+    """The count of base steps at a time, but for rounding; else the first after it, and False."""
+    ratio = Fraction(repr(time)) / Fraction(repr(scenario.step))
+    count = whole(ratio)
+    return (math.ceil(ratio), False) if count is None else (count, True)
 
 
 def check_size(scenario: Scenario, clock: Clock, columns: int) -> None:

@@ -20,6 +20,7 @@ from ..scenario.faults import Fault, sentence
 from ..scenario.references import Name, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
+from .clock import steps_to
 from .values import Scalar, leaves, scalar, values_of
 from .wiring import Link, Node, Wiring
 
@@ -76,7 +77,9 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
             if span is None:
                 continue
             if fault.set is not None:
-                faults.settings.append(setting(fault.set.target, fault.set.value, models, wiring, span))
+                made = setting(fault.set.target, fault.set.value, models, wiring, span)
+                if not is_unseen(scenario, (*key, "at"), fault.at, made, sentence(fault), faults.notes):
+                    faults.settings.append(made)
             else:
                 faults.disturbances += _disturbances(fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
@@ -102,15 +105,31 @@ def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span 
 
 def count_of(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int:
     """The first instant at this time or after it, but for rounding."""
-    step = Fraction(repr(scenario.step))
-    ratio = Fraction(repr(time)) / step
-    whole = round(ratio)
-    if abs(ratio - whole) <= Fraction(1, 10**9) * max(1, whole):
-        return whole
-    count = math.ceil(ratio)
-    message = f"{time:.10g} s is no multiple of the step, {scenario.step:.10g} s; taken as {float(count * step):.10g} s"
-    notes.append(scenario.error(key, message))
+    count, exact = steps_to(scenario, time)
+    if not exact:
+        taken = float(count * Fraction(repr(scenario.step)))
+        message = f"{time:.10g} s is no multiple of the step, {scenario.step:.10g} s; taken as {taken:.10g} s"
+        notes.append(scenario.error(key, message))
     return count
+
+
+def is_unseen(scenario: Scenario, key: Key, time: float, made: Setting, late: str, notes: list[str]) -> bool:
+    """Whether the last step of its block has begun before: a note of what is `late` where an option shortened the run.
+
+    Raises InputError where none did.
+    """
+    every, (steps, _) = scenario.blocks[made.block].every, steps_to(scenario, scenario.duration)
+    last = (steps // every - 1) * every
+    if made.span[0] <= last:
+        return False
+    if ("duration",) in scenario.source.options:
+        notes.append(f"does not happen, since the run ends before: {late}")
+        return True
+    begun = float(last * Fraction(repr(scenario.step)))
+    message = (
+        f"{time:.10g} s lies after the beginning of the last step of {made.block}, {begun:.10g} s; no step sees it"
+    )
+    raise InputError(scenario.error(key, message))
 
 
 def _signal(reference: Reference, models: Mapping[str, Model]) -> tuple[str, Variable, list[int]]:

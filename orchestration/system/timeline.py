@@ -12,7 +12,7 @@ from ..quantities import QuantityError
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..scenario.timeline import TimelineEntry, sentence
-from .faults import Setting, count_of, setting
+from .faults import Setting, count_of, is_unseen, setting
 from .wiring import Node, Wiring
 
 
@@ -41,10 +41,16 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
             errors.append(scenario.error((*key, "phase"), message))
         for name, value in entry.set.items():
             place: Key = (*key, "set", name)
+            late = sentence(entry.model_copy(update={"phase": None, "set": {name: value}}))
             try:
                 made = replace(setting(name, value, models, wiring, (first, math.inf)), of_fault=False)
+                if is_unseen(scenario, place, entry.at, made, late, notes):
+                    continue
             except (QuantityError, NameUnknown) as error:
                 errors.append(scenario.error(place, str(error)))
+                continue
+            except InputError as error:
+                errors += error.messages
                 continue
             nodes = [(first, Node(made.block, element)) for element, _ in made.values]
             if twice := [node for node in nodes if node in taken]:

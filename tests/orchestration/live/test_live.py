@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -246,6 +247,18 @@ def test_faults_of_a_page_are_held_against_the_blocks_with_the_sliders_where_the
     assert "live.faults[1]" in str(raised.value)
     assert "20 s lies after the end of the run, 10 s" in str(raised.value)
     assert "live.sliders[1]: plant.rod: " in str(raised.value)
+
+
+def test_the_button_of_a_fault_that_a_shortened_run_does_not_reach_is_disabled(tmp_path):
+    faults = [{"set": "plant.rod_gain[1] = 0", "at": at} for at in (4, 5, 6)]
+    scenario, page = tmp_path / "tumble.yaml", tmp_path / "tumble.html"
+    scenario.write_text(json.dumps(minimal(faults=faults)), "utf-8")
+    done = CliRunner().invoke(
+        main, ["live", str(scenario), "--out", str(page), "--duration", "5"], catch_exceptions=False
+    )
+    assert done.exit_code == 0, done.output
+    buttons = re.findall(r"<button[^>]*data-fault[^>]*>", page.read_text("utf-8"))
+    assert ["disabled" in button for button in buttons] == [False, True, True]
 
 
 def test_two_faults_with_one_name_are_refused():

@@ -271,6 +271,29 @@ def test_a_wrong_fault_is_refused(fault, message):
 
 
 @pytest.mark.parametrize(
+    ("at", "every", "begun"),
+    [(1.0, 1, "0.9"), (0.95, 1, "0.9"), (0.9, 2, "0.8"), (0.5, 4, "0.4"), (0.41, 4, "0.4")],
+)
+def test_a_value_that_no_step_of_its_block_sees_is_refused(at, every, begun):
+    """With `every` 4 the last step, from 0.4 s to 0.8 s, is under way at 0.5 s, and the run ends before a third."""
+    message = f"{at:g} s lies after the beginning of the last step of block, {begun} s; no step sees it"
+    with pytest.raises(InputError) as info:
+        tuned({"at": at, "set": "block.gain = 3"}, every=every)
+    assert f"faults[1].at: {message}" in str(info.value)
+    with pytest.raises(InputError) as info:
+        tuned(every=every, timeline=[{"at": min(at, 0.99), "set": {"block.gain": 3}}])
+    assert f"timeline[1].set.block.gain: {message.replace('1 s lies', '0.99 s lies') if at == 1 else message}" in str(
+        info.value
+    )
+
+
+@pytest.mark.parametrize(("at", "every"), [(0.9, 1), (0.8, 2), (0.75, 2), (0.4, 4)])
+def test_a_value_for_the_last_step_of_its_block_is_seen(at, every):
+    result, _ = tuned({"at": at, "set": "block.gain = 3"}, every=every)
+    assert result["block.y"][-1] == 3.0
+
+
+@pytest.mark.parametrize(
     ("fault", "message"),
     [
         ({"at": 1, "set": "law.u = 1"}, "law.u is connected; remedy: 'cut: law.u' with 'to'"),
@@ -312,6 +335,9 @@ def test_the_summary_and_the_manifest_tell_the_faults(loop):
     shorter = CliRunner().invoke(main, [str(loop), "--duration", "0.8"])
     assert shorter.exit_code == 0
     assert "note: does not happen, since the run ends before: motor.speed cut, from 1 s to 1.5 s" in shorter.stderr
+    at_end = CliRunner().invoke(main, [str(loop), "--duration", "0.5"])
+    assert at_end.exit_code == 0
+    assert "note: does not happen, since the run ends before: regulator.gain = -2, from 0.5 s on" in at_end.stderr
 
 
 def test_faults_are_the_same_in_processes(loop):
