@@ -19,6 +19,7 @@ from ..runner.open import Opened, open_scenario
 from ..runner.read import read
 from ..scenario import timeline
 from ..scenario.faults import sentence
+from ..scenario.scenario import Scenario
 from ..swap.own_claims import own_claims
 from .console import folded, notes, say, table
 from .help import examples
@@ -79,8 +80,6 @@ def command(
     if figures:
         require(chosen)
     opened = open_scenario(chosen)
-    if chosen.live is not None:
-        checked(chosen)
     formats.check_names(opened.plan.columns, opened.plan.models, format_)
     if quiet:
         return
@@ -89,8 +88,19 @@ def command(
         for block in (swap.partition("=")[0].strip() for swap in swaps)
         for finding in own_claims(opened.plan.scenario, block, [v.name for v in opened.plan.models[block].of("output")])
     )
-    notes([*opened.plan.notes, *claims])
+    notes([*opened.plan.notes, *claims, *_of_live(chosen)])
     _print(opened, scenario)
+
+
+def _of_live(scenario: Scenario) -> list[str]:
+    """What in `live` does not fit the blocks: no run takes notice of it."""
+    if scenario.live is None:
+        return []
+    try:
+        checked(scenario)
+    except InputError as error:
+        return [f"{message} (orchestrate live refuses this)" for message in error.messages]
+    return []
 
 
 def _is_campaign(path: Path) -> bool:

@@ -106,13 +106,20 @@ def test_a_run_of_a_campaign_is_refused_in_one_sentence(campaign):
     assert "is a campaign, which varies the scenario under 'scenario'; remedy: orchestrate campaign" in told.stderr
 
 
-def test_what_is_wrong_with_the_controls_of_a_live_page_is_located(unrun):
+def test_what_is_wrong_with_the_controls_of_a_live_page_is_noted_with_its_place(unrun):
     path = unrun.with_name("page.yaml")
-    controls = "live: {sliders: [{start: motor.inertai, least: 0.1, most: 1}]}\n"
+    controls = (
+        "live: {sliders: [{start: motor.inertai, least: 0.1, most: 1}],"
+        " faults: [{name: late, set: regulator.gain = 1, at: 60 s}]}\n"
+    )
     path.write_text(unrun.read_text("utf-8") + controls, "utf-8")
     told = orchestrate("validate", path.name)
-    assert told.exit_code == 2
+    assert told.exit_code == 0
+    line = len(path.read_text("utf-8").splitlines())
+    noted = " ".join(told.stderr.split())
     assert (
-        "live.sliders[1]: motor.inertai: motor has no parameter or input 'inertai'; did you mean 'inertia'"
-        in told.stderr
+        f"note: page.yaml:{line}: live.sliders[1]: motor.inertai: motor has no parameter or input 'inertai';"
+        " did you mean 'inertia'? (orchestrate live refuses this)" in noted
     )
+    assert f"note: page.yaml:{line}: live.faults[1]: 60 s lies after the end of the run" in noted
+    assert orchestrate("live", path.name, "--out", "page.html").exit_code == 2
