@@ -3,12 +3,11 @@
 #include <string.h>
 
 #include "onboard.h"
+#include "reference.h"
 
 static const double PI = 3.14159265358979323846;
-static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB_measured: single precision stays well below it */
-static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
-static const double R_MIN = 1e6;               /* m */
-static const double STEP_MAX = 1000.0;         /* s */
+static const double R_MIN = 1e6;       /* m */
+static const double STEP_MAX = 1000.0; /* s */
 
 static bool measurements_fit(const EstimatorInputs *u, Fault *f)
 {
@@ -21,7 +20,7 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
         return false;
     }
     const double b = norm(vector(u->b_B_measured)), r = norm(vector(u->r_N_measured));
-    if (b > FIELD_MAX) {
+    if (b > ONBOARD_FIELD_MAX) {
         return fault(f, "b_B_measured", b, "a field in tesla, |b_B_measured| at most 0.001");
     }
     if (r > 0.0 && !(r >= R_MIN)) {
@@ -32,7 +31,7 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
         return fault(f, "R_NB_measured", NAN, "finite numbers");
     }
     return !estimator_has_R_NB_measured(u) || is_zero_matrix(R) ||
-           is_rotation(R, ATTITUDE_TOLERANCE, "R_NB_measured",
+           is_rotation(R, REFERENCE_ATTITUDE_TOLERANCE, "R_NB_measured",
                        "a rotation matrix, max |R_NB_measured^T R_NB_measured - I| at most 0.0001", f);
 }
 

@@ -26,16 +26,6 @@ static void symmetrise(Covariance *P)
 
 static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
-static Matrix hat(Vector x)
-{
-    return (Matrix){{0.0, -x.z, x.y}, {x.z, 0.0, -x.x}, {-x.y, x.x, 0.0}};
-}
-
-static Matrix sum(Matrix a, double s, Matrix b)
-{
-    return (Matrix){add(a.a, scale(s, b.a)), add(a.b, scale(s, b.b)), add(a.c, scale(s, b.c))};
-}
-
 /* The block of P at (i, j), and its place taken by another. */
 static Matrix block(const Covariance *P, int i, int j)
 {
@@ -51,30 +41,31 @@ static void set_block(Matrix M, int i, int j, Covariance *P)
 
 void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P)
 {
-    const Matrix growth = sum(ZERO, h, F), skew = hat(turn);
-    const Matrix jacobian = sum(sum(identity, -0.5, skew), 1.0 / 6.0, multiply(skew, skew));
+    const Matrix growth = add_scaled(ZERO, h, F), skew = hat(turn);
+    const Matrix jacobian = add_scaled(add_scaled(identity, -0.5, skew), 1.0 / 6.0, multiply(skew, skew));
     const Matrix A = transposed(rotation_exp(turn));
-    const Matrix B = sum(ZERO, sign * h, multiply(jacobian, sum(identity, 0.5, growth)));
-    const Matrix C = sum(sum(identity, 1.0, growth), 0.5, multiply(growth, growth));
+    const Matrix B = add_scaled(ZERO, sign * h, multiply(jacobian, add_scaled(identity, 0.5, growth)));
+    const Matrix C = add_scaled(add_scaled(identity, 1.0, growth), 0.5, multiply(growth, growth));
     /* P <- T P T^T with T = [[A, B, 0], [0, C, 0], [0, 0, 1]]: first the rows, then the columns. */
     Covariance M = *P;
     for (int j = 0; j < ERROR_STATES; j += 3) {
-        set_block(sum(multiply(A, block(P, ERROR_ATTITUDE, j)), 1.0, multiply(B, block(P, ERROR_RATE, j))), ERROR_ATTITUDE, j,
-                  &M);
+        set_block(add_scaled(multiply(A, block(P, ERROR_ATTITUDE, j)), 1.0, multiply(B, block(P, ERROR_RATE, j))),
+                  ERROR_ATTITUDE, j, &M);
         set_block(multiply(C, block(P, ERROR_RATE, j)), ERROR_RATE, j, &M);
     }
     *P = M;
     for (int i = 0; i < ERROR_STATES; i += 3) {
         const Matrix left = block(&M, i, ERROR_ATTITUDE), right = block(&M, i, ERROR_RATE);
-        set_block(sum(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ERROR_ATTITUDE, P);
+        set_block(add_scaled(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ERROR_ATTITUDE, P);
         set_block(multiply(right, transposed(C)), i, ERROR_RATE, P);
     }
-    set_block(sum(sum(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity), h * h * h / 3.0, walks->rate),
+    set_block(add_scaled(add_scaled(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity), h * h * h / 3.0,
+                         walks->rate),
               ERROR_ATTITUDE, ERROR_ATTITUDE, P);
-    set_block(sum(block(P, ERROR_ATTITUDE, ERROR_RATE), sign * 0.5 * h * h, walks->rate), ERROR_ATTITUDE, ERROR_RATE, P);
-    set_block(sum(block(P, ERROR_RATE, ERROR_ATTITUDE), sign * 0.5 * h * h, walks->rate), ERROR_RATE, ERROR_ATTITUDE, P);
-    set_block(sum(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
-    set_block(sum(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
+    set_block(add_scaled(block(P, ERROR_ATTITUDE, ERROR_RATE), sign * 0.5 * h * h, walks->rate), ERROR_ATTITUDE, ERROR_RATE, P);
+    set_block(add_scaled(block(P, ERROR_RATE, ERROR_ATTITUDE), sign * 0.5 * h * h, walks->rate), ERROR_RATE, ERROR_ATTITUDE, P);
+    set_block(add_scaled(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
+    set_block(add_scaled(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
     symmetrise(P);
 }
 

@@ -86,11 +86,6 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     *rate = add(*rate, vector(error + ERROR_RATE));
 }
 
-static Matrix hat(Vector x)
-{
-    return (Matrix){{0.0, -x.z, x.y}, {x.z, 0.0, -x.x}, {-x.y, x.x, 0.0}};
-}
-
 static Vector equal(double value)
 {
     return (Vector){value, value, value};

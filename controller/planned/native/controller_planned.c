@@ -2,14 +2,13 @@
 
 #include <string.h>
 
+#include "reference.h"
 #include "rods_alone.h"
 
-static const double ATTITUDE_TOLERANCE = 1e-4; /* of R_NB: a single-precision plant stays well below it */
-static const double R_MIN = 1e6;               /* m */
-static const double COLLINEAR = 1e-6;          /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double CLOSED = 0.999;            /* of the energy that escapes: the orbit's largest */
-static const double FIELD_MAX = 1e-3;          /* T; no orbit has more, so a larger field is in another unit */
-static const double EARLY = 1e-6;              /* of the control period: a sample is due that much before its time */
+static const double R_MIN = 1e6;      /* m */
+static const double COLLINEAR = 1e-6; /* |r x v|/(|r||v|) below which the orbit has no plane */
+static const double CLOSED = 0.999;   /* of the energy that escapes: the orbit's largest */
+static const double EARLY = 1e-6;     /* of the control period: a sample is due that much before its time */
 
 /* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
  * is connected: who gives it knows of an attitude that is lost. */
@@ -71,7 +70,7 @@ static bool inputs_finite(const ControllerPlannedInputs *u, Fault *f)
     if (!ahead_fits(u, f)) {
         return false;
     }
-    if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > FIELD_MAX) {
+    if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > ONBOARD_FIELD_MAX) {
         return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
     }
     if (!all_finite(&(Named){"h_w", u->h_w}, 1, f)) {
@@ -102,10 +101,9 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
         return fault(f, "v_N", v, "the velocity of a closed orbit, below that of escape");
     }
     const Matrix R_ref = matrix(u->R_ref);
-    return is_rotation(matrix(u->R_NB), ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001",
-                       f) &&
+    return is_attitude(matrix(u->R_NB), f) &&
            (!controller_planned_has_R_ref(u) || is_zero_matrix(R_ref) ||
-            is_rotation(R_ref, ATTITUDE_TOLERANCE, "R_ref",
+            is_rotation(R_ref, REFERENCE_ATTITUDE_TOLERANCE, "R_ref",
                         "a rotation matrix, max |R_ref^T R_ref - I| at most 0.0001, or zeros", f));
 }
 
@@ -136,7 +134,6 @@ static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlanned
 /* What is put out without an attitude: damping in the measured field, the largest error, what is believed of the satellite. */
 static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
 {
-    const Matrix I = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     ControllerPlannedOutputs y;
     memset(&y, 0, sizeof y);
     y.no_attitude = true;
@@ -149,7 +146,7 @@ static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law
     store(B_B, y.b_used_B);
     double controls[CONTROLS];
     controller_planned_damp(law, u, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
-    store_matrix(I, y.R_d);
+    store_matrix(identity, y.R_d);
     store_matrix(matrix(law->p.J_B), y.J_estimate_B);
     store_matrix(controller_planned_sigma_before(&law->p), y.J_estimate_sigma_B);
     return y;

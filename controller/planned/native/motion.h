@@ -66,12 +66,6 @@ typedef struct {
 
 typedef double Square[ERRORS][ERRORS];
 
-/* v^, with v^ w = v x w. */
-static inline Matrix hat(Vector v)
-{
-    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
-}
-
 static inline Matrix sum(Matrix m, Matrix n)
 {
     return (Matrix){add(m.a, n.a), add(m.b, n.b), add(m.c, n.c)};

@@ -2,10 +2,10 @@
 #include "controller_planned.h"
 
 #include "gauss_models.h"
+#include "reference.h"
 
-static const double REFERENCE_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
-static const double FIELD_WRONG = 2e-6;         /* T, from a model of all degrees */
-static const double LEFT_OUT = 3.0;             /* rms of what a model of few degrees leaves out */
+static const double FIELD_WRONG = 2e-6; /* T, from a model of all degrees */
+static const double LEFT_OUT = 3.0;     /* rms of what a model of few degrees leaves out */
 enum { SEARCH_ITERATIONS_MAX = 1000 };
 
 static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
@@ -105,7 +105,7 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&
            is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f) &&
-           is_rotation(matrix(p->R_d0), REFERENCE_TOLERANCE, "R_d0", rotation, f);
+           is_rotation(matrix(p->R_d0), REFERENCE_PARAMETER_TOLERANCE, "R_d0", rotation, f);
 }
 
 void controller_planned_prepare(const ControllerPlannedParameters *p, ControllerPlannedLaw *law)

@@ -19,11 +19,6 @@ static Matrix across(Vector B, Vector lambda)
                     {-weight * B.z * B.x, -weight * B.z * B.y, d - weight * B.z * B.z}};
 }
 
-static Matrix mixed(Matrix m, double s, Matrix n)
-{
-    return (Matrix){add(m.a, scale(s, n.a)), add(m.b, scale(s, n.b)), add(m.c, scale(s, n.c))};
-}
-
 /* The least time in which dipoles across lambda give D_N, s, and ell = M^-1 D_N at its end, of the length of the dipole. */
 static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vector D_N, double dipole, double spacing,
                          Vector *ell)
@@ -33,7 +28,7 @@ static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vect
     for (*ell = D_N; i < STEERING_NODES; ++i) {
         const Matrix here = across(field[i], lambda);
         before = M;
-        M = mixed(mixed(M, 0.5 * spacing, last), 0.5 * spacing, here);
+        M = add_scaled(add_scaled(M, 0.5 * spacing, last), 0.5 * spacing, here);
         last = here;
         *ell = solve(M, D_N);
         if (norm(*ell) <= dipole) {
@@ -47,7 +42,7 @@ static double least_time(const Vector field[STEERING_NODES], Vector lambda, Vect
     double low = 0.0, high = 1.0;
     for (int k = 0; k < HALVINGS; ++k) {
         const double share = 0.5 * (low + high);
-        const Vector trial = solve(mixed(mixed(before, -share, before), share, M), D_N);
+        const Vector trial = solve(add_scaled(add_scaled(before, -share, before), share, M), D_N);
         if (norm(trial) <= dipole) {
             high = share;
             *ell = trial;
@@ -94,11 +89,10 @@ void controller_planned_steering_rods(const Steering *steering, Matrix R, Vector
         }
         return;
     }
-    /* Shares of the rods' limits that give m, and B: columns `rods` times the shares. */
+    /* Shares of the rods' limits that give w, and B: columns `rods` times the shares. */
     const Matrix axes = transposed((Matrix){rods[0], rods[1], rods[2]});
-    const Vector m = cross(B_B, apply_transposed(R, steering->lambda_N));
     double p[3], q[3];
-    store(solve(axes, m), p);
+    store(solve(axes, w), p);
     store(solve(axes, B_B), q);
     /* The part along B gives no torque: of the beta where two rods give alike, that of the least greatest share. */
     double best = larger(larger(fabs(p[0]), fabs(p[1])), fabs(p[2])), beta = 0.0;

@@ -97,6 +97,18 @@ static inline Matrix multiply(Matrix m, Matrix n)
     return (Matrix){apply_transposed(n, m.a), apply_transposed(n, m.b), apply_transposed(n, m.c)};
 }
 
+/* v^, with v^ w = v x w. */
+static inline Matrix hat(Vector v)
+{
+    return (Matrix){{0.0, -v.z, v.y}, {v.z, 0.0, -v.x}, {-v.y, v.x, 0.0}};
+}
+
+/* M + s N. */
+static inline Matrix add_scaled(Matrix m, double s, Matrix n)
+{
+    return (Matrix){add(m.a, scale(s, n.a)), add(m.b, scale(s, n.b)), add(m.c, scale(s, n.c))};
+}
+
 static inline double determinant(Matrix m)
 {
     return dot(m.a, cross(m.b, m.c));
