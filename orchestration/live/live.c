@@ -53,7 +53,7 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String instance, fm
 
 static const fmi2CallbackFunctions callbacks = {logger, allocate, release, NULL, NULL};
 
-static int failed(size_t seat, int status)
+int failed(size_t seat, int status)
 {
     if (message[0] == '\0' && (status > WARNING || status == BEYOND)) {
         put(instances[seat].name);
@@ -206,46 +206,6 @@ EXPORT(begin) int begin(void)
     return initialize((double)steps * loop.numerator / loop.denominator);
 }
 
-/* What an element is set to by the latest fault that acts after the first `made` changes; NULL where none does. */
-static const double *at_fault(size_t element, size_t made)
-{
-    for (size_t i = made; i-- > 0;) {
-        const Change *begun = &changes[i];
-        for (size_t k = 0; begun->end >= made && acting[begun->fault] && k < begun->count; k++) {
-            if (begun->elements[k] == element) {
-                return &begun->values[k];
-            }
-        }
-    }
-    return NULL;
-}
-
-/* Makes a change; as in injection.py, the latest fault that acts gives the value. */
-static int make(size_t number)
-{
-    const Change *change = &changes[number];
-    const Seat *seat = &seats[change->seat];
-    for (size_t i = 0; i < change->get_count; i++) {
-        if (failed(change->seat, get_values(seat, &change->gets[i], &change->gets[i].all))) {
-            return 1;
-        }
-    }
-    for (size_t i = 0; i < change->count; i++) {
-        const size_t element = change->elements[i];
-        if (at_fault(element, number) == NULL) {
-            element_sound[element] = element_before[element];
-        }
-        const double *value = at_fault(element, number + 1);
-        element_given[element] = value != NULL ? *value : element_sound[element];
-    }
-    for (size_t i = 0; i < change->set_count; i++) {
-        if (failed(change->seat, set_values(seat, &change->sets[i]))) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* Runs up to so many base steps. Returns 0, or 1 with a message. */
 EXPORT(advance) int advance(double until)
 {
@@ -253,7 +213,7 @@ EXPORT(advance) int advance(double until)
     while (loop.count < end) {
         int64_t stretch = end;
         for (; next_change < change_count && changes[next_change].due <= loop.count; next_change++) {
-            if (acting[changes[next_change].fault] && make(next_change)) {
+            if (acting[changes[next_change].fault] && make_change(next_change)) {
                 return 1;
             }
         }

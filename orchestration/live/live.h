@@ -102,4 +102,10 @@ extern double start_values[];
 extern int32_t acting[];        /* of each fault, whether it is injected */
 extern const size_t fault_of[]; /* of each disturbance */
 
+/* Whether a call to a seat failed by its status, and a message of it. */
+int failed(size_t seat, int status);
+
+/* Makes the change of this number. Returns 0, or 1 with a message. */
+int make_change(size_t number);
+
 #endif

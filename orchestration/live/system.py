@@ -95,7 +95,7 @@ def _compiled(scenario: Scenario, code: dict[str, str], tabled: Tables) -> bytes
     with TemporaryDirectory() as folder:
         generated = Path(folder, "tables.c")
         generated.write_text(tabled.text, "utf-8")
-        sources = [generated, _HERE / "live.c", _LOOP / "loop.c"]
+        sources = [generated, _HERE / "live.c", _HERE / "changes.c", _LOOP / "loop.c"]
         try:
             return module("live.wasm", blocks, sources, [_HERE, _LOOP])
         except CompilerError as error:

@@ -1,4 +1,4 @@
-"""A planned scenario as tables in C: its wiring, order, rates, start values and faults, for loop.c and live.c.
+"""A planned scenario as tables in C: its wiring, order, rates, start values and faults, for loop.c, live.c and changes.c.
 
 Longer than 250 lines: all tables name places on one bus.
 """
