@@ -16,6 +16,7 @@ from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
+from ..system.clock import slack
 from ..system.wiring import Node
 from .expressions import parse as parse_expression
 from .functions import MEMORY, Expression, ExpressionError, Samples, written
@@ -150,9 +151,9 @@ class Watcher:
         chosen &= ~np.isnan(apart)  # there is no instant before the first
         entry = relation.entry
         if entry.after is not None:
-            chosen &= times >= entry.after - 1e-9 * max(1.0, entry.after)
+            chosen &= times >= entry.after - slack(entry.after)
         if entry.before is not None:
-            chosen &= times <= entry.before + 1e-9 * max(1.0, entry.before)
+            chosen &= times <= entry.before + slack(entry.before)
         if relation.when is not None:
             chosen &= new[relation.when] != 0.0
         if not chosen.any():

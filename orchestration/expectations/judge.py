@@ -12,9 +12,9 @@ from ..fmu.model import Floats
 from ..quantities import with_unit
 from ..scenario.expectations import Expectation
 from ..scenario.timeline import either
+from ..system.clock import slack
 from ..system.wiring import Node
 from .checks import Check, changes_of_sign
-from .span import slack
 
 
 @dataclass(frozen=True)

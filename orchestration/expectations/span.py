@@ -19,6 +19,7 @@ from ..scenario.references import Reference
 from ..scenario.source import Key
 from ..scenario.timeline import either
 from ..system import signals
+from ..system.clock import slack
 from ..system.phases import Phase, during
 from ..system.values import item
 from ..system.wiring import Node
@@ -61,11 +62,6 @@ class Sight:
         if self.during:
             chosen &= np.logical_or.reduce([phase.chosen(time, columns) for phase in self.during])
         return inside, chosen
-
-
-def slack(time: float) -> float:
-    """By how much an instant may lie beside a window's end and still be of it, s."""
-    return 1e-9 * max(1.0, abs(time))
 
 
 def sight(

@@ -109,6 +109,11 @@ def check_size(scenario: Scenario, clock: Clock, columns: int) -> None:
     raise InputError(scenario.error(("duration",), f"{message}; remedy: a longer record.interval, or fewer signals"))
 
 
+def slack(time: float | Floats) -> Floats:
+    """By how much an instant may lie beside a time and still be taken for it, s: for rounding."""
+    return 1e-9 * np.maximum(1.0, np.abs(time))
+
+
 def whole(ratio: Fraction) -> int | None:
     """The whole number that the ratio is, but for rounding."""
     nearest = round(ratio)

@@ -16,11 +16,9 @@ from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..scenario.timeline import windows
 from . import signals
+from .clock import slack
 from .values import scalar
 from .wiring import Node
-
-SLACK = 1e-9
-"""Of a time: an instant this much before the beginning of a phase is of it, for rounding."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Phase:
         """Which samples (n,) are of the phase."""
         if self.signal is not None:
             return columns[self.signal] == self.value
-        early = time + SLACK * np.maximum(1.0, np.abs(time))
+        early = time + slack(time)
         within = [(early >= begin) & (early < end) for begin, end in self.spans]
         return np.logical_or.reduce(within) if within else np.zeros(len(time), bool)
 
