@@ -18,7 +18,7 @@ from ..results.result import Result
 from ..runner.flight import with_values
 from ..runner.manifest import start_values
 from ..runner.read import load
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario.text import written
 from ..system.starts import resolve
 from .flying.job import Pilot
@@ -42,7 +42,7 @@ class Replayed:
 def replay(case: Case, index: int, folder: Path) -> Replayed:
     """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError.
 
-    Its metrics are those of the campaign's row, bit for bit.
+    Its metrics are those of the campaign's row, bit for bit. A signal that ends it raises Stopped.
     """
     if not 0 <= index < case.runs:
         raise InputError(f"--replay {index}: the campaign has the runs 0 to {case.runs - 1}")
@@ -74,7 +74,7 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
     put(file, text)
     pilot = Pilot(case.job)
     meters = pilot.meters()
-    result = execute(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
+    result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
     metrics: dict[str, float | None] = {meter.measure.metric.name: None for meter in meters}
     expectations = {outcome.name: outcome.passed for outcome in result.outcomes}
     if result.failure is None:

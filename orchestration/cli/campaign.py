@@ -141,8 +141,6 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     if result.failure is not None:
         complain(str(result.failure))
         return BLOCK_FAILED
-    if result.interrupted:
-        return SIGNALLED + result.interrupted
     return UNWRITTEN if lost() else 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
 
 
