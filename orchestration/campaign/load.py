@@ -24,7 +24,7 @@ from ..scenario.source import Key, Source
 from ..swap.option import swapped
 from ..system.starts import resolve
 from .drawing import draws as drawing
-from .drawing.design import design, notes
+from .drawing.design import design, notes, samples
 from .drawing.expression import NoValue
 from .file import analysis
 from .file.campaign import Campaign
@@ -172,7 +172,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
                 broken.add(error.module)
     try:
         draws = drawing.prepare(campaign, source, plan.models)
-        at_centre(campaign, source, plan.scenario, draws, plan.models)
+        _resolved(campaign, source, plan.scenario, draws, plan.models)
         errors += [source.error((key,), text) for key, text in analysis.problems(campaign, draws.dimension)]
     except InputError as error:
         errors += error.messages
@@ -196,14 +196,15 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few, *lost])
 
 
-def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
-    """Sets the values in the middle of the unit cube, so that a wrong name or unit is known before a run. Raises InputError."""
+def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
+    """Sets the values at some points of the unit cube, so that a wrong name, unit or item is known before a run. Raises InputError."""
     places = {name: source.where(("vary", name)) for name in campaign.vary}
-    try:
-        values = draws.given(draws.at([0.5] * draws.dimension))
-    except NoValue as error:
-        raise InputError(source.error(error.key, error.text)) from None
-    resolve(with_values(scenario, values, places), models)
+    for point in samples(draws):
+        try:
+            values = draws.given(draws.at(point))
+        except NoValue as error:
+            raise InputError(source.error(error.key, error.text)) from None
+        resolve(with_values(scenario, values, places), models)
 
 
 def _claims(

@@ -388,6 +388,26 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
             r"toy.yaml:8: .*the module 'gone' cannot be loaded: there is no file .*gone.py, and no installed .*remedy: [^\n]*$",
         ),
         ((("{uniform: [1 rad/s, 2 rad/s]}", "{expression: gone}"),), r"toy.yaml:6: .*no value 'gone'"),
+        (
+            (("vary:", "vary:\n  motor.mode: {choice: [braek, normal]}"),),
+            r"toy.yaml:6: vary.motor.mode: .*'braek'",
+        ),
+        (
+            (("vary:", "vary:\n  motor.mode: {choice: [normal, braek, brake], weights: [8, 1, 1]}"),),
+            r"toy.yaml:6: vary.motor.mode: .*'braek'",
+        ),
+        (
+            (("vary:", "draw:\n  half: {choice: [1, 1, 1.2]}\nvary:\n  motor.poles: {expression: 2 * half}"),),
+            r"toy.yaml:8: vary.motor.poles: .*expected a whole number, found 2.4",
+        ),
+        (
+            (("vary:", "vary:\n  motor.inertia: {grid: {from: 1, to: 14, points: 1000000}}"),),
+            r"toy.yaml:6: vary.motor.inertia: .*expected at most 10",
+        ),
+        (
+            (("{uniform: [1 rad/s, 2 rad/s]}", "{sphere: {choice: [1, fast, 2]}}"),),
+            r"toy.yaml:6: vary.motor.speed0.sphere: sphere: expected one number as its length, found 'fast'",
+        ),
         ((("metric: final, below: 0.2 rad/s", "expectation: stops"),), r"toy.yaml:11: .*no expectation 'stops'"),
     ],
 )
