@@ -95,14 +95,24 @@ def read_campaign(
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")
         for name, value in (sets or {}).items():
-            source.data.setdefault("set", {})[name] = value
-            source.options["set", name] = f"--set {name}={value}"
+            source = _with_set(source, name, value)
     flown = _scenario(source)
     checked = complaints.checked(
         Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
     )
     assert flown is not None
     return prepare(checked, source, load(_changed(checked, source, flown)))
+
+
+def _with_set(source: Source, name: str, value: Any) -> Source:
+    """A copy in which `value` stands under `set`. Where `set` is no mapping it stays, and the check of the file refuses it."""
+    copy = source.copy()
+    if copy.data.get("set") is None:
+        copy.data["set"] = {}
+    if isinstance(copy.data["set"], dict):
+        copy.data["set"][name] = value
+        copy.options["set", name] = f"--set {name}={value}"
+    return copy
 
 
 def _scenario(source: Source) -> Source | None:

@@ -25,6 +25,7 @@ from orchestration.campaign.load import read_campaign
 from orchestration.campaign.replay import replay
 from orchestration.cli.main import main
 from orchestration.errors import InputError, ResultsError
+from orchestration.runner.read import read
 from orchestration.runner.run import run
 
 ROOT = Path(__file__).parents[3]
@@ -466,6 +467,17 @@ def test_a_start_value_for_all_runs_comes_from_the_file_or_the_command_line(toy)
     command(toy, "--workers", 0, "--out", "option", "--set", "regulator.gain=-3")
     for out, factor in (("file", 0.8), ("option", 0.7)):
         assert [r["final"] / r["motor.speed0"] for r in rows(out)] == pytest.approx([factor**20] * 3)
+
+
+def test_a_start_value_of_the_command_line_goes_beside_an_empty_set_and_leaves_the_callers_data(toy):
+    changed(toy, ("runs: 60", "runs: 60\nset:"))
+    assert read_campaign(toy, None, {"regulator.gain": -3}).campaign.set == {"regulator.gain": -3}
+    source = read(toy)
+    read_campaign(source, None, {"regulator.gain": -3})
+    assert source.data["set"] is None
+    changed(toy, ("set:", "set: [regulator.gain]"))
+    with pytest.raises(InputError, match=r"toy.yaml:4: set: "):
+        read_campaign(toy, None, {"regulator.gain": -3})
 
 
 def test_points_of_the_unit_cube_give_their_metrics(toy):
