@@ -409,6 +409,10 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
             (("{uniform: [1 rad/s, 2 rad/s]}", "{sphere: {choice: [1, fast, 2]}}"),),
             r"toy.yaml:6: vary.motor.speed0.sphere: sphere: expected one number as its length, found 'fast'",
         ),
+        (
+            (("runs: 60", "runs: 60\nkeep: {runs: [9223372036854775808]}"),),
+            r"toy.yaml:4: keep.runs\[1\]: expected less than 1e",
+        ),
         ((("metric: final, below: 0.2 rad/s", "expectation: stops"),), r"toy.yaml:11: .*no expectation 'stops'"),
     ],
 )
