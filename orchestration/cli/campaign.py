@@ -19,6 +19,7 @@ from ..campaign.report.page import value_text
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
+from ..results.place import check_writable
 from .campaign_summary import summary
 from .console import complain, is_terminal, lost, notes, open_page, say, table
 from .help import examples
@@ -127,6 +128,7 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     if index != "worst" and not index.isdecimal():
         raise InputError(f"--replay {index}: expected the index of a run, or 'worst'")
     folder = target / f"replay-{index}"
+    check_writable(folder)
     try:
         again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder)
     except MetricError as error:

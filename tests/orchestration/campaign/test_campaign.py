@@ -177,6 +177,15 @@ def test_a_replayed_run_gives_its_rows_bits(toy, index):
     assert again.met == {"at rest": row["met: at rest"]}
 
 
+def test_a_replayed_run_whose_folder_cannot_be_written_is_told_by_its_status(toy, monkeypatch):
+    Path("out/replay-0/scenario.yaml").mkdir(parents=True)
+    result = command(toy, "--out", "out", "--replay", 0)
+    assert (result.exit_code, "scenario.yaml cannot be written: it is a folder" in result.stderr) == (4, True)
+    monkeypatch.setattr("orchestration.cli.campaign.replay", lambda *a: pytest.fail("it was flown"))
+    result = command(toy, "--out", "toy.yaml", "--replay", 0)
+    assert (result.exit_code, "toy.yaml is a file" in result.stderr) == (2, True)
+
+
 def test_a_stopped_campaign_goes_on_where_it_was(toy):
     fly(toy)
     whole = rows()
