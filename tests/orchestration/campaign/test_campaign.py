@@ -307,6 +307,33 @@ def test_a_metric_in_python_is_given_every_base_step(toy):
         read_campaign(toy)
 
 
+def test_a_module_of_metrics_may_hold_a_dataclass_with_annotations_as_text(toy):
+    code = """\
+from __future__ import annotations
+from dataclasses import dataclass
+
+@dataclass
+class Ends:
+    first: float
+    last: float
+
+def fall(time, signals):
+    speed = signals['motor.speed']
+    ends = Ends(speed[0], speed[-1])
+    return ends.first / ends.last
+"""
+    Path("mine.py").write_text(code, "utf-8")
+    changed(toy, ("metrics:", "metrics:\n  - {name: fall, python: 'mine:fall', signals: [motor.speed]}"))
+    fly(toy, runs=2)
+    assert [row["fall"] for row in rows()] == pytest.approx([1.0 / SHRINKS] * 2)
+    known = set(sys.modules)
+    Path("mine.py").write_text(f"{code}gone", "utf-8")
+    with pytest.raises(InputError, match="NameError: name 'gone' is not defined"):
+        read_campaign(toy)
+    assert set(sys.modules) == known
+    assert "mine" not in known
+
+
 def test_runs_are_kept_with_their_signals(toy):
     changed(toy, ("runs: 60", "runs: 20\nkeep: {runs: [3], not_met: 2}"))
     fly(toy)
