@@ -125,8 +125,8 @@ def _status(case: Case, finished: engine.Finished, quiet: bool) -> int:
 
 def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     """Flies one run again, prints it and writes its folder; the exit status is that of a run."""
-    if index != "worst" and not index.isdecimal():
-        raise InputError(f"--replay {index}: expected the index of a run, or 'worst'")
+    if index != "worst" and not (index.isdecimal() and len(index) <= 10):  # no campaign has more runs
+        raise InputError(f"--replay {index:.20}: expected the index of a run, 0 to {case.runs - 1}, or 'worst'")
     folder = target / f"replay-{index}"
     check_writable(folder)
     try:

@@ -186,6 +186,13 @@ def test_a_replayed_run_whose_folder_cannot_be_written_is_told_by_its_status(toy
     assert (result.exit_code, "toy.yaml is a file" in result.stderr) == (2, True)
 
 
+@pytest.mark.parametrize("index", ["best", "-1", "9" * 5000])
+def test_what_is_no_index_of_a_run_is_not_replayed(toy, index):
+    result = command(toy, "--out", "out", "--replay", index)
+    assert result.exit_code == 2
+    assert result.stderr == f"--replay {index[:20]}: expected the index of a run, 0 to 59, or 'worst'\n"
+
+
 def test_a_stopped_campaign_goes_on_where_it_was(toy):
     fly(toy)
     whole = rows()
