@@ -32,6 +32,9 @@ from .flying.functions import Code, NotLoaded, find
 from .flying.job import Claimed, Job
 from .statistics.verdicts import Claim, hints
 
+_NO_SAY = set("name description figures record view live realtime holds consistency".split())
+"""What a scenario says that decides no row of a campaign."""
+
 
 @dataclass
 class Case:
@@ -52,9 +55,7 @@ class Case:
     def parts(self) -> dict[str, str]:
         """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs has no say."""
         opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
-        scenario = self.job.opened.plan.scenario.model_dump(
-            mode="json", exclude={"name", "description", "figures", "record"}
-        )
+        scenario = opened.plan.scenario.model_dump(mode="json", exclude=_NO_SAY)
         counted = {} if campaign["sampling"] == "random" else {"runs": self.runs}
         content: dict[str, Any] = {
             "scenario": scenario,
@@ -95,24 +96,13 @@ def read_campaign(
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")
         for name, value in (sets or {}).items():
-            source = _with_set(source, name, value)
+            source = source.with_set(name, value)
     flown = _scenario(source)
     checked = complaints.checked(
         Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
     )
     assert flown is not None
     return prepare(checked, source, load(_changed(checked, source, flown)))
-
-
-def _with_set(source: Source, name: str, value: Any) -> Source:
-    """A copy in which `value` stands under `set`. Where `set` is no mapping it stays, and the check of the file refuses it."""
-    copy = source.copy()
-    if copy.data.get("set") is None:
-        copy.data["set"] = {}
-    if isinstance(copy.data["set"], dict):
-        copy.data["set"][name] = value
-        copy.options["set", name] = f"--set {name}={value}"
-    return copy
 
 
 def _scenario(source: Source) -> Source | None:

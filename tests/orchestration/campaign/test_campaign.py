@@ -242,6 +242,25 @@ def test_another_campaign_in_the_folder_is_refused_by_name(toy):
         fly(toy, runs=3)
 
 
+def test_what_decides_no_row_of_the_scenario_may_change_and_what_does_may_not(toy, loop):
+    fly(toy, runs=3)
+    before = read_campaign(toy, {"runs": 3}).fingerprint
+    more = """\
+live: {sliders: [{start: motor.speed0, least: 1, most: 2}]}
+realtime: {factor: 2}
+holds: [{name: gain, signal: regulator.enabled, keeps: [motor.speed]}]
+consistency: {still: {left: motor.speed, right: motor.speed, within: 1 rad/s}}
+figures: [{name: speed, panels: [{signals: [motor.speed]}]}]
+"""
+    text = loop.read_text("utf-8")
+    loop.write_text(text + more, "utf-8")
+    assert read_campaign(toy, {"runs": 3}).fingerprint == before
+    assert fly(toy, runs=3).state == "completed"
+    loop.write_text(text + "exchange: parallel\n", "utf-8")
+    with pytest.raises(InputError, match="differs in scenario"):
+        fly(toy, runs=3)
+
+
 def test_a_full_disk_leaves_what_was_written(toy, monkeypatch):
     write, parts = pq.write_table, []
 
