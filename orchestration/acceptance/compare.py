@@ -18,7 +18,7 @@ from ..fmu.model import TYPES, Variable
 from ..results.result import Result
 from ..runner.open import open_scenario
 from ..runner.read import load
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario.source import Source
 from ..swap.own_claims import own_claims
 from ..system.starts import taken
@@ -115,7 +115,7 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     extra = theirs_alone(swapped, block)
     signals = [f"{block}.{v.name}" for v in ports if v.causality == "input"]
     signals += [f"{node.block}.{node.element.variable}" for link in extra for node in link.source]
-    ours = execute(load(_recording(source, block, signals)))
+    ours = whole(load(_recording(source, block, signals)))
     if ours.failure is not None:
         ours.failure.result = ours
         raise ours.failure
@@ -132,7 +132,7 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     shared = {str(name): value for name, value in with_theirs.shared.items() if taken(model, name)}
     played = playback.play(block, entry, str(with_theirs.source.folder), ours.time, inputs, shared)
     names = [f"{block}.{v.name}" for v in ports if v.causality == "input" and v.name in played.model.variables]
-    other = execute(load(_recording(theirs, block, names)))
+    other = whole(load(_recording(theirs, block, names)))
     outputs = [v.name for v in other.models[block].of("output")]
     other.warnings += [str(finding) for finding in own_claims(other.scenario, block, outputs)]
     comparison = Comparison(block, str(entry["fmu"]), ours, other, played)

@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, ResultsError, reason
 from ..export.ssp import parameter_set
 from ..export.system import Value
 from ..fmu.archive import Fmu, open_fmu
@@ -46,7 +46,7 @@ ET.register_namespace("fmi-ls", _LS)
 def write(fmu: Path, vector: Path, folder: Path, others: Sequence[Path] = ()) -> list[Path]:
     """Writes the files into a folder and returns them. `others` are FMUs of other flavours of the block.
 
-    Raises InputError where the vector does not fit the FMU, or where the FMU fails.
+    Raises InputError where the vector does not fit the FMU, or where the FMU fails; ResultsError where a file cannot be written.
     """
     opened = open_fmu(fmu)
     model = opened.model
@@ -75,7 +75,6 @@ def write(fmu: Path, vector: Path, folder: Path, others: Sequence[Path] = ()) ->
         for element, values in outputs.items()
         if model.variables[element.variable].type == "real"
     }
-    folder.mkdir(parents=True, exist_ok=True)
     files = {
         "inputs.csv": _csv(model, time, given, DIGITS),
         "outputs.csv": _csv(model, time, outputs, 15),
@@ -83,8 +82,12 @@ def write(fmu: Path, vector: Path, folder: Path, others: Sequence[Path] = ()) ->
     }
     files[f"{NAME}.exp"] = _experiment(model, step, time, tolerances)
     files["fmi-ls-manifest.xml"] = _manifest(files)
-    for name, data in files.items():
-        (folder / name).write_bytes(data)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, data in files.items():
+            (folder / name).write_bytes(data)
+    except OSError as error:
+        raise ResultsError(f"{error.filename or folder} cannot be written: {reason(error)}") from None
     return [folder / name for name in files]
 
 

@@ -20,7 +20,7 @@ from ..fmu.archive import shown
 from ..fmu.interfaces import reference
 from ..fmu.model import Element, Model, Variable
 from ..runner.read import load
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
@@ -48,7 +48,7 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     }
     for key, value in changes.items():
         source = source.with_entry((key,), value)
-    result = execute(load(source))
+    result = whole(load(source))
     if result.failure is not None:
         raise InputError(f"{shown(scenario)}: {result.failure}")
     ours = [i for i, node in enumerate(result.columns) if node.block == name]  # flags of the others are recorded, too

@@ -66,8 +66,8 @@ def chosen(case: Case, folder: Path) -> list[int]:
     if not (wanted.runs or wanted.failed or wanted.not_met) or not (folder / "runs").is_dir():
         return found
     rows = ds.dataset(folder / "runs", format="parquet")
-    if wanted.runs:
-        table = rows.to_table(["index"], filter=ds.field("index").isin(wanted.runs))
+    if planned := [index for index in wanted.runs if index < case.runs]:
+        table = rows.to_table(["index"], filter=ds.field("index").isin(planned))
         found += table.column("index").to_pylist()
     kinds = [(wanted.failed, ds.field("status") == "failed")]
     for claim in case.job.claims:

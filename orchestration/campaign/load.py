@@ -24,13 +24,16 @@ from ..scenario.source import Key, Source
 from ..swap.option import swapped
 from ..system.starts import resolve
 from .drawing import draws as drawing
-from .drawing.design import design, notes
+from .drawing.design import design, notes, samples
 from .drawing.expression import NoValue
 from .file import analysis
 from .file.campaign import Campaign
 from .flying.functions import Code, NotLoaded, find
 from .flying.job import Claimed, Job
 from .statistics.verdicts import Claim, hints
+
+_NO_SAY = set("name description figures record view live realtime holds consistency".split())
+"""What a scenario says that decides no row of a campaign."""
 
 
 @dataclass
@@ -52,9 +55,7 @@ class Case:
     def parts(self) -> dict[str, str]:
         """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs has no say."""
         opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
-        scenario = self.job.opened.plan.scenario.model_dump(
-            mode="json", exclude={"name", "description", "figures", "record"}
-        )
+        scenario = opened.plan.scenario.model_dump(mode="json", exclude=_NO_SAY)
         counted = {} if campaign["sampling"] == "random" else {"runs": self.runs}
         content: dict[str, Any] = {
             "scenario": scenario,
@@ -95,8 +96,7 @@ def read_campaign(
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")
         for name, value in (sets or {}).items():
-            source.data.setdefault("set", {})[name] = value
-            source.options["set", name] = f"--set {name}={value}"
+            source = source.with_set(name, value)
     flown = _scenario(source)
     checked = complaints.checked(
         Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
@@ -172,7 +172,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
                 broken.add(error.module)
     try:
         draws = drawing.prepare(campaign, source, plan.models)
-        at_centre(campaign, source, plan.scenario, draws, plan.models)
+        _resolved(campaign, source, plan.scenario, draws, plan.models)
         errors += [source.error((key,), text) for key, text in analysis.problems(campaign, draws.dimension)]
     except InputError as error:
         errors += error.messages
@@ -196,14 +196,15 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few, *lost])
 
 
-def at_centre(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
-    """Sets the values in the middle of the unit cube, so that a wrong name or unit is known before a run. Raises InputError."""
+def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
+    """Sets the values at some points of the unit cube, so that a wrong name, unit or item is known before a run. Raises InputError."""
     places = {name: source.where(("vary", name)) for name in campaign.vary}
-    try:
-        values = draws.given(draws.at([0.5] * draws.dimension))
-    except NoValue as error:
-        raise InputError(source.error(error.key, error.text)) from None
-    resolve(with_values(scenario, values, places), models)
+    for point in samples(draws):
+        try:
+            values = draws.given(draws.at(point))
+        except NoValue as error:
+            raise InputError(source.error(error.key, error.text)) from None
+        resolve(with_values(scenario, values, places), models)
 
 
 def _claims(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, ResultsError, reason
 from ..fmu.interfaces import is_path
 from ..quantities import QuantityError
 from ..results.place import put
@@ -18,7 +18,7 @@ from ..results.result import Result
 from ..runner.flight import with_values
 from ..runner.manifest import start_values
 from ..runner.read import load
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario.text import written
 from ..system.starts import resolve
 from .flying.job import Pilot
@@ -40,9 +40,9 @@ class Replayed:
 
 
 def replay(case: Case, index: int, folder: Path) -> Replayed:
-    """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError.
+    """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError, ResultsError.
 
-    Its metrics are those of the campaign's row, bit for bit.
+    Its metrics are those of the campaign's row, bit for bit. A signal that ends it raises Stopped.
     """
     if not 0 <= index < case.runs:
         raise InputError(f"--replay {index}: the campaign has the runs 0 to {case.runs - 1}")
@@ -70,11 +70,14 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
         raise InputError(f"{title} of the campaign: {error}") from None
     file = folder / "scenario.yaml"
     text = scenario_text(case, values, f"{title} of the campaign {case.campaign.name}", f"{case.scenario.name}{ending}")
-    folder.mkdir(parents=True, exist_ok=True)
-    put(file, text)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        put(file, text)
+    except OSError as error:
+        raise ResultsError(f"{file} cannot be written: {reason(error)}") from None
     pilot = Pilot(case.job)
     meters = pilot.meters()
-    result = execute(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
+    result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
     metrics: dict[str, float | None] = {meter.measure.metric.name: None for meter in meters}
     expectations = {outcome.name: outcome.passed for outcome in result.outcomes}
     if result.failure is None:

@@ -19,6 +19,7 @@ from ..campaign.report.page import value_text
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
+from ..results.place import check_writable
 from .campaign_summary import summary
 from .console import complain, is_terminal, lost, notes, open_page, say, table
 from .help import examples
@@ -124,9 +125,10 @@ def _status(case: Case, finished: engine.Finished, quiet: bool) -> int:
 
 def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     """Flies one run again, prints it and writes its folder; the exit status is that of a run."""
-    if index != "worst" and not index.isdecimal():
-        raise InputError(f"--replay {index}: expected the index of a run, or 'worst'")
+    if index != "worst" and not (index.isdecimal() and len(index) <= 10):  # no campaign has more runs
+        raise InputError(f"--replay {index:.20}: expected the index of a run, 0 to {case.runs - 1}, or 'worst'")
     folder = target / f"replay-{index}"
+    check_writable(folder)
     try:
         again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder)
     except MetricError as error:
@@ -141,8 +143,6 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     if result.failure is not None:
         complain(str(result.failure))
         return BLOCK_FAILED
-    if result.interrupted:
-        return SIGNALLED + result.interrupted
     return UNWRITTEN if lost() else 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
 
 

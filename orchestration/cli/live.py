@@ -10,7 +10,7 @@ from ..errors import InputError, ResultsError, reason
 from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
-from ..runner.run import execute
+from ..runner.run import whole
 from .console import notes, open_page, say
 from .help import examples
 from .options import DURATION, OPEN, STEP
@@ -42,7 +42,7 @@ def command(scenario: Path, out: Path, step: str | None, duration: str | None, o
     chosen = loaded(scenario, step=step, duration=duration)
     live = prepare(chosen)
     notes(live.opened.plan.notes)
-    native = execute(chosen)
+    native = whole(chosen)
     if native.failure is not None:
         raise native.failure
     try:

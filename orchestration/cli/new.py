@@ -18,7 +18,7 @@ from ..fmu.archive import shown
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
 from ..runner.read import read
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario import template
 from .console import say
 from .help import examples
@@ -115,14 +115,14 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
     except OSError as error:
         raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
     try:
-        whole = read(folder / found.flown)
-        loop = open_scenario(load_scenario(whole)).plan.scenario
+        written = read(folder / found.flown)
+        loop = open_scenario(load_scenario(written)).plan.scenario
         sample = loop.step * max(entry.every for entry in loop.blocks.values())
-        short = whole.without([("record",), ("expect",), ("figures",)]).with_entry(("duration",), sample)
-        first = execute(load_scenario(short))
+        short = written.without([("record",), ("expect",), ("figures",)]).with_entry(("duration",), sample)
+        first = whole(load_scenario(short))
         if first.failure is not None:
             raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
-    except (InputError, BlockError):
+    except (InputError, BlockError, KeyboardInterrupt):
         for path in files:
             path.unlink()
         if new:

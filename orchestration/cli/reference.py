@@ -15,6 +15,7 @@ from ..acceptance.vector import record, scenario_of
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path, own
+from ..results.place import check_writable
 from .console import say
 from .help import examples
 from .paths import PATH
@@ -34,6 +35,7 @@ def command(fmu: str, vector: Path | None, out: Path) -> None:
 
     These are inputs, outputs and tolerances (FMI-LS-REF). FMU is a file with the test vector of its kit, or a block of this project, whose inputs are taken from one of its runs.
     """
+    check_writable(out)
     if is_path(fmu):
         if vector is None:
             raise InputError(f"{fmu}: expected --vector DIR, the test vector of its kit")

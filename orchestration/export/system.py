@@ -14,7 +14,7 @@ from ..fmu.archive import Fmu
 from ..fmu.model import Variable
 from ..fmu.starts import scalars_of, starts_of
 from ..runner.open import open_scenario
-from ..runner.run import execute
+from ..runner.run import whole
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
@@ -152,7 +152,7 @@ def _initial(scenario: Scenario) -> dict[Node, Scalar]:
     keys: list[Key] = [(key,) for key in _LEFT_OUT]
     longest = max(entry.every for entry in scenario.blocks.values())
     short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))
-    result = execute(short)
+    result = whole(short)
     if result.failure is not None:
         raise result.failure
     outputs: dict[Node, Scalar] = {}

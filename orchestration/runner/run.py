@@ -16,6 +16,7 @@ from ..expectations.holds import Look
 from ..expectations.judge import Judge, highlights, not_evaluated
 from ..fmu.model import Floats, Model
 from ..instances.block import Block
+from ..interrupt import Stopped
 from ..master.master import Master
 from ..master.pacing import Pacer
 from ..master.recording import Progress, Watch
@@ -98,6 +99,17 @@ def execute(
     for block in made.instances.values():
         result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
     result.described = partial(manifest, opened.described, tuple(ready.notes), datetime.now(UTC))
+    return result
+
+
+def whole(scenario: Scenario, seers: Seers = ((), ())) -> Result:
+    """Runs a scenario as `execute` does, for a caller to whom a part of a run is of no use: a signal that ends it raises Stopped.
+
+    A failing FMU ends the run, and the result says so.
+    """
+    result = execute(scenario, seers=seers)
+    if result.interrupted:
+        raise Stopped(result.interrupted)
     return result
 
 

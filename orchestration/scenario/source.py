@@ -73,6 +73,16 @@ class Source:
         copy.options[*key, variable] = place
         return copy
 
+    def with_set(self, name: str, value: Any) -> Source:
+        """A copy of a campaign's data, a dictionary, in which `value` stands under `set`. Where that is no mapping it stays, to be refused."""
+        copy = self.copy()
+        if copy.data.get("set") is None:
+            copy.data["set"] = {}
+        if isinstance(copy.data["set"], dict):
+            copy.data["set"][name] = value
+            copy.options["set", name] = f"--set {name}={value}"
+        return copy
+
     def with_value(self, key: str, value: Any, option: str) -> Source:
         """A copy in which `value` takes the place of a top-level entry."""
         copy = self.copy()

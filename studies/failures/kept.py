@@ -50,9 +50,9 @@ def save(file: Path, flown: Sequence[tuple[Row, Rows]]) -> None:
 
 def _flights(row: Row, rows: Rows) -> Iterator[Flight]:
     columns = {metric["name"]: rows.numbers(metric["name"]) for metric in rows.manifest["metrics"]}
-    reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
+    reasons = rows.reasons()
     for i, index in enumerate(rows.index.tolist()):
-        remark = f"the run failed: {reasons.get(index, '')}" if rows.failed[i] else ""
+        remark = f"the run failed: {reasons[index]}" if rows.failed[i] else ""
         yield flight(row, index, {name: float(values[i]) for name, values in columns.items()}, remark)
 
 

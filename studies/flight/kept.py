@@ -77,7 +77,7 @@ def lines(group: Group, rows: Rows, bounds: Sequence[float | None]) -> list[dict
     """A group's lines; what a flight has no value for stays empty."""
     metrics = {m["name"]: rows.numbers(m["name"]) for m in rows.manifest["metrics"]}
     metrics["node"] = rows.numbers("plant.node_longitude")
-    reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
+    reasons = rows.reasons()
     found = []
     for i, (index, least) in enumerate(zip(rows.index, bounds, strict=True)):
         m = {name: float(values[i]) for name, values in metrics.items()}
@@ -98,7 +98,7 @@ def lines(group: Group, rows: Rows, bounds: Sequence[float | None]) -> list[dict
         told = [name for name in ALARMS if math.isfinite(m.get(name, math.inf))]
         numbers["told_s"] = (min((m[name] for name in told), default=math.inf), ".0f")
         line = {name: format(value, form) if math.isfinite(value) else "" for name, (value, form) in numbers.items()}
-        text = f"the run failed: {reasons.get(int(index), '')}" if rows.failed[i] else remark(group, m)
+        text = f"the run failed: {reasons[int(index)]}" if rows.failed[i] else remark(group, m)
         found.append({"group": group.name, "run": f"{index}", **line, "told": " ".join(told), "remark": text})
     return found
 

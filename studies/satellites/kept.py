@@ -72,12 +72,12 @@ def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
         "wheel_share": (value["wheel_max"] / ALL[satellite].wheel_momentum_max, ".3g"),
         "momentum_bound_s": (_bounds(group, rows, times, ALL[satellite].has_wheel), ".1f"),
     }
-    reasons = {index: reason for reason, _, indices in rows.reasons() for index in indices}
+    reasons = rows.reasons()
     found = []
     for i, index in enumerate(rows.index.tolist()):
         line = {name: format(v[i], form) if math.isfinite(v[i]) else "" for name, (v, form) in numbers.items()}
         told = " ".join(name for name in ALARMS if math.isfinite(value[name][i]))
-        remark = f"the run failed: {reasons.get(index, '')}" if rows.failed[i] else ""
+        remark = f"the run failed: {reasons[index]}" if rows.failed[i] else ""
         found.append(
             {"satellite": satellite, "condition": condition, "run": f"{index}", **line, "told": told, "remark": remark}
         )

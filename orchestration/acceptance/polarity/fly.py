@@ -14,6 +14,7 @@ from ...expectations.consistency import Relation, Watcher, prepare
 from ...expectations.judge import Judge
 from ...fmu.model import Floats
 from ...instances.block import Block
+from ...interrupt import Stopped
 from ...master.master import Master
 from ...master.recording import Watch
 from ...runner.open import open_scenario
@@ -153,7 +154,7 @@ class Loop:
             )
             recording = master.run(plan.starts)
         if recording.interrupted:
-            raise KeyboardInterrupt
+            raise Stopped(recording.interrupted)
         return recording.time, recording.values, recording.failure
 
     def _wired(self, port: Port | None, wrong: Wrong | None) -> tuple[Wiring, Order]:

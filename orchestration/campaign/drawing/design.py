@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...fmu.model import Floats
+from ..file.distributions import Steps
 from .draws import Draws
 from .samplers import Pick
 
@@ -87,6 +89,17 @@ def design(sampling: str, seed: int, runs: int | None, draws: Draws) -> Design:
         message = f"sampling: {sampling} makes all {runs} points of {draws.dimension} coordinates at once"
         raise InputError(f"{message}; remedy: sampling: random")
     return Design(sampling, seed, runs, draws.dimension, axes)
+
+
+def samples(draws: Draws) -> Iterator[list[float]]:
+    """The centre of the unit cube, and the points beside it that have each value of each choice and grid; of steps the two ends."""
+    centre = [0.5] * draws.dimension
+    yield centre
+    for draw in draws.draws:
+        if isinstance(draw.sampler, Pick):
+            middles = [0.5 * (low + high) for low, high in pairwise((0.0, *draw.sampler.ends)) if low < high]
+            for u in (middles[0], middles[-1]) if isinstance(draw.entry.grid, Steps) else middles:
+                yield [*centre[: draw.first], u, *centre[draw.first + 1 :]]
 
 
 def notes(design: Design) -> list[str]:

@@ -19,7 +19,7 @@ from ...system.starts import taken
 from ..file.campaign import Campaign
 from ..file.distributions import Varied
 from . import samplers
-from .entries import describe, numbers_only
+from .entries import describe, examples, numbers_only
 from .entries import sampler as of
 from .expression import Expression
 
@@ -176,7 +176,7 @@ def _draw(name: str, entry: Varied, helper: bool, variable: Variable | None, fir
     else:
         sampler, unit = of(entry)
         sample = sampler.value([0.5] * sampler.count)
-    numbers = sample is None or entry.rotation is not None or _numbers(sampler, sample)
+    numbers = entry.rotation is not None or _numbers(sampler)
     if entry.rotation and variable is not None:
         quaternion = variable.size == 4
         if variable.size not in (4, 9):
@@ -209,10 +209,10 @@ def _draw(name: str, entry: Varied, helper: bool, variable: Variable | None, fir
     )
 
 
-def _numbers(sampler: samplers.Sampler | Expression, sample: Any) -> bool:
+def _numbers(sampler: samplers.Sampler | Expression) -> bool:
     """Whether all values are numbers of one shape."""
-    values = sampler.values if isinstance(sampler, samplers.Pick) else [sample]
-    return all(numbers_only(value) and np.shape(value) == np.shape(sample) for value in values)
+    values = [] if isinstance(sampler, Expression) else examples(sampler)
+    return all(numbers_only(value) and np.shape(value) == np.shape(values[0]) for value in values)
 
 
 def _columns(name: str, entry: Varied, shape: tuple[int, ...]) -> tuple[str, ...]:

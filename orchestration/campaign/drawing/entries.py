@@ -19,6 +19,11 @@ def numbers_only(value: Any) -> bool:
     return all(isinstance(x, float | int) and not isinstance(x, bool) for x in leaves) and bool(leaves)
 
 
+def examples(sampler: samplers.Sampler) -> list[Any]:
+    """All values of a choice or a grid; of another distribution the one at the centre."""
+    return list(sampler.values) if isinstance(sampler, samplers.Pick) else [sampler.value([0.5] * sampler.count)]
+
+
 def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
     """The distribution of an entry, and the unit of its numbers. Raises QuantityError."""
     if entry.uniform is not None:
@@ -43,8 +48,8 @@ def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
         return samplers.Rotation(), ""
     if isinstance(entry.sphere, Varied):
         inner, unit = sampler(entry.sphere)
-        if not isinstance(inner.value([0.5] * inner.count), float | int):
-            raise QuantityError("sphere: expected one number as its length")
+        if wrong := [value for value in examples(inner) if isinstance(value, list) or not numbers_only(value)]:
+            raise QuantityError(f"sphere: expected one number as its length, found {as_written(wrong[0])}")
         return samplers.Sphere(inner), unit
     if entry.sphere is not None:
         (length,), unit = _measured(entry.sphere)

@@ -66,7 +66,7 @@ class Requirement(Model):
 class Keep(Model):
     """The runs whose signals are kept, in folders as a run of the scenario writes them."""
 
-    runs: list[Annotated[int, Field(strict=True, ge=0)]] = []
+    runs: list[Annotated[int, Field(strict=True, ge=0, lt=10**9)]] = []
     """These, by their indices."""
     not_met: Annotated[int, Field(strict=True, ge=0, le=1000)] = 0
     """So many of the first that do not meet a requirement."""

@@ -24,6 +24,7 @@ from .job import Job, Rows, lost
 try:
     import dask
     from distributed import Client, KilledWorker, LocalCluster, as_completed
+    from distributed.comm import get_address_host_port
 
     from . import worker
 except ImportError as error:
@@ -160,6 +161,12 @@ def cluster(
 @contextmanager
 def _client(workers: int | None, scheduler: str | None, dashboard: bool) -> Iterator[Any]:
     if scheduler is not None:
+        try:
+            _, port = get_address_host_port(scheduler)  # a Client would look for a minute for what is no address
+        except ValueError:
+            port = 0
+        if not 0 < port < 2**16:
+            raise InputError(f"--scheduler {scheduler}: expected tcp://HOST:PORT")
         try:
             client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:

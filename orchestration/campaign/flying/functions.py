@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+import threading
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 
 from ...errors import InputError, hint
 from ...expectations.metrics import Function
+
+_loading = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -32,9 +35,16 @@ class Code:
         """The module, made of the text or imported."""
         if self.text is None:
             return import_module(self.module)
-        module = ModuleType(self.module)
+        name = f"metrics_{self.sha256}"  # of its own, since other modules may be called as the file is
+        module = ModuleType(name)
         module.__file__ = self.file
-        exec(compile(self.text, self.file, "exec"), module.__dict__)
+        with _loading:
+            sys.modules[name] = module  # dataclasses look there for the module of a class
+            try:
+                exec(compile(self.text, self.file, "exec"), module.__dict__)
+            except BaseException:
+                del sys.modules[name]
+                raise
         return module
 
 

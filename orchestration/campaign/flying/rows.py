@@ -58,14 +58,11 @@ class Rows:
             return places.astype(np.float64)[self._order], texts.tolist()
         return self.numbers(name), None
 
-    def reasons(self) -> list[tuple[str, int, list[int]]]:
-        """Why runs failed: reason, count and the first indices; the most frequent first."""
+    def reasons(self) -> dict[int, str]:
+        """Why each run failed that did, by its index, ascending."""
         table = self._dataset.to_table(columns=["index", "reason"], filter=ds.field("status") == "failed")
-        counts: dict[str, list[int]] = {}
-        for index, reason in zip(table["index"].to_pylist(), table["reason"].to_pylist(), strict=True):
-            counts.setdefault(reason or "no reason given", []).append(index)
-        found = [(reason, len(indices), sorted(indices)[:5]) for reason, indices in counts.items()]
-        return sorted(found, key=lambda entry: (-entry[1], entry[2]))
+        pairs = zip(table["index"].to_pylist(), table["reason"].to_pylist(), strict=True)
+        return {index: reason or "no reason given" for index, reason in sorted(pairs)}
 
     def _column(self, name: str) -> Any:
         return self._dataset.to_table(columns=[name])[name].combine_chunks()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import pickle
+import shutil
 import signal
 import tempfile
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -19,11 +21,49 @@ from .crew import Batch
 from .crew import fly as fly_batch
 from .job import Job, Pilot, Rows
 
-_jobs: dict[str, Job] = {}
-"""By their keys."""
-_mine = threading.local()
-"""The pilots of a thread, by key; an instance of an FMU serves one thread."""
-_pilots: list[Pilot] = []
+
+class Given:
+    """A job that this worker was given, and its pilots: one for each thread, since an instance of an FMU serves one."""
+
+    def __init__(self, job: Job, folder: Path) -> None:
+        """`folder` holds the job's FMUs that this machine had not; it goes with the pilots."""
+        self._job, self._folder = job, folder
+        self._pilots: dict[tuple[int, bool], Pilot] = {}
+        self._lock, self._flying, self._ended = threading.Lock(), 0, False
+
+    @contextmanager
+    def pilot(self, anew: bool) -> Iterator[Pilot]:
+        """The pilot of this thread. Raises RuntimeError where the job has ended."""
+        with self._lock:
+            if self._ended:
+                raise RuntimeError("the campaign has ended")
+            self._flying += 1
+        try:
+            own = threading.get_ident(), anew
+            if own not in self._pilots:
+                self._pilots[own] = Pilot(self._job, anew)
+            yield self._pilots[own]
+        finally:
+            with self._lock:
+                self._flying -= 1
+            self._close()
+
+    def end(self) -> None:
+        """Ends the FMUs: now, or where threads are flying, when the last of them is done."""
+        self._ended = True
+        self._close()
+
+    def _close(self) -> None:
+        with self._lock:
+            if not self._ended or self._flying:
+                return
+            while self._pilots:
+                self._pilots.popitem()[1].close()
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+
+_given: dict[str, Given] = {}
+"""By the keys of the jobs."""
 
 
 class Setup(WorkerPlugin):
@@ -53,13 +93,12 @@ class Setup(WorkerPlugin):
                 path.parent.mkdir()
                 path.write_bytes(content)
             files[sha256] = path
-        _jobs[self.key] = pickle.loads(self.job).placed(files)
+        _given[self.key] = Given(pickle.loads(self.job).placed(files), folder)
 
     def teardown(self, worker: Any) -> None:
-        """Ends the FMUs."""
-        _jobs.pop(self.key, None)
-        while _pilots:
-            _pilots.pop().close()
+        """Ends the FMUs of this job. It waits for no run: Dask calls it in the loop that answers the scheduler."""
+        if (given := _given.pop(self.key, None)) is not None:
+            given.end()
 
 
 def _is(path: Path, sha256: str) -> bool:
@@ -70,24 +109,22 @@ def _is(path: Path, sha256: str) -> bool:
         return False
 
 
-def _pilot(key: str, anew: bool) -> Pilot:
-    known: dict[tuple[str, bool], Pilot] = _mine.__dict__.setdefault("pilots", {})
-    if (key, anew) not in known:
-        if key not in _jobs:
-            raise RuntimeError("this worker has not been given the campaign")
-        known[key, anew] = Pilot(_jobs[key], anew)
-        _pilots.append(known[key, anew])
-    return known[key, anew]
+def _of(key: str) -> Given:
+    if key not in _given:
+        raise RuntimeError("this worker has not been given the campaign")
+    return _given[key]
 
 
 def fly(key: str, batch: Batch, anew: bool) -> Rows:
     """The rows of a batch of the job under this key."""
-    return fly_batch(_pilot(key, anew), batch)
+    with _of(key).pilot(anew) as pilot:
+        return fly_batch(pilot, batch)
 
 
 def resets(key: str) -> bool:
     """Whether a reset brings the FMUs back to their first state."""
     try:
-        return _pilot(key, False).resets()
+        with _of(key).pilot(False) as pilot:
+            return pilot.resets()
     except (BlockError, InputError):
         return True  # whatever it is, the runs will say it

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from markupsafe import Markup
@@ -77,6 +78,15 @@ def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
             v["text"],
         ])  # fmt: skip
     return found
+
+
+def failures(reasons: Mapping[int, str]) -> list[list[object]]:
+    """How many runs failed for each reason, and the first five of them; the most frequent first."""
+    runs: dict[str, list[int]] = {}
+    for index, reason in sorted(reasons.items()):
+        runs.setdefault(reason, []).append(index)
+    found = sorted(runs.items(), key=lambda entry: (-len(entry[1]), entry[1]))
+    return [[f"{len(indices):,}", reason, ", ".join(map(str, indices[:5]))] for reason, indices in found]
 
 
 def two(text: str, below: str) -> Markup:

@@ -21,7 +21,7 @@ from ..statistics.sensitivity import RANKED
 from ..statistics.verdicts import probability, quantile, share
 from . import plots
 from .influence import ranked, sensitivity, signed
-from .overview import basis, header, outcome, two, verdicts
+from .overview import basis, failures, header, outcome, two, verdicts
 from .plots import Metric
 
 _PLOTS = 120
@@ -63,10 +63,7 @@ def page(folder: Path) -> str:
             _part("metrics", _rows("metrics", (_metric(m, failed, manifest["early"]) for m in metrics))),
             _part("distributions", joined(_distribution(m, made, manifest["early"]) for m in metrics)),
             *(ranks, design, scatter, _search(manifest, found, metrics, made), worst),
-            _part(
-                "failures",
-                _rows("failures", ([f"{n:,}", why, ", ".join(map(str, first))] for why, n, first in runs.reasons())),
-            ),
+            _part("failures", _rows("failures", failures(runs.reasons()))),
             _part("expectations", _rows("expectations", _expectations(runs))),
         ]
     parts.append(manifest_fold("campaign.json", "the campaign as resolved, FMUs, versions, platform", manifest))

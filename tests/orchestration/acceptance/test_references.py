@@ -103,6 +103,18 @@ def test_a_command_of_an_fmu_writes_what_its_fmu_carries(tmp_path):
             assert path.read_bytes() == archive.read(f"{FOLDER}/{path.name}"), path.name
 
 
+def test_a_folder_that_cannot_be_written_is_told_before_a_run_and_a_file_in_it_with_its_own_status(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "file").touch()
+    (tmp_path / "folder" / "outputs.csv").mkdir(parents=True)
+    result = orchestrate("reference", "allocator", "--out", tmp_path / "folder")
+    assert (result.exit_code, "outputs.csv cannot be written: it is a folder" in result.stderr) == (4, True)
+    monkeypatch.setattr("orchestration.cli.reference.ensure", lambda *a: pytest.fail("it was built"))
+    result = orchestrate("reference", "allocator", "--out", tmp_path / "file")
+    assert (result.exit_code, f"{tmp_path / 'file'} is a file" in result.stderr) == (2, True)
+
+
 def test_inputs_are_set_before_the_step_that_begins_at_their_time(tmp_path):
     findings, notes = played(regulator(tmp_path))
     assert (findings, notes) == ([("ok", "feedthrough: 1 outputs as expected over 0.4 s, to the last bit")], [])

@@ -25,6 +25,7 @@ from orchestration.campaign.load import read_campaign
 from orchestration.campaign.replay import replay
 from orchestration.cli.main import main
 from orchestration.errors import InputError, ResultsError
+from orchestration.runner.read import read
 from orchestration.runner.run import run
 
 ROOT = Path(__file__).parents[3]
@@ -176,6 +177,22 @@ def test_a_replayed_run_gives_its_rows_bits(toy, index):
     assert again.met == {"at rest": row["met: at rest"]}
 
 
+def test_a_replayed_run_whose_folder_cannot_be_written_is_told_by_its_status(toy, monkeypatch):
+    Path("out/replay-0/scenario.yaml").mkdir(parents=True)
+    result = command(toy, "--out", "out", "--replay", 0)
+    assert (result.exit_code, "scenario.yaml cannot be written: it is a folder" in result.stderr) == (4, True)
+    monkeypatch.setattr("orchestration.cli.campaign.replay", lambda *a: pytest.fail("it was flown"))
+    result = command(toy, "--out", "toy.yaml", "--replay", 0)
+    assert (result.exit_code, "toy.yaml is a file" in result.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("index", ["best", "-1", "9" * 5000])
+def test_what_is_no_index_of_a_run_is_not_replayed(toy, index):
+    result = command(toy, "--out", "out", "--replay", index)
+    assert result.exit_code == 2
+    assert result.stderr == f"--replay {index[:20]}: expected the index of a run, 0 to 59, or 'worst'\n"
+
+
 def test_a_stopped_campaign_goes_on_where_it_was(toy):
     fly(toy)
     whole = rows()
@@ -222,6 +239,25 @@ def test_another_campaign_in_the_folder_is_refused_by_name(toy):
         fly(toy, runs=5)
     changed(toy, ("3 rad/s]", "2 rad/s]"))
     with pytest.raises(InputError, match=r"out holds 5 runs, more than the 3"):
+        fly(toy, runs=3)
+
+
+def test_what_decides_no_row_of_the_scenario_may_change_and_what_does_may_not(toy, loop):
+    fly(toy, runs=3)
+    before = read_campaign(toy, {"runs": 3}).fingerprint
+    more = """\
+live: {sliders: [{start: motor.speed0, least: 1, most: 2}]}
+realtime: {factor: 2}
+holds: [{name: gain, signal: regulator.enabled, keeps: [motor.speed]}]
+consistency: {still: {left: motor.speed, right: motor.speed, within: 1 rad/s}}
+figures: [{name: speed, panels: [{signals: [motor.speed]}]}]
+"""
+    text = loop.read_text("utf-8")
+    loop.write_text(text + more, "utf-8")
+    assert read_campaign(toy, {"runs": 3}).fingerprint == before
+    assert fly(toy, runs=3).state == "completed"
+    loop.write_text(text + "exchange: parallel\n", "utf-8")
+    with pytest.raises(InputError, match="differs in scenario"):
         fly(toy, runs=3)
 
 
@@ -295,6 +331,33 @@ def test_a_metric_in_python_is_given_every_base_step(toy):
     changed(toy, ("mine:fall", "mine:fal"))
     with pytest.raises(InputError, match=r"toy.yaml:8: .*mine.py has no function 'fal'; did you mean 'fall'"):
         read_campaign(toy)
+
+
+def test_a_module_of_metrics_may_hold_a_dataclass_with_annotations_as_text(toy):
+    code = """\
+from __future__ import annotations
+from dataclasses import dataclass
+
+@dataclass
+class Ends:
+    first: float
+    last: float
+
+def fall(time, signals):
+    speed = signals['motor.speed']
+    ends = Ends(speed[0], speed[-1])
+    return ends.first / ends.last
+"""
+    Path("mine.py").write_text(code, "utf-8")
+    changed(toy, ("metrics:", "metrics:\n  - {name: fall, python: 'mine:fall', signals: [motor.speed]}"))
+    fly(toy, runs=2)
+    assert [row["fall"] for row in rows()] == pytest.approx([1.0 / SHRINKS] * 2)
+    known = set(sys.modules)
+    Path("mine.py").write_text(f"{code}gone", "utf-8")
+    with pytest.raises(InputError, match="NameError: name 'gone' is not defined"):
+        read_campaign(toy)
+    assert set(sys.modules) == known
+    assert "mine" not in known
 
 
 def test_runs_are_kept_with_their_signals(toy):
@@ -388,6 +451,30 @@ def test_the_exit_status_tells_what_came_of_it(toy, pairs, status):
             r"toy.yaml:8: .*the module 'gone' cannot be loaded: there is no file .*gone.py, and no installed .*remedy: [^\n]*$",
         ),
         ((("{uniform: [1 rad/s, 2 rad/s]}", "{expression: gone}"),), r"toy.yaml:6: .*no value 'gone'"),
+        (
+            (("vary:", "vary:\n  motor.mode: {choice: [braek, normal]}"),),
+            r"toy.yaml:6: vary.motor.mode: .*'braek'",
+        ),
+        (
+            (("vary:", "vary:\n  motor.mode: {choice: [normal, braek, brake], weights: [8, 1, 1]}"),),
+            r"toy.yaml:6: vary.motor.mode: .*'braek'",
+        ),
+        (
+            (("vary:", "draw:\n  half: {choice: [1, 1, 1.2]}\nvary:\n  motor.poles: {expression: 2 * half}"),),
+            r"toy.yaml:8: vary.motor.poles: .*expected a whole number, found 2.4",
+        ),
+        (
+            (("vary:", "vary:\n  motor.inertia: {grid: {from: 1, to: 14, points: 1000000}}"),),
+            r"toy.yaml:6: vary.motor.inertia: .*expected at most 10",
+        ),
+        (
+            (("{uniform: [1 rad/s, 2 rad/s]}", "{sphere: {choice: [1, fast, 2]}}"),),
+            r"toy.yaml:6: vary.motor.speed0.sphere: sphere: expected one number as its length, found 'fast'",
+        ),
+        (
+            (("runs: 60", "runs: 60\nkeep: {runs: [9223372036854775808]}"),),
+            r"toy.yaml:4: keep.runs\[1\]: expected less than 1e",
+        ),
         ((("metric: final, below: 0.2 rad/s", "expectation: stops"),), r"toy.yaml:11: .*no expectation 'stops'"),
     ],
 )
@@ -446,6 +533,17 @@ def test_a_start_value_for_all_runs_comes_from_the_file_or_the_command_line(toy)
     command(toy, "--workers", 0, "--out", "option", "--set", "regulator.gain=-3")
     for out, factor in (("file", 0.8), ("option", 0.7)):
         assert [r["final"] / r["motor.speed0"] for r in rows(out)] == pytest.approx([factor**20] * 3)
+
+
+def test_a_start_value_of_the_command_line_goes_beside_an_empty_set_and_leaves_the_callers_data(toy):
+    changed(toy, ("runs: 60", "runs: 60\nset:"))
+    assert read_campaign(toy, None, {"regulator.gain": -3}).campaign.set == {"regulator.gain": -3}
+    source = read(toy)
+    read_campaign(source, None, {"regulator.gain": -3})
+    assert source.data["set"] is None
+    changed(toy, ("set:", "set: [regulator.gain]"))
+    with pytest.raises(InputError, match=r"toy.yaml:4: set: "):
+        read_campaign(toy, None, {"regulator.gain": -3})
 
 
 def test_points_of_the_unit_cube_give_their_metrics(toy):

@@ -16,8 +16,10 @@ from time import monotonic, sleep
 import pytest
 
 from orchestration.campaign import engine
+from orchestration.campaign.flying import cluster
 from orchestration.campaign.flying.cluster import each
 from orchestration.campaign.load import read_campaign
+from orchestration.errors import InputError
 
 from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)
 
@@ -77,6 +79,13 @@ def test_calls_by_a_clusters_workers_come_back_with_the_places_of_their_items(sc
 
 def fly(path: Path, out: str, scheduler: str | None = None, **overrides: object) -> engine.Finished:
     return engine.fly(read_campaign(path, overrides), Path(out), workers=0, scheduler=scheduler)
+
+
+@pytest.mark.parametrize("address", ["bogus", "tcp://bogus", "http://host:80", "tcp://host:port", "tcp://host:99999"])
+def test_what_is_no_address_of_a_scheduler_is_refused_at_once(toy, address, monkeypatch):  # noqa: F811
+    monkeypatch.setattr(cluster, "Client", lambda *a, **more: pytest.fail("it was looked for"))
+    with pytest.raises(InputError, match=f"^--scheduler {address}: expected tcp://HOST:PORT$"):
+        fly(toy, "out", address)
 
 
 def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, scheduler, tmp_path):  # noqa: F811

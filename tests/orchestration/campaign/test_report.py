@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from orchestration.campaign.file.analysis import Sensitivity
+from orchestration.campaign.flying.rows import Rows
 from orchestration.campaign.report import page as report
+from orchestration.campaign.report.overview import failures
 from orchestration.campaign.statistics import sensitivity
 from orchestration.cli.campaign_summary import summary
 
@@ -81,6 +83,18 @@ def test_the_distribution_at_the_bound_is_what_the_verdict_says(folder, text):
     y = unpacked(data["arrays"][above["curves"][2]["y"]])
     at = np.searchsorted(unpacked(data["arrays"][above["x"]]), 0.98)
     assert y[at] == pytest.approx(manifest["verdicts"][2]["share"], abs=2e-3)
+
+
+def test_each_failed_run_has_its_reason_and_the_page_names_the_first_five_of_each(tmp_path):
+    rows = Rows(synthetic.write(tmp_path, 30, analyses=False, all_fail=True))
+    reasons = rows.reasons()
+    assert list(reasons) == list(range(30)) == rows.index[rows.failed].tolist()
+    found = failures(reasons)
+    counts = [int(str(count)) for count, *_ in found]
+    assert (sum(counts), counts) == (30, sorted(counts, reverse=True))
+    for _, reason, first in found:
+        indices = [index for index, why in reasons.items() if why == reason]
+        assert first == ", ".join(map(str, indices[:5]))
 
 
 def test_a_campaign_that_stopped_early_or_did_not_begin_has_a_page(tmp_path):

@@ -40,7 +40,7 @@ def flown(**metrics):
         numbers=lambda name: np.asarray(usual[name], float),
         index=np.arange(n),
         failed=np.isnan(np.asarray(usual["angle_5"], float)),
-        reasons=lambda: [("the plant stopped", 1, [3])],
+        reasons=lambda: {3: "the plant stopped"},
         __len__=lambda: n,
     )
 
