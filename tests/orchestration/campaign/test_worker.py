@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import signal
 import threading
 import weakref
 from pathlib import Path
@@ -18,6 +19,14 @@ from orchestration.campaign.load import read_campaign
 from .test_campaign import toy  # noqa: F401  (a fixture)
 
 BATCH = Batch(np.arange(2), None)
+
+
+@pytest.fixture(autouse=True)
+def signals():
+    """A worker ignores Ctrl-C; the tests that follow in this process do not."""
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
