@@ -171,7 +171,7 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
 {
     Search *search = &x->search;
     const double T = x->scales.time, early = EARLY * law->p.control_period;
-    const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || (x->longer <= 0 && x->plan.turns)
+    const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || (x->longer <= 0 && x->plan.cost > HOLD_COST * T)
                                             : x->plan.cost > controller_planned_rods_cost(model);
     if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
         search->ready = false;

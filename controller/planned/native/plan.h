@@ -17,7 +17,6 @@ typedef struct {
     bool urgent;    /* the target is to be reached in the least time */
     double until;   /* s, before which errors cost little: the target is to be reached by then */
     double settles; /* s, from when on the motion stays near the target to the plan's end; infinite where it does not */
-    bool turns;     /* a hold's: it has a large rotation in it */
     double caution; /* 1/s, that a change of the controls costs in an iteration */
 } Plan;
 

@@ -1,7 +1,5 @@
 #include "renew.h"
 
-#include "cost.h"
-
 static const double HOLD_ORBITS = 0.25; /* that a hold's plan sees at least */
 static const double STAGE_LONG = 1.0;   /* T, of the stages that this takes */
 static const double LONGER_MAX = 80.0;  /* so many of them at most: else they are longer */
@@ -31,17 +29,6 @@ static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
     return horizon;
 }
 
-/* Cost of a plan but for that of the wheel's momentum, which is l at its start: a full wheel is no turn. */
-static double without_wheel(const Model *model, const Plan *plan, double l)
-{
-    double cost = plan->cost;
-    for (int i = 0; i < plan->stages; ++i) {
-        cost -= plan->h[i] * controller_planned_wheel_cost(model, l);
-        l += plan->h[i] * model->wheel_torque_max * plan->u[i][3];
-    }
-    return cost - model->scales.final_wheel * controller_planned_wheel_cost(model, l);
-}
-
 void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *expected, const Motion *now, const Plan *was, int32_t *work)
 {
@@ -56,8 +43,8 @@ void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
         controller_planned_lay_stages(&model, ahead, now, x->t, urgent, was, &law->trial, law->workspace.stage, work);
         controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, &law->workspace, work);
         controller_planned_hasten(&law->trial);
-        law->trial.turns = hold && without_wheel(&model, &law->trial, now->l) > HOLD_COST * x->scales.time;
-        if (!law->trial.turns || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
+        const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
+        if (!lost || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
             return;
         }
     }

@@ -8,7 +8,7 @@
 
 #include "state.h"
 
-static const double HOLD_COST = 0.2; /* T: a hold's plan that costs more, without the wheel's momentum, has a turn in it */
+static const double HOLD_COST = 0.2; /* T, of a hold's plan that has a turn in it: it is lost */
 
 /* Whether a plan is to reach the target in the least time: with a wheel, until the hold. */
 static inline bool controller_planned_is_urgent(const ControllerPlannedState *x, const Model *model)

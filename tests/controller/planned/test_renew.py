@@ -85,16 +85,6 @@ def test_a_holds_plan_is_cut_only_where_it_costs_more_than_a_fifth_of_T(angle):
     assert plan.longer in (1, -20) or plan.cost > 0.2 * T
 
 
-@pytest.mark.parametrize(("angle", "cut"), [(0.0, False), (0.5, True)])
-def test_a_full_wheel_is_no_turn(angle, cut):
-    """Along the normal of the orbit a full wheel turns nothing, so that only its momentum costs."""
-    satellite = replace(core.Satellite(), wheel_axis=np.array([0.0, 1.0, 0.0]))
-    full = replace(off(angle), h_w=satellite.wheel_momentum_max)
-    plan = core.renewed(satellite, AHEAD, full, HOLD, account=PLENTY)
-    assert plan.cost > 0.2 * 50.0
-    assert (plan.longer < 0) == cut
-
-
 @pytest.mark.parametrize("angle", [0.5, 1.0, 2.0])
 def test_the_account_of_a_sample_is_never_overdrawn(angle):
     for satellite in (ONE_U, core.Satellite()):
