@@ -59,7 +59,7 @@ def command(
 ) -> None:
     """Write a project for another team, or a satellite's file.
 
-    Its FMU has the block's exact interface. The project contains the build files (C needs only a compiler and make), a README and a test vector.
+    The project's FMU has the exact interface of BLOCK. The project contains the build files (C needs only a compiler and make), a README and a test vector.
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the
     FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
 

@@ -16,7 +16,7 @@ SET = click.option(
     "sets",
     multiple=True,
     metavar="[BLOCK.]PARAMETER=VALUE",
-    help="A start value, such as plant.angle='51.6 deg' or plant.x=[1,2,3]; without a block that of a shared value; may be repeated.",
+    help="A start value, such as plant.inclination='51.6 deg' or plant.omega_B0='[0.01, 0, 0]'; without a block that of a shared value; may be repeated.",
 )
 SWAP = click.option(
     "--swap", "swaps", multiple=True, metavar="BLOCK=FILE.fmu", help="Another FMU in a block's place; may be repeated."

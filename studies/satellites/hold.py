@@ -26,7 +26,7 @@ from ..flight.schemes import Data
 from ..motion import IPOPT, SECONDS, advanced
 from ..paper import Array
 from .classes import ALL, EARLY, tumbles
-from .kept import CONDITIONS, Best, Flights, load_holds, save_holds
+from .kept import CONDITIONS, Best, Flights, load_holds, save_holds, sought
 
 LONGEST = 30.0
 """s, of an interval of constant commands."""
@@ -39,8 +39,6 @@ UNIT = 100.0
 EFFORT = 1e-3
 """Weight of the mean square of the commands beside that of the error."""
 SEARCH: dict[str, Any] = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 600}}
-SAMPLE = 20
-"""Tumbles of each satellite whose hold is sought, settled or not."""
 AT_ONCE = 8
 """Tumbles between two writings of the file."""
 
@@ -108,23 +106,15 @@ def _field(p: plant.Parameters, t: float) -> Array:
 
 
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
-    """Searches what the file does not have, and tells of each part when it has been saved.
-
-    Sought are the holds of the first SAMPLE tumbles of each satellite under all errors, without a wheel under both conditions; and
-    of all that are not settled and have a wheel.
-    """
+    """Searches what the file does not have of those that are sought, and tells of each part when it has been saved."""
     found = load_holds(file)
     known = {(hold.satellite, hold.condition, hold.run) for hold in found}
     wanted = []
     for name, condition in itertools.product(ALL, CONDITIONS):
-        wheel = ALL[name].has_wheel
-        lines = flights.of(name, condition)
-        runs = {int(line["run"]) for line in lines if wheel and not line["settled_5deg_s"]}
-        runs |= set(range(SAMPLE)) if condition == "errors" or not wheel else set()
-        runs = {run for run in runs if (name, condition, run) not in known}
+        runs = [run for run in sought(flights, name, condition) if (name, condition, run) not in known]
         if runs:
             data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))
-            wanted += [(name, condition, run, data[run]) for run in sorted(runs)]
+            wanted += [(name, condition, run, data[run]) for run in runs]
     with crew(jobs) as hands:
         for i in range(0, len(wanted), AT_ONCE):
             found += hands.each("best holds", _of_tumble, wanted[i : i + AT_ONCE])

@@ -26,6 +26,8 @@ COLUMNS = (
     "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
     "wheel_share momentum_bound_s told remark"
 ).split()
+SAMPLE = 20
+"""Tumbles of each satellite whose best hold is sought, settled or not."""
 HORIZON = 6000.0
 """s, up to which the momentum bound of a flight that does not settle is sought."""
 
@@ -105,6 +107,14 @@ class Best:
     largest_deg: float
     wheel_share: float
     gap: float
+
+
+def sought(flights: Flights, satellite: str, condition: str) -> list[int]:
+    """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
+    all that are not settled."""
+    wheel = ALL[satellite].has_wheel
+    left = {int(line["run"]) for line in flights.of(satellite, condition) if wheel and not line["settled_5deg_s"]}
+    return sorted(left | (set(range(SAMPLE)) if condition == "errors" or not wheel else set()))
 
 
 def load_holds(file: Path) -> list[Best]:

@@ -14,7 +14,7 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, Best, Flights, column
+from .kept import CONDITIONS, HORIZON, SAMPLE, Best, Flights, column, sought
 
 Key = tuple[str, str, str]
 """Satellite, condition and run."""
@@ -43,6 +43,9 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         settled=int(np.isfinite(_times(flights.lines)).sum()),
         left=_left(flights, best),
         held=_held(flights, best),
+        sample=SAMPLE,
+        waiting=_waiting(flights, holds),
+        open=len(holds) - len(best),
         found=sum(ALL[name].has_wheel for name, *_ in best),
         **_unsettled(flights, best),
         steep=f"{STEEP:g}°",
@@ -59,6 +62,17 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         hold=f"{HOLD:,.0f}",
         horizon=f"{HORIZON:,.0f}",
     )
+
+
+def _waiting(flights: Flights, holds: Sequence[Best]) -> list[str]:
+    """How many best holds of each satellite have not been sought yet."""
+    there = {(hold.satellite, hold.condition, hold.run) for hold in holds}
+    counts = {
+        (name, kind): sum((name, kind, run) not in there for run in sought(flights, name, kind))
+        for name in ALL
+        for kind in CONDITIONS
+    }
+    return [f"{count} of *{name}*, {NAMES[kind]}" for (name, kind), count in counts.items() if count]
 
 
 def _key(line: Mapping[str, str]) -> Key:

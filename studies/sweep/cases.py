@@ -18,6 +18,8 @@ WHEEL, GIVEN_UP, ATTITUDE, FIELD = 3, 4, 5, 6
 """Alarms behind those of the rods, in the order of loop.c."""
 IN_HOLD, UNTIL, JUDGED, SOON = 1000.0, 1800.0, 1200.0, 700.0
 """s: when a part fails in the hold; the end of a flight with a failure, and from when its hold is judged; the end where none is."""
+LOW = math.radians(15.0)
+"""Inclination, rad."""
 FRICTION = {"plant.wheel_coulomb_friction": 5e-5, "plant.wheel_viscous_friction": 1e-7}
 WHEEL_NOISE, RATE_NOISE = {"sensors.wheel_momentum_noise": 1e-5}, {"sensors.rate_noise": 1e-4}
 FAST = {"plant.omega_B0": [math.radians(15.0) * x / 3.0 for x in (2.0, -1.0, 2.0)]}
@@ -95,6 +97,19 @@ def _small(runs: int) -> list[Flight]:
     return [Flight(given, until=1.5 * ORBIT, hold=0.5 * ORBIT, rate=group.slow) for given in tumbles_of(group)]
 
 
+def _low(runs: int) -> list[Flight]:
+    """The first tumbles below LOW, half of them under all errors, of the satellite that settles in the fewest there."""
+    flights = []
+    for errors in (False, True):
+        group = tumbles_of_satellite("50 kg, wheel along (1, 2, 2)/3", 100, errors)
+        low = [drawn for drawn in group.drawn() if drawn["plant.inclination"] < LOW][: runs // 2]
+        flights += [
+            Flight(given, until=group.duration, hold=group.early, rate=group.slow)
+            for given in (parameters({**group.scenario, "duration": group.duration}, each) for each in low)
+        ]
+    return flights
+
+
 def _estimate(runs: int) -> list[Flight]:
     """With friction; every second wheel's momentum is measured with noise, every third rate with ten times the noise told."""
     flights = []
@@ -143,6 +158,7 @@ GROUPS = {
     "acquisition": Cases(_acquisition, 40, ("settled",)),
     "hold": Cases(_hold, 10, ("hold",)),
     "small satellite": Cases(_small, 2, ("hold",)),
+    "low inclination": Cases(_low, 18, ("hold",)),
     "estimate": Cases(_estimate, 10, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
     "failed sensors": Cases(_failing(SENSORS), len(SENSORS), ("found", "sound", "hold")),

@@ -71,7 +71,7 @@ def node_drift(inclination_deg: float, radius: float = RE + 600e3) -> float:
 @authority(
     "Orbit",
     "Drift of the node by J2 at 600 km and 98 deg",
-    source="issue 3's figure; Vallado, 4th ed., 9.6",
+    source="Vallado, 4th ed., 9.6",
     unit="deg/day",
     expected=1.012,
     tolerance=5e-4,

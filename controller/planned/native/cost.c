@@ -1,25 +1,30 @@
 #include "cost.h"
 
-static const double WEIGHT_ANGLE = 10.0, BEND = 0.1;       /* of the pseudo-Huber cost of the angle; rad */
+static const double BEND = 0.1;                            /* rad, of the pseudo-Huber cost of the angle */
 static const double NEAR_ANGLE = 0.078, NEAR_RATE = 0.045; /* rad (4.5 deg), 1/T: 0.9 of what is called settled */
 static const double WHEEL_NEAR_LIMIT = 0.8667;             /* of wheel_momentum_max */
+
+double controller_planned_near_limit(const Model *model, double l)
+{
+    const double limit = WHEEL_NEAR_LIMIT * model->wheel_momentum_max;
+    return l > limit ? l - limit : l < -limit ? l + limit : 0.0;
+}
 
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
                                   double scale_wheel, double gradient[ERRORS], double hessian[ERRORS], bool *near)
 {
-    const double weight_rate = model->scales.weight_rate, weight_wheel = model->scales.weight_wheel,
-                 weight_near_limit = model->scales.weight_near_limit;
+    const double weight_angle = model->scales.weight_angle, weight_rate = model->scales.weight_rate,
+                 weight_wheel = model->scales.weight_wheel, weight_near_limit = model->scales.weight_near_limit;
     const Matrix Q = multiply(transposed(target->R), x->R);
     const Vector zeta = rotation_log(Q), w = apply_transposed(Q, target->Omega);
     const Vector omega = subtract(x->Omega, w);
     const double root = sqrt(dot(zeta, zeta) + BEND * BEND);
-    const double limit = WHEEL_NEAR_LIMIT * model->wheel_momentum_max;
-    const double over = x->l > limit ? x->l - limit : x->l < -limit ? x->l + limit : 0.0;
+    const double over = controller_planned_near_limit(model, x->l);
     if (near != NULL) {
         *near = norm(zeta) < NEAR_ANGLE && norm(omega) * model->scales.time < NEAR_RATE;
     }
     if (gradient != NULL) {
-        const double a = scale_errors * WEIGHT_ANGLE * BEND / root, b = scale_errors * weight_rate;
+        const double a = scale_errors * weight_angle * BEND / root, b = scale_errors * weight_rate;
         /* d omega = d Omega - w x d theta */
         const Vector by_angle = add(scale(a, zeta), scale(b, cross(w, omega)));
         store(by_angle, gradient);
@@ -31,6 +36,6 @@ double controller_planned_cost_of(const Model *model, const Target *target, cons
         }
         hessian[6] = scale_wheel * (weight_wheel + (over != 0.0 ? weight_near_limit : 0.0));
     }
-    return scale_errors * (WEIGHT_ANGLE * BEND * (root - BEND) + 0.5 * weight_rate * dot(omega, omega)) +
+    return scale_errors * (weight_angle * BEND * (root - BEND) + 0.5 * weight_rate * dot(omega, omega)) +
            scale_wheel * 0.5 * (weight_wheel * x->l * x->l + weight_near_limit * over * over);
 }

@@ -1,4 +1,5 @@
 /* Steering, acquisition or hold, and the plan that is flown. */
+#include "cost.h"
 #include "renew.h"
 
 #include <string.h>
@@ -11,9 +12,11 @@ static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below thi
 static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
 static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search is good enough to begin with */
-static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
-static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
-static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
+static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2;   /* rad (1 deg), T */
+static const double SETTLED_RATE_TIME = 20.0;                           /* T, in which the rate may turn by a radian */
+static const double LOST_ANGLE = 0.0872664626;                          /* rad (5 deg) */
+static const double STRAINED_ANGLE = 0.0523598776, STRAINED_LOST = 1.0; /* rad (3 deg, 57 deg) */
+static const double STRAINED_ORBITS = 1.0;                              /* for which it is settled until it is not strained */
 
 /* Where the satellite stands against its target. */
 typedef struct {
@@ -69,7 +72,7 @@ static void give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
     x->settled_since = INFINITY;
-    x->search.active = x->search.ready = x->challenged = x->provisional = false;
+    x->search.active = x->search.ready = x->challenged = x->provisional = x->strained = false;
     x->plan.stages = 0;
     x->plan.cost = 0.0;
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
@@ -83,8 +86,18 @@ static bool has_come(const ControllerPlannedState *x, double early)
     return x->search.ready && x->t >= x->search.t - early;
 }
 
+/* Whether the wheel cannot keep the hold close: from when its error is beyond STRAINED_ANGLE with a wheel near its limit, until it
+ * has been settled for an orbit. */
+static bool is_strained(const ControllerPlannedState *x, const Model *model, double angle, double l)
+{
+    const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
+    const bool begins = angle > STRAINED_ANGLE && controller_planned_near_limit(model, l) != 0.0;
+    const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
+    return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
+}
+
 /* The phase from now on; whether a plan or a steering is due. */
-static bool change_phase(ControllerPlannedState *x, const Standing *s, double early)
+static bool change_phase(ControllerPlannedState *x, const Model *model, const Standing *s, double l, double early)
 {
     const bool steering = x->phase == PHASE_STEERING;
     bool due = x->t >= x->next_plan - early || (x->provisional && x->search.ready);
@@ -97,11 +110,12 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
     } else if (steering && has_come(x, early)) {
         due = true;
         x->phase = PHASE_ACQUISITION;
-    } else if (x->phase == PHASE_HOLD && s->angle > LOST_ANGLE) {
+    } else if (x->phase == PHASE_HOLD && s->angle > (x->strained ? STRAINED_LOST : LOST_ANGLE)) {
         x->phase = PHASE_ACQUISITION;
     } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME * x->scales.time - early) {
         x->phase = PHASE_HOLD;
     }
+    x->strained = is_strained(x, model, s->angle, l);
     return due;
 }
 
@@ -225,7 +239,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     }
 
     int32_t work = WORK_OF_SAMPLE;
-    const bool due = change_phase(x, &s, early);
+    const bool due = change_phase(x, &model, &s, now->l, early);
     if (due) {
         x->next_plan = x->t + model.scales.plan_period;
     }

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+static const double STRAINED_WEIGHT = 0.2;             /* of the angle in a strained hold */
 static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
@@ -48,6 +49,9 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     model.residual_B = vector(p + DIPOLE);
     if (x->rods_alone) {
         controller_planned_plan_by_rods(&model);
+    }
+    if (x->strained) {
+        model.scales.weight_angle *= STRAINED_WEIGHT;
     }
     return model;
 }

@@ -13,7 +13,7 @@ static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/
 static const double STEERING_LIMIT = 3.0;
 static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
 static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
-static const double WEIGHT_CONTROL = 0.005;
+static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;                             /* T^2 */
 static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* over wheel_momentum_max^2 */
@@ -81,6 +81,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .orbit_rate = sqrt(p->gravitational_parameter / (a * a * a)),
         .least_moment = least,
         .torque = torque,
+        .weight_angle = WEIGHT_ANGLE,
         .weight_rate = WEIGHT_RATE * T * T,
         .weight_control = WEIGHT_CONTROL,
         .final_errors = FINAL * T,

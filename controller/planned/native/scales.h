@@ -16,7 +16,8 @@ typedef struct {
     double momentum, torque; /* J/T, N m s; J/T^2, N m */
     double orbit_rate;       /* rad/s, the mean one */
     double least_moment;     /* the least principal one, kg m2 */
-    double weight_rate;      /* of a plan's cost, s^2 */
+    double weight_angle;     /* of a plan's cost */
+    double weight_rate;      /* the same, s^2 */
     double weight_control;
     double final_errors, final_wheel; /* s, by which the last stage counts */
     double weight_wheel;              /* 1/(N m s)^2 */

@@ -27,6 +27,7 @@ typedef struct {
     Plan plan;
     Search search;
     int32_t longer;      /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
+    bool strained;       /* a hold that the wheel cannot keep close: the angle counts less */
     bool provisional;    /* the plan is what the first search had come to in its first sample */
     bool challenged;     /* the search's plan is held against the plan at the next sample */
     Motion reference;    /* of the plan, at t_sample */
