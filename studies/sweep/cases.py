@@ -158,7 +158,7 @@ GROUPS = {
     "acquisition": Cases(_acquisition, 40, ("settled",)),
     "hold": Cases(_hold, 10, ("hold",)),
     "small satellite": Cases(_small, 2, ("hold",)),
-    "low inclination": Cases(_low, 18, ("hold",)),
+    "low inclination": Cases(_low, 12, ("hold",)),
     "estimate": Cases(_estimate, 10, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
     "failed sensors": Cases(_failing(SENSORS), len(SENSORS), ("found", "sound", "hold")),

@@ -44,19 +44,9 @@ CONSTANTS = tuple(
         ("scales.c", "WEIGHT_RATE", "weight of the rate", "acquisition, hold"),
         ("scales.c", "WEIGHT_CONTROL", "weight of the controls", "acquisition, hold"),
         ("scales.c", "FINAL", "weight of the errors at the end", "acquisition, hold"),
-        ("scales.c", "FINAL_WHEEL", "weight of the wheel's momentum at the end", "acquisition, hold, low inclination"),
-        (
-            "scales.c",
-            "WEIGHT_WHEEL_NEAR_LIMIT",
-            "weight of the wheel's momentum near its limit",
-            "acquisition, hold, low inclination",
-        ),
-        (
-            "cost.c",
-            "WHEEL_NEAR_LIMIT",
-            "share of that limit from which it counts",
-            "acquisition, hold, low inclination",
-        ),
+        ("scales.c", "FINAL_WHEEL", "weight of the wheel's momentum at the end", "acquisition, hold"),
+        ("scales.c", "WEIGHT_WHEEL_NEAR_LIMIT", "weight of the wheel's momentum near its limit", "acquisition, hold"),
+        ("cost.c", "WHEEL_NEAR_LIMIT", "share of that limit from which it counts", "acquisition, hold"),
         ("search.c", "ITERATIONS", "iterations of a start of a search", "acquisition"),
         ("search.c", "ITERATIONS_AT_ONCE", "of them until a plan is to be sooner", "acquisition"),
         ("search.c", "STIFFNESS", "stiffness of the slews that a search starts from", "acquisition"),
@@ -173,7 +163,7 @@ def of_group(group: str) -> list[Constant]:
 
 NOT_SWEPT = {
     "rounding, and guards against a division by zero": "ANGLE_MIN EARLY NEVER PIVOT_MIN STEP_MIN TINY box_qp.c:GAIN_MIN",
-    "checks of inputs and parameters": "ATTITUDE_TOLERANCE CLOSED COLLINEAR FIELD_MAX REFERENCE_TOLERANCE R_MIN",
+    "checks of inputs and parameters": "CLOSED COLLINEAR R_MIN",
     "units": "EARTH_RADIUS LOW_ORBIT SURFACE_FIELD",
     "the table of six starts of a search": "STRAIGHT",
     "the limit of the damping for long control periods, which none of the flights has": "DAMPING_SAMPLED",
