@@ -1,4 +1,5 @@
-/* Steering, acquisition or hold, and the plan that is flown. */
+/* Steering, acquisition or hold, and the plan that is flown.
+ * Longer than 250 lines: phases, plans and searches of a sample work on one state. */
 #include "cost.h"
 #include "renew.h"
 
