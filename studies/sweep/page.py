@@ -71,14 +71,17 @@ def _as_they_are(chosen: list[Line]) -> str:
         if line.measure in ("settled", "found"):
             parts.append(f"{reached} {line.measure}, median {line.median:.0f} s, worst {_worst(line)}")
         elif line.measure == "hold":
-            parts.append(f"hold {_size('hold', line.median)} rms at the median, {_worst(line)} at worst")
+            well = f"hold {_size('hold', line.median)} rms at the median, {_worst(line)} at worst"
+            parts.append(well if math.isfinite(line.median) else _missed(line))
         elif line.reached < line.runs:
             parts.append(_missed(line))
     return "; ".join(parts)
 
 
 def _worst(line: Line) -> str:
-    return _size(line.measure, line.worst) if math.isfinite(line.worst) else "never"
+    if math.isfinite(line.worst):
+        return _size(line.measure, line.worst)
+    return "lost" if line.measure == "hold" else "never"
 
 
 def _missed(line: Line) -> str:
