@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # pytest imports readline, which states a terminal of 80 columns, also for other processes.
 os.environ.pop("COLUMNS", None)
 os.unsetenv("COLUMNS")
+# A shell lets what it starts in the background ignore Ctrl-C, and so would the tests that send it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 HERE = Path(__file__).parent
 MARKERS = {
