@@ -7,7 +7,6 @@ out without leaving the target: the rods give no torque along the field, and the
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,8 +24,8 @@ from ..flight.bound import loop, starts
 from ..flight.schemes import Data
 from ..motion import IPOPT, SECONDS, advanced
 from ..paper import Array
-from .classes import ALL, EARLY, tumbles
-from .kept import CONDITIONS, Best, Flights, load_holds, save_holds, sought
+from .classes import EARLY, tumbles
+from .kept import CONDITIONS, Best, Flights, load_holds, save_holds, waiting
 
 LONGEST = 30.0
 """s, of an interval of constant commands."""
@@ -108,13 +107,10 @@ def _field(p: plant.Parameters, t: float) -> Array:
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
     """Searches what the file does not have of those that are sought, and tells of each part when it has been saved."""
     found = load_holds(file)
-    known = {(hold.satellite, hold.condition, hold.run) for hold in found}
     wanted = []
-    for name, condition in itertools.product(ALL, CONDITIONS):
-        runs = [run for run in sought(flights, name, condition) if (name, condition, run) not in known]
-        if runs:
-            data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))
-            wanted += [(name, condition, run, data[run]) for run in runs]
+    for (name, condition), runs in waiting(flights, found).items():
+        data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))
+        wanted += [(name, condition, run, data[run]) for run in runs]
     with crew(jobs) as hands:
         for i in range(0, len(wanted), AT_ONCE):
             found += hands.each("best holds", _of_tumble, wanted[i : i + AT_ONCE])

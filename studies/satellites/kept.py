@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -109,12 +110,21 @@ class Best:
     gap: float
 
 
-def sought(flights: Flights, satellite: str, condition: str) -> list[int]:
+def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
     """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
     all that are not settled."""
     wheel = ALL[satellite].has_wheel
     left = {int(line["run"]) for line in flights.of(satellite, condition) if wheel and not line["settled_5deg_s"]}
     return sorted(left | (set(range(SAMPLE)) if condition == "errors" or not wheel else set()))
+
+
+def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[int]]:
+    """By satellite and condition, the runs whose best hold is sought and not among those found."""
+    known = {(hold.satellite, hold.condition, hold.run) for hold in holds}
+    left = {
+        key: [run for run in _sought(flights, *key) if (*key, run) not in known] for key in product(ALL, CONDITIONS)
+    }
+    return {key: runs for key, runs in left.items() if runs}
 
 
 def load_holds(file: Path) -> list[Best]:

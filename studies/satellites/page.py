@@ -14,7 +14,7 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, SAMPLE, Best, Flights, column, sought
+from .kept import CONDITIONS, HORIZON, SAMPLE, Best, Flights, column, waiting
 
 Key = tuple[str, str, str]
 """Satellite, condition and run."""
@@ -44,7 +44,7 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         left=_left(flights, best),
         held=_held(flights, best),
         sample=SAMPLE,
-        waiting=_waiting(flights, holds),
+        waiting=[f"{len(runs)} of *{name}*, {NAMES[kind]}" for (name, kind), runs in waiting(flights, holds).items()],
         open=len(holds) - len(best),
         found=sum(ALL[name].has_wheel for name, *_ in best),
         **_unsettled(flights, best),
@@ -62,17 +62,6 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         hold=f"{HOLD:,.0f}",
         horizon=f"{HORIZON:,.0f}",
     )
-
-
-def _waiting(flights: Flights, holds: Sequence[Best]) -> list[str]:
-    """How many best holds of each satellite have not been sought yet."""
-    there = {(hold.satellite, hold.condition, hold.run) for hold in holds}
-    counts = {
-        (name, kind): sum((name, kind, run) not in there for run in sought(flights, name, kind))
-        for name in ALL
-        for kind in CONDITIONS
-    }
-    return [f"{count} of *{name}*, {NAMES[kind]}" for (name, kind), count in counts.items() if count]
 
 
 def _key(line: Mapping[str, str]) -> Key:
@@ -208,10 +197,10 @@ def _beside(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
     """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
     rows = []
     for name, kind, lines in _without_wheel(flights):
-        sought = [line for line in lines if _key(line) in best]
-        if sought:
-            holds = [best[_key(line)] for line in sought]
+        found = [line for line in lines if _key(line) in best]
+        if found:
+            holds = [best[_key(line)] for line in found]
             rms, largest = np.array([(hold.rms_deg, hold.largest_deg) for hold in holds]).T
-            ratio = float(np.median(column(sought, "hold_rms_deg", math.inf) / rms))
+            ratio = float(np.median(column(found, "hold_rms_deg", math.inf) / rms))
             rows.append([name, NAMES[kind], *_below(largest), degrees(float(np.median(rms))), f"{ratio:.2g}"])
     return rows

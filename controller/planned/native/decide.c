@@ -26,6 +26,7 @@ typedef struct {
     Vector D_N;         /* momentum to be given, N m s */
     bool lost;          /* too far for a plan: the momentum has to be steered first */
     bool near;          /* not lost at the end of a search that begins now */
+    bool wheel_full;    /* or nearly: its momentum is where a plan counts it as near its limit */
 } Standing;
 
 /* N m s, N: what the total momentum lacks to the target's, with the wheel at rest or with the momentum that it keeps. */
@@ -65,6 +66,7 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
         .D_N = D_N,
         .lost = lost,
         .near = !lost || (steered && left * later <= time),
+        .wheel_full = controller_planned_near_limit(model, now->l) != 0.0,
     };
 }
 
@@ -89,16 +91,16 @@ static bool has_come(const ControllerPlannedState *x, double early)
 
 /* Whether the wheel cannot keep the hold close: from when its error is beyond STRAINED_ANGLE with a wheel near its limit, until it
  * has been settled for an orbit. */
-static bool is_strained(const ControllerPlannedState *x, const Model *model, double angle, double l)
+static bool is_strained(const ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const bool begins = angle > STRAINED_ANGLE && controller_planned_near_limit(model, l) != 0.0;
+    const bool begins = s->angle > STRAINED_ANGLE && s->wheel_full;
     const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
     return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
 }
 
 /* The phase from now on; whether a plan or a steering is due. */
-static bool change_phase(ControllerPlannedState *x, const Model *model, const Standing *s, double l, double early)
+static bool change_phase(ControllerPlannedState *x, const Standing *s, double early)
 {
     const bool steering = x->phase == PHASE_STEERING;
     bool due = x->t >= x->next_plan - early || (x->provisional && x->search.ready);
@@ -116,7 +118,7 @@ static bool change_phase(ControllerPlannedState *x, const Model *model, const St
     } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME * x->scales.time - early) {
         x->phase = PHASE_HOLD;
     }
-    x->strained = is_strained(x, model, s->angle, l);
+    x->strained = is_strained(x, s);
     return due;
 }
 
@@ -240,7 +242,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     }
 
     int32_t work = WORK_OF_SAMPLE;
-    const bool due = change_phase(x, &model, &s, now->l, early);
+    const bool due = change_phase(x, &s, early);
     if (due) {
         x->next_plan = x->t + model.scales.plan_period;
     }

@@ -293,10 +293,8 @@ def test_a_failure_in_initialization_leaves_an_empty_result():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals differ")
-def test_ctrl_c_ends_the_run_between_two_steps_and_keeps_what_was_computed(request):
+def test_ctrl_c_ends_the_run_between_two_steps_and_keeps_what_was_computed():
     assert threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored in the background of a shell
-    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
 
     def advance(block, time, step):
         block.state = round(time + step, 9)
