@@ -32,7 +32,7 @@ from .flying.functions import Code, NotLoaded, find
 from .flying.job import Claimed, Job
 from .statistics.verdicts import Claim, hints
 
-_NO_SAY = set("name description figures record view live realtime holds consistency".split())
+_DECIDES_NO_ROW = set("name description figures record view live realtime holds consistency".split())
 """What a scenario says that decides no row of a campaign."""
 
 
@@ -53,9 +53,9 @@ class Case:
 
     @property
     def parts(self) -> dict[str, str]:
-        """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs has no say."""
+        """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs does not count."""
         opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
-        scenario = opened.plan.scenario.model_dump(mode="json", exclude=_NO_SAY)
+        scenario = opened.plan.scenario.model_dump(mode="json", exclude=_DECIDES_NO_ROW)
         counted = {} if campaign["sampling"] == "random" else {"runs": self.runs}
         content: dict[str, Any] = {
             "scenario": scenario,

@@ -33,7 +33,7 @@ class Batch:
 
 
 class Batches:
-    """Cuts runs into batches, as large as their measured time allows. The cut has no say in what a run gives."""
+    """Cuts runs into batches, as large as their measured time allows. The cut does not change what a run gives."""
 
     def __init__(self, indices: NDArray, points: Callable[[NDArray], Floats] | None, slots: int) -> None:
         """`points` are made here where the workers cannot draw them; `slots` is how many batches are flown at a time."""
