@@ -29,6 +29,10 @@ COLUMNS = (
 ).split()
 SAMPLE = 20
 """Tumbles of each satellite whose best hold is sought, settled or not."""
+CLOSED = 1e-4
+"""Largest gap of what counts as a hold that was found."""
+LOST = 5.0
+"""deg, within which a satellite is held."""
 HORIZON = 6000.0
 """s, up to which the momentum bound of a flight that does not settle is sought."""
 
@@ -99,32 +103,53 @@ def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
 
 @dataclass(frozen=True)
 class Best:
-    """The best hold (hold.py) of a tumble: angles in deg, wheel momentum over its limit, largest gap of the motion."""
+    """The best hold (studies/hold.py) of a tumble, over the orbit from EARLY on or over the last one.
+
+    Angles in deg, wheel momentum over its limit, largest gap of the motion.
+    """
 
     satellite: str
     condition: str
     run: int
+    last: bool
     rms_deg: float
     largest_deg: float
     wheel_share: float
     gap: float
 
+    @property
+    def closed(self) -> bool:
+        """Whether it is a motion."""
+        return self.gap < CLOSED
+
+    @property
+    def close(self) -> bool:
+        """Whether it stays within LOST."""
+        return self.closed and self.largest_deg < LOST
+
 
 def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
     """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
-    all that are not settled."""
+    all that are not settled, where that of the last orbit is sought, too, if this one is close."""
+    sample = range(SAMPLE) if condition == "errors" or not ALL[satellite].has_wheel else ()
+    return sorted({*sample, *_unsettled(flights, satellite, condition)})
+
+
+def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
+    """The runs with a wheel that are not settled at the end."""
     wheel = ALL[satellite].has_wheel
-    left = {int(line["run"]) for line in flights.of(satellite, condition) if wheel and not line["settled_5deg_s"]}
-    return sorted(left | (set(range(SAMPLE)) if condition == "errors" or not wheel else set()))
+    return [int(line["run"]) for line in flights.of(satellite, condition) if wheel and not line["settled_5deg_s"]]
 
 
-def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[int]]:
-    """By satellite and condition, the runs whose best hold is sought and not among those found."""
-    known = {(hold.satellite, hold.condition, hold.run) for hold in holds}
-    left = {
-        key: [run for run in _sought(flights, *key) if (*key, run) not in known] for key in product(ALL, CONDITIONS)
-    }
-    return {key: runs for key, runs in left.items() if runs}
+def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[tuple[int, bool]]]:
+    """By satellite and condition, runs whose best hold is sought and not among those found, and whether that of the last orbit."""
+    known = {(hold.satellite, hold.condition, hold.run, hold.last): hold for hold in holds}
+    left = {}
+    for key in product(ALL, CONDITIONS):
+        first = [(run, False) for run in _sought(flights, *key) if (*key, run, False) not in known]
+        close = [run for run in _unsettled(flights, *key) if (hold := known.get((*key, run, False))) and hold.close]
+        left[key] = first + [(run, True) for run in close if (*key, run, True) not in known]
+    return {key: orbits for key, orbits in left.items() if orbits}
 
 
 def load_holds(file: Path) -> list[Best]:
@@ -133,7 +158,10 @@ def load_holds(file: Path) -> list[Best]:
 
 
 def save_holds(file: Path, holds: Iterable[Best]) -> None:
-    """Writes them by satellite, condition and run."""
+    """Writes them by satellite, condition, run and orbit."""
     satellites, conditions = list(ALL), list(CONDITIONS)
-    order = [(satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold) for hold in holds]
-    files.save(Best, file, [hold for *_, hold in sorted(order, key=lambda entry: entry[:3])])
+    order = [
+        (satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold.last, hold)
+        for hold in holds
+    ]
+    files.save(Best, file, [hold for *_, hold in sorted(order, key=lambda entry: entry[:4])])

@@ -23,13 +23,18 @@ BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
 """deg: limits between the rows of the table of best holds."""
 STEEP = 30.0
 """deg, an inclination from which the field turns well along the orbit."""
-CLOSED = 1e-4
-"""Largest gap of what counts as a hold that was found."""
 
 
 def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     """The page."""
-    best = {(hold.satellite, hold.condition, f"{hold.run}"): hold for hold in holds if hold.gap < CLOSED}
+    best, last = (
+        {
+            (hold.satellite, hold.condition, f"{hold.run}"): hold
+            for hold in holds
+            if hold.closed and hold.last is is_last
+        }
+        for is_last in (False, True)
+    )
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
         Path(__file__).parent,
@@ -41,13 +46,13 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         if min(counts) == max(counts)
         else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
-        left=_left(flights, best),
+        left=_left(flights, best, last),
         held=_held(flights, best),
         sample=SAMPLE,
         waiting=[f"{len(runs)} of *{name}*, {NAMES[kind]}" for (name, kind), runs in waiting(flights, holds).items()],
-        open=len(holds) - len(best),
+        open=sum(not hold.closed for hold in holds),
         found=sum(ALL[name].has_wheel for name, *_ in best),
-        **_unsettled(flights, best),
+        **_unsettled(flights, best, last),
         steep=f"{STEEP:g}°",
         without=_without(flights),
         beside=_beside(flights, best),
@@ -119,7 +124,7 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _left(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
+def _left(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.lines:
@@ -128,15 +133,16 @@ def _left(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
-        hold = best.get(_key(line))
+        hold, later = best.get(_key(line)), last.get(_key(line))
         possible = [degrees(hold.rms_deg), degrees(hold.largest_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 3
+        possible.append(degrees(later.largest_deg) if later else "")
         rows.append(
             [line["satellite"], NAMES[line["condition"]], line["run"], *where, *flown, *rest, *possible, line["remark"]]
         )
     return rows
 
 
-def _unsettled(flights: Flights, best: Mapping[Key, Best]) -> dict[str, int]:
+def _unsettled(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> dict[str, int]:
     """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
     lines = [line for line in flights.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel]
     known = [best[key] for line in lines if (key := _key(line)) in best]
@@ -145,7 +151,10 @@ def _unsettled(flights: Flights, best: Mapping[Key, Best]) -> dict[str, int]:
         "were_settled": sum(bool(line["early_s"]) for line in lines),
         "known": len(known),
         "full": sum(hold.wheel_share > 0.995 for hold in known),
-        "within": sum(hold.largest_deg < 5.0 for hold in known),
+        "close": sum(hold.close for hold in known),
+        "both": sum(
+            last[key].close for line in lines if (key := _key(line)) in last and key in best and best[key].close
+        ),
     }
 
 

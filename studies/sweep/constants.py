@@ -142,6 +142,8 @@ CONSTANTS = tuple(
         ("rods_alone.c", "RODS_FINAL", "weight of the errors at the end", "rods alone"),
         ("rods_alone.c", "RODS_WEIGHT_RATE", "weight of the rate", "rods alone"),
         ("rods_alone.c", "RODS_WEIGHT_CONTROL", "weight of the rods", "rods alone"),
+        ("cost.c", "FAR", "angle from which it costs more", "rods alone"),
+        ("rods_alone.c", "RODS_WEIGHT_FAR", "weight of the angle beyond it", "rods alone"),
         ("rods_alone.h", "RODS_STARTS", "starts of a search", "rods alone"),
         ("rods_alone.c", "RODS_CHALLENGED", "cost of a plan from which searches are made", "rods alone"),
         ("rods_alone.h", "RODS_SEARCH_SAMPLES", "samples that a search is expected to take", "rods alone"),

@@ -48,7 +48,7 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     model.disturbance_B = vector(p + TORQUE);
     model.residual_B = vector(p + DIPOLE);
     if (x->rods_alone) {
-        controller_planned_plan_by_rods(&model);
+        controller_planned_plan_by_rods(&model, &x->plan);
     }
     if (x->strained) {
         model.scales.weight_angle *= STRAINED_WEIGHT;

@@ -2,9 +2,10 @@
 
 /* In the orbit's period. */
 static const Horizon RODS_HORIZON = {{1.0 / 12.0, 1.0 / 3.0, 1.0}, {1.0 / 600.0, 1.0 / 200.0, 1.0 / 99.0}};
-static const double RODS_FINAL = 0.2;       /* by which the errors at the end count */
-static const double RODS_CHALLENGED = 0.05; /* cost of a plan that is challenged: some 6 deg throughout */
-static const double TURN_UNTIL = 0.6;       /* latest end of a start's turn */
+static const double RODS_FINAL = 0.2;        /* by which the errors at the end count */
+static const double RODS_CHALLENGED = 0.05;  /* cost of a plan that is challenged: some 6 deg throughout */
+static const double RODS_WEIGHT_FAR = 100.0; /* of the angle beyond what is far */
+static const double TURN_UNTIL = 0.6;        /* latest end of a start's turn */
 /* In the orbit's rate n. */
 static const double RODS_WEIGHT_RATE = 0.36; /* 1/n^2 */
 static const double RODS_WEIGHT_CONTROL = 3e-5;
@@ -24,7 +25,7 @@ bool controller_planned_is_no_wheel(double torque_max, double momentum_max, cons
     return torque_max < NO_WHEEL * scales->torque || momentum_max < NO_WHEEL * scales->momentum;
 }
 
-void controller_planned_plan_by_rods(Model *model)
+void controller_planned_plan_by_rods(Model *model, const Plan *was)
 {
     const double period = period_of(model), n = model->scales.orbit_rate;
     Scales *scales = &model->scales;
@@ -34,6 +35,8 @@ void controller_planned_plan_by_rods(Model *model)
         model->horizon.stage[i] = RODS_HORIZON.stage[i] * period;
     }
     scales->weight_rate = RODS_WEIGHT_RATE / (n * n);
+    const bool close = was->stages > 0 && was->cost <= controller_planned_rods_cost(model);
+    scales->weight_far = close ? RODS_WEIGHT_FAR : 0.0;
     scales->weight_wheel = scales->weight_near_limit = 0.0;
     const double ratio = 1.0 / (n * n * scales->time * scales->time); /* of the rods' torque J/T^2 to n^2 J */
     scales->weight_control = RODS_WEIGHT_CONTROL * ratio * ratio;

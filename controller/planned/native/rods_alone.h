@@ -3,7 +3,7 @@
 #ifndef CONTROLLER_PLANNED_RODS_ALONE_H
 #define CONTROLLER_PLANNED_RODS_ALONE_H
 
-#include "motion.h"
+#include "plan.h"
 
 enum { RODS_STARTS = 16, RODS_SEARCH_SAMPLES = 160 }; /* of a search; that it is expected to take */
 
@@ -18,8 +18,9 @@ typedef struct {
 /* Whether a wheel of such limits is as good as none. */
 bool controller_planned_is_no_wheel(double torque_max, double momentum_max, const Scales *scales);
 
-/* Horizon and weights of a plan by rods alone; the wheel keeps its momentum. */
-void controller_planned_plan_by_rods(Model *model);
+/* Horizon and weights of a plan by rods alone; the wheel keeps its momentum. Where the plan that was can stay close, angles that are
+ * far cost more. */
+void controller_planned_plan_by_rods(Model *model, const Plan *was);
 
 /* A start drawn at random; `random` is the generator's state. */
 Turn controller_planned_random_turn(const Model *model, uint32_t *random);

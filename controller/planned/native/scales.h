@@ -17,6 +17,7 @@ typedef struct {
     double orbit_rate;       /* rad/s, the mean one */
     double least_moment;     /* the least principal one, kg m2 */
     double weight_angle;     /* of a plan's cost */
+    double weight_far;       /* the same of what an angle is beyond a limit; none but by rods alone */
     double weight_rate;      /* the same, s^2 */
     double weight_control;
     double final_errors, final_wheel; /* s, by which the last stage counts */

@@ -110,7 +110,8 @@ static Model model_of(const FlatModel *f)
     m.scales = controller_planned_scales(&p, f->semi_major_axis);
     m.horizon = controller_planned_horizon(m.scales.time);
     if (!has_wheel(&m)) {
-        controller_planned_plan_by_rods(&m);
+        const Plan none = {.stages = 0};
+        controller_planned_plan_by_rods(&m, &none);
     }
     return m;
 }
@@ -273,10 +274,14 @@ void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion 
 double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
                        double gradient[7])
 {
-    const Model model = model_of(m);
+    Model model = model_of(m);
     const Target target = {nine(R_d), vector(Omega_d)};
     const Motion motion = motion_of(x);
     double hessian[ERRORS];
+    if (!has_wheel(&model)) {
+        const Plan close = {.stages = 1};
+        controller_planned_plan_by_rods(&model, &close);
+    }
     return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian, NULL);
 }
 

@@ -57,6 +57,29 @@ def test_a_search_without_a_wheel_turns_the_satellite_to_its_target_by_rods_alon
     assert max(late) < math.radians(10.0)
 
 
+R_D, OMEGA_D = core.lvlh(*orbit(0.0))
+AXIS = np.array([0.48, -0.6, 0.64])
+
+
+def away(angle, change=(0.0, 0.0, 0.0)):
+    """Cost and gradient by the angle of a motion turned by so much from its target, and then by a small vector."""
+    R = R_D @ Rotation.from_rotvec(angle * AXIS).as_matrix() @ Rotation.from_rotvec(change).as_matrix()
+    cost, gradient = core.cost_rate(BODY, R_D, OMEGA_D, core.Motion(R, R.T @ R_D @ OMEGA_D, 0.0))
+    return cost, gradient[:3]
+
+
+@pytest.mark.parametrize("angle", [0.02, 0.075, 0.1, 0.16, 0.5, 2.0])
+def test_the_gradient_of_the_cost_near_to_and_far_from_the_target_is_its_difference(angle):
+    expected = [(away(angle, 1e-5 * e)[0] - away(angle, -1e-5 * e)[0]) / 2e-5 for e in np.eye(3)]
+    assert away(angle)[1] == pytest.approx(expected, rel=1e-5, abs=1e-6)
+
+
+def test_six_degrees_for_half_of_the_time_cost_more_than_four_and_a_half_all_the_time():
+    """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are close."""
+    four, six = (away(math.radians(angle))[0] for angle in (6.36 / math.sqrt(2.0), 6.36))
+    assert 0.5 * six > 1.3 * four
+
+
 @pytest.mark.parametrize("rate", [0.0, 0.02])
 def test_no_sample_of_a_search_without_a_wheel_takes_more_than_its_account(rate):
     x = turned_from_lvlh(4, 2.0)

@@ -49,11 +49,11 @@ def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none
         (line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("6U", 0, "", ""))
     )
     holds = [
-        Best("3U", "errors", 0, 0.002, 0.01, 0.1, 1e-8),
-        Best("3U", "errors", 1, 2.0, 6.0, 1.0, 1e-8),
-        Best("3U", "errors", 2, 3.0, 9.0, 1.0, 1e-8),
+        Best("3U", "errors", 0, False, 0.002, 0.01, 0.1, 1e-8),
+        Best("3U", "errors", 1, False, 2.0, 6.0, 1.0, 1e-8),
+        Best("3U", "errors", 2, False, 3.0, 9.0, 1.0, 1e-8),
     ]
-    text = page.text(flights, [*holds, Best("6U", "errors", 0, 0.0, 0.0, 1.0, 0.1)])
+    text = page.text(flights, [*holds, Best("6U", "errors", 0, False, 0.0, 0.0, 1.0, 0.1)])
     assert "| below 0.1° | 1 | 1 | 0 |" in text
     assert "| 1 to 5° | 2 | 1 | 1 |" in text
     assert "a wheel 3 are found so far" in text

@@ -1,4 +1,4 @@
-"""The best hold of docs/satellites.md against closed forms of the momentum along the field."""
+"""The best hold against closed forms of the momentum along the field."""
 
 import math
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from studies.flight.bound import loop, starts
+from studies.hold import best
 from studies.satellites.classes import tumbles
-from studies.satellites.hold import best
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def test_a_motion_by_rods_alone_does_not_swing_out_between_the_ends_of_its_inter
     """Intervals of twice the length give the same hold; an error that counted at their ends alone gave a tenth of it."""
     data = starts(tumbles("1U, no wheel", 4))[3]
     fine = best(plant_of(data), 9000.0)
-    monkeypatch.setattr("studies.satellites.hold.LONGEST", 60.0)
+    monkeypatch.setattr("studies.hold.LONGEST", 60.0)
     coarse = best(plant_of(data), 9000.0)
     assert (fine.rms, fine.largest) == pytest.approx((coarse.rms, coarse.largest), rel=0.02)
 
