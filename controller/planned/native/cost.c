@@ -11,12 +11,13 @@ double controller_planned_near_limit(const Model *model, double l)
     return l > limit ? l - limit : l < -limit ? l + limit : 0.0;
 }
 
-/* e^2/2 of the angle e beyond FAR, but no more than BEND^2/2: what is lost for a while is not worth all the rest. */
+/* e^2/2 of the angle e beyond FAR, but no more than BEND^2/2, so that a large error that cannot be avoided does not outweigh the rest.
+ * Its second derivative in any direction is at most `curvature`. */
 static double far_cost(double angle, double *slope, double *curvature)
 {
     const double e = larger(angle - FAR, 0.0), q = 1.0 + e * e / (BEND * BEND);
     *slope = e / (q * q);
-    *curvature = e > 0.0 ? 1.0 / (q * q) : 0.0; /* and more than it is where e is large, so that it stays positive */
+    *curvature = e > 0.0 ? 1.0 / (q * q) : 0.0;
     return 0.5 * e * e / q;
 }
 

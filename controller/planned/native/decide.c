@@ -26,7 +26,7 @@ typedef struct {
     Vector D_N;         /* momentum to be given, N m s */
     bool lost;          /* too far for a plan: the momentum has to be steered first */
     bool near;          /* not lost at the end of a search that begins now */
-    bool wheel_full;    /* or nearly: its momentum is where a plan counts it as near its limit */
+    bool near_limit;    /* the wheel, where a plan counts its momentum as near its limit */
 } Standing;
 
 /* N m s, N: what the total momentum lacks to the target's, with the wheel at rest or with the momentum that it keeps. */
@@ -66,7 +66,7 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
         .D_N = D_N,
         .lost = lost,
         .near = !lost || (steered && left * later <= time),
-        .wheel_full = controller_planned_near_limit(model, now->l) != 0.0,
+        .near_limit = controller_planned_near_limit(model, now->l) != 0.0,
     };
 }
 
@@ -94,7 +94,7 @@ static bool has_come(const ControllerPlannedState *x, double early)
 static bool is_strained(const ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const bool begins = s->angle > STRAINED_ANGLE && s->wheel_full;
+    const bool begins = s->angle > STRAINED_ANGLE && s->near_limit;
     const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
     return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
 }

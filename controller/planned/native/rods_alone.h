@@ -18,8 +18,8 @@ typedef struct {
 /* Whether a wheel of such limits is as good as none. */
 bool controller_planned_is_no_wheel(double torque_max, double momentum_max, const Scales *scales);
 
-/* Horizon and weights of a plan by rods alone; the wheel keeps its momentum. Where the plan that was can stay close, angles that are
- * far cost more. */
+/* Horizon and weights of a plan by rods alone; the wheel keeps its momentum. Where the plan that was costs at most
+ * controller_planned_rods_cost, the angle beyond what is far costs more. */
 void controller_planned_plan_by_rods(Model *model, const Plan *was);
 
 /* A start drawn at random; `random` is the generator's state. */

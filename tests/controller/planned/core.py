@@ -47,7 +47,14 @@ def library() -> ctypes.CDLL:
 
     made_of = [compiler(), *FLAGS, *texts.values(), probe, *common, FREESTANDING]
     lib = ctypes.CDLL(str(built(f"probe{PLATFORMS[host].suffix}", made_of, make)))
-    for name in ("probe_year", "probe_sidereal", "probe_cost_rate", "probe_plan_cost", "probe_steer"):
+    for name in (
+        "probe_year",
+        "probe_sidereal",
+        "probe_cost_rate",
+        "probe_weight_far",
+        "probe_plan_cost",
+        "probe_steer",
+    ):
         getattr(lib, name).restype = c_double
     return lib
 
@@ -268,6 +275,11 @@ def cost_rate(m: Satellite, R_d: Array, Omega_d: Array, x: Motion) -> tuple[floa
     """Cost rate and its gradient (7,)."""
     room, values = _room(7)
     return float(library().probe_cost_rate(m.c(), _doubles(R_d), _doubles(Omega_d), x.c(), room)), values()
+
+
+def weight_far(m: Satellite, stages: int, share: float) -> float:
+    """By rods alone, after a plan of so many stages, at a share of the cost from which it is challenged."""
+    return float(library().probe_weight_far(m.c(), c_int32(stages), c_double(share)))
 
 
 def controls_for(m: Satellite, tau: Array, B_B: Array, h_w: float) -> Array:

@@ -47,6 +47,7 @@ PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatM
                             double *A, double *G);
 PROBE double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
                              double gradient[7]);
+PROBE double probe_weight_far(const FlatModel *m, int stages, double share);
 PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4]);
 PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations,
                      double *h, double *u, double *cost, FlatMotion *path);
@@ -283,6 +284,15 @@ double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Ome
         controller_planned_plan_by_rods(&model, &close);
     }
     return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian, NULL);
+}
+
+/* The weight of far angles by rods alone after a plan of so many stages, at a share of the cost from which it is challenged. */
+double probe_weight_far(const FlatModel *m, int stages, double share)
+{
+    Model model = model_of(m);
+    const Plan was = {.stages = stages, .cost = share * controller_planned_rods_cost(&model)};
+    controller_planned_plan_by_rods(&model, &was);
+    return model.scales.weight_far;
 }
 
 void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])

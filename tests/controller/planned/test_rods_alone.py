@@ -74,6 +74,11 @@ def test_the_gradient_of_the_cost_near_to_and_far_from_the_target_is_its_differe
     assert away(angle)[1] == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
+@pytest.mark.parametrize(("stages", "share", "counts"), [(166, 0.9, True), (166, 1.1, False), (0, 0.0, False)])
+def test_far_angles_count_more_after_a_plan_that_stays_close_and_not_without_one(stages, share, counts):
+    assert (core.weight_far(BODY, stages, share) > 0.0) is counts
+
+
 def test_six_degrees_for_half_of_the_time_cost_more_than_four_and_a_half_all_the_time():
     """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are close."""
     four, six = (away(math.radians(angle))[0] for angle in (6.36 / math.sqrt(2.0), 6.36))

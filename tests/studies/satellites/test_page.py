@@ -7,7 +7,7 @@ import pytest
 from orchestration import InputError
 from studies.satellites import page
 from studies.satellites.classes import ALL
-from studies.satellites.kept import COLUMNS, CONDITIONS, Best, Flights, load, load_holds
+from studies.satellites.kept import COLUMNS, CONDITIONS, Best, Flights, load, load_holds, waiting
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -75,3 +75,15 @@ def test_every_satellite_has_both_rows():
     for name in ALL:
         for condition in CONDITIONS:
             assert row(text, name, page.NAMES[condition])
+
+
+def test_the_last_orbit_is_sought_for_flights_that_are_not_settled_and_have_a_close_hold_before():
+    flights = Flights(tuple(line("3U", run, "", "", hold_rms_deg="9") for run in range(20)))
+    first = [Best("3U", "errors", run, False, 1.0, 4.0 if run < 3 else 8.0, 1.0, 1e-8) for run in range(1, 20)]
+    open_gap = Best("3U", "errors", 0, False, 1.0, 4.0, 1.0, 0.1)
+    assert waiting(flights, first)["3U", "errors"] == [(0, False), (1, True), (2, True)]
+    last = [Best("3U", "errors", 1, True, 1.0, 3.0, 1.0, 1e-8), Best("3U", "errors", 2, True, 1.0, 9.0, 1.0, 1e-8)]
+    assert ("3U", "errors") not in waiting(flights, [*first, open_gap, *last])
+    text = page.text(flights, [*first, open_gap, *last])
+    assert "2 of the 19 best holds stay within 5°" in text
+    assert "searched, too, since the field is another one there: 1 stay within 5° in both" in text
