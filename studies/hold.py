@@ -84,7 +84,7 @@ def best(p: plant.Parameters, begin: float) -> Hold:
 
 def period(p: plant.Parameters) -> float:
     """Of the orbit, s."""
-    return 2.0 * math.pi * math.sqrt(p.orbit.semi_major_axis**3 / p.gravitational_parameter)
+    return 2.0 * math.pi / p.orbit.mean_motion
 
 
 def _nodes(p: plant.Parameters, begin: float) -> Array:

@@ -6,7 +6,6 @@
 #include "reference.h"
 
 static const double PI = 3.14159265358979323846;
-static const double R_MIN = 1e6;       /* m */
 static const double STEP_MAX = 1000.0; /* s */
 
 static bool measurements_fit(const EstimatorInputs *u, Fault *f)
@@ -23,7 +22,7 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
     if (b > ONBOARD_FIELD_MAX) {
         return fault(f, "b_B_measured", b, "a field in tesla, |b_B_measured| at most 0.001");
     }
-    if (r > 0.0 && !(r >= R_MIN)) {
+    if (r > 0.0 && !(r >= ONBOARD_R_MIN)) {
         return fault(f, "r_N_measured", r, "at least 1000 km from the Earth's centre");
     }
     const Matrix R = matrix(u->R_NB_measured);

@@ -47,6 +47,11 @@ class Flights:
         """The lines of a satellite under a condition, in the order of their runs."""
         return [line for line in self.lines if (line["satellite"], line["condition"]) == (satellite, condition)]
 
+    @property
+    def unsettled(self) -> list[Mapping[str, str]]:
+        """The lines of satellites with a wheel that are not settled at the end."""
+        return [line for line in self.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel]
+
 
 def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.nan) -> Array:
     """A column as numbers (n,)."""
@@ -136,9 +141,8 @@ def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
 
 
 def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
-    """The runs with a wheel that are not settled at the end."""
-    wheel = ALL[satellite].has_wheel
-    return [int(line["run"]) for line in flights.of(satellite, condition) if wheel and not line["settled_5deg_s"]]
+    """The runs of a satellite under a condition that are not settled at the end; none without a wheel."""
+    return [int(line["run"]) for line in Flights(tuple(flights.unsettled)).of(satellite, condition)]
 
 
 def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[tuple[int, bool]]]:

@@ -127,9 +127,7 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
 def _left(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
-    for line in flights.lines:
-        if line["settled_5deg_s"] or not ALL[line["satellite"]].has_wheel:
-            continue
+    for line in flights.unsettled:
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
@@ -144,7 +142,7 @@ def _left(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) 
 
 def _unsettled(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> dict[str, int]:
     """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
-    lines = [line for line in flights.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel]
+    lines = flights.unsettled
     known = [best[key] for line in lines if (key := _key(line)) in best]
     return {
         "unsettled": len(lines),

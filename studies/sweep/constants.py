@@ -164,9 +164,9 @@ def of_group(group: str) -> list[Constant]:
 
 
 NOT_SWEPT = {
-    "rounding, and guards against a division by zero": "ANGLE_MIN EARLY NEVER PIVOT_MIN STEP_MIN TINY box_qp.c:GAIN_MIN",
-    "checks of inputs and parameters": "CLOSED COLLINEAR R_MIN",
-    "units": "EARTH_RADIUS LOW_ORBIT SURFACE_FIELD",
+    "rounding, and guards against a division by zero": "ANGLE_MIN EARLY NEVER PIVOT_MIN SAMPLE_EARLY STEP_MIN TINY box_qp.c:GAIN_MIN",
+    "checks of inputs and parameters": "CLOSED COLLINEAR",
+    "units": "LOW_ORBIT SURFACE_FIELD",
     "the table of six starts of a search": "STRAIGHT",
     "the limit of the damping for long control periods, which none of the flights has": "DAMPING_SAMPLED",
     "wheels that are as good as none": "NO_WHEEL",

@@ -5,10 +5,8 @@
 #include "reference.h"
 #include "rods_alone.h"
 
-static const double R_MIN = 1e6;      /* m */
 static const double COLLINEAR = 1e-6; /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double CLOSED = 0.999;   /* of the energy that escapes: the orbit's largest */
-static const double EARLY = 1e-6;     /* of the control period: a sample is due that much before its time */
 
 /* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
  * is connected: who gives it knows of an attitude that is lost. */
@@ -91,7 +89,7 @@ static bool inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f)
     }
     const Vector r_N = vector(u->r_N), v_N = vector(u->v_N);
     const double r = norm(r_N), v = norm(v_N);
-    if (!(r >= R_MIN)) {
+    if (!(r >= ONBOARD_R_MIN)) {
         return fault(f, "r_N", r, "at least 1000 km from the Earth's centre");
     }
     if (!(norm(cross(r_N, v_N)) > COLLINEAR * r * v)) {
@@ -128,7 +126,7 @@ static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlanned
 {
     const Vector r_N = vector(u->r_N), v_N = vector(u->v_N);
     const double a = 1.0 / (2.0 / norm(r_N) - dot(v_N, v_N) / law->p.gravitational_parameter);
-    return controller_planned_scales(&law->p, a >= R_MIN ? a : LOW_ORBIT);
+    return controller_planned_scales(&law->p, a >= ONBOARD_R_MIN ? a : LOW_ORBIT);
 }
 
 /* What is put out without an attitude: damping in the measured field, the largest error, what is believed of the satellite. */
@@ -231,10 +229,10 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
     x->t += h;
     x->until_sample -= h;
     x->sampled = false;
-    if (x->until_sample <= EARLY * period) {
+    if (x->until_sample <= SAMPLE_EARLY * period) {
         sample(law, x, u, false);
         x->until_sample += period;
-        if (x->until_sample <= EARLY * period) {
+        if (x->until_sample <= SAMPLE_EARLY * period) {
             x->until_sample = period; /* a step longer than a period: the samples' grid begins anew */
         }
     }

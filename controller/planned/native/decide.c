@@ -7,7 +7,6 @@
 
 static const int SEARCH_SAMPLES = 16;       /* that a search is expected to take */
 static const double RATE_MAX = 3.0;         /* 1/T, from which a plan of all its stages still succeeds */
-static const double EARLY = 1e-6;           /* of the control period: a plan is due that much before its time */
 static const double CHALLENGE_PERIOD = 0.6; /* T */
 static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below this share of the plan's time, or cost */
 static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
@@ -173,7 +172,7 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
                             const Motion *now, const Standing *s, double search_time, int32_t *work)
 {
     Search *search = &x->search;
-    const double T = x->scales.time, early = EARLY * law->p.control_period;
+    const double T = x->scales.time, early = SAMPLE_EARLY * law->p.control_period;
     const bool challenge = has_wheel(model) ? x->phase == PHASE_ACQUISITION || (x->longer <= 0 && x->plan.cost > HOLD_COST * T)
                                             : x->plan.cost > controller_planned_rods_cost(model);
     if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
@@ -234,7 +233,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     const int samples = first ? 0 : has_wheel(&model) ? SEARCH_SAMPLES : RODS_SEARCH_SAMPLES;
     const double search_time = samples * law->p.control_period;
     const Standing s = standing_of(x, &model, ahead, now, search_time);
-    const double early = EARLY * law->p.control_period;
+    const double early = SAMPLE_EARLY * law->p.control_period;
     if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
         x->settled_since = INFINITY;
     } else if (x->settled_since > x->t) {

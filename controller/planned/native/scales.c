@@ -1,10 +1,10 @@
 #include "scales.h"
 
+#include "onboard_field.h"
 #include "rotation.h"
 
 /* B at the Earth's surface, T: that of the Earth's dipole near the poles, where it is 2.0 times the 3.0e-5 of the equator. */
 static const double SURFACE_FIELD = 5.77e-5;
-static const double EARTH_RADIUS = 6371200.0; /* m, of the field models */
 
 /* Times in T, rates in 1/T, momenta in J/T, torques in J/T^2. */
 static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped by half, in T/0.67 */
@@ -69,7 +69,7 @@ double controller_planned_largest_of(Matrix J, Matrix S)
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
 {
     const Matrix J = matrix(p->J_B);
-    const double inertia = (J.a.x + J.b.y + J.c.z) / 3.0, ratio = EARTH_RADIUS / a;
+    const double inertia = (J.a.x + J.b.y + J.c.z) / 3.0, ratio = ONBOARD_RADIUS / a;
     const double T = two_digits(sqrt(inertia / (p->dipole_max * SURFACE_FIELD * ratio * ratio * ratio)));
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);

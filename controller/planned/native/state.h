@@ -10,6 +10,8 @@
 #include "sensors_watch.h"
 #include "steering.h"
 
+static const double SAMPLE_EARLY = 1e-6; /* of the control period: a sample and a plan are due that much before their time */
+
 typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
 
 typedef struct {

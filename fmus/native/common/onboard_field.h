@@ -11,7 +11,8 @@ enum { ONBOARD_DEGREE_MAX = 13, ONBOARD_TERMS = 104 };
 
 static const double ONBOARD_RADIUS = 6371200.0;          /* m, of the field models */
 static const double ONBOARD_EARTH_RATE = 7.292115855e-5; /* rad/s, of Greenwich relative to N */
-static const double ONBOARD_FIELD_MAX = 1e-3;            /* T; no orbit has more, so a larger field is in another unit */
+static const double ONBOARD_R_MIN = 1e6;      /* m; no orbit is nearer to the centre, so a lesser distance is in another unit */
+static const double ONBOARD_FIELD_MAX = 1e-3; /* T; no orbit has more, so a larger field is in another unit */
 static const double ONBOARD_TURN = 2.0 * 3.14159265358979323846;
 
 /* Gauss coefficients, nT, Schmidt semi-normalised, n = 1 to 13, m = 0 to n in this order; linear in time between the
