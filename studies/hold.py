@@ -31,6 +31,8 @@ UNIT = 100.0
 EFFORT = 1e-3
 """Weight of the mean square of the commands beside that of the error."""
 SEARCH: dict[str, Any] = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 600}}
+WARM: dict[str, Any] = {**SEARCH, "ipopt": {**SEARCH["ipopt"], "mu_init": 1e-3}}
+"""Options of a search that begins at the end of another."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,65 @@ class Hold:
     gap: float
 
 
-def best(p: plant.Parameters, begin: float) -> Hold:
-    """Over one orbit from the plant's time `begin`, s: a local minimum of the mean square of the attitude error."""
+def best(p: plant.Parameters, begin: float, evenly: bool = False) -> Hold:
+    """Over one orbit from the plant's time `begin`, s: a local minimum of the mean square of the attitude error.
+
+    `evenly`: from there on the largest error is minimised, which takes some times longer.
+    """
+    problem = _problem(p, begin)
+    motion, errors, closed = problem.motion, problem.errors, problem.closed
+    mean = {"x": motion, "f": ca.sum1(errors) / errors.numel() + problem.effort, "g": closed}
+    end = ca.nlpsol("hold", "ipopt", mean, SEARCH)(
+        x0=problem.rest, lbx=-problem.bounds, ubx=problem.bounds, lbg=0.0, ubg=0.0
+    )
+    if evenly:
+        of_motion = ca.Function("errors", [motion], [errors])
+        largest = ca.MX.sym("largest")
+        even = {
+            "x": ca.vertcat(motion, largest),
+            "f": largest + problem.effort,
+            "g": ca.vertcat(closed, errors - largest),
+        }
+        end = ca.nlpsol("even_hold", "ipopt", even, WARM)(
+            x0=ca.vertcat(end["x"], ca.mmax(of_motion(end["x"]))),
+            lbx=np.append(-problem.bounds, 0.0),
+            ubx=np.append(problem.bounds, np.inf),
+            lbg=np.concatenate((np.zeros(closed.numel()), np.full(errors.numel(), -np.inf))),
+            ubg=0.0,
+        )
+    return problem.measured(np.asarray(end["x"]).ravel()[: motion.numel()])
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """The motion's variables, with those of rest and their bounds.
+
+    Errors (m,): UNIT times the sine of half the angle, squared. `closed` is zero where the motion closes. All without units.
+    """
+
+    motion: ca.MX
+    errors: ca.MX
+    effort: ca.MX
+    closed: ca.MX
+    rest: Array
+    bounds: Array
+    nodes: int
+
+    def measured(self, found: Array) -> Hold:
+        """What these values of the variables are."""
+        errors, closed = ca.Function("hold", [self.motion], [self.errors, self.closed])(found)
+        angle = 2.0 * np.arcsin(np.minimum(np.sqrt(np.asarray(errors)) / UNIT, 1.0))
+        wheel = np.abs(found[7 : 8 * self.nodes : 8]).max() / self.bounds[7]
+        return Hold(
+            math.sqrt(float(np.mean(angle**2))),
+            float(angle.max()),
+            float(wheel),
+            float(np.abs(np.asarray(closed)).max()),
+        )
+
+
+def _problem(p: plant.Parameters, begin: float) -> _Problem:
+    """An orbit from the plant's time `begin`, s, that ends as it began."""
     times = _nodes(p, begin)
     n, h = len(times) - 1, float(times[1] - times[0]) / SECONDS
     parts = [i / (2 * PARTS) for i in range(2 * PARTS + 1)]
@@ -57,28 +116,16 @@ def best(p: plant.Parameters, begin: float) -> Hold:
     step = ca.Function("step", [x, u, *at], [passed[-1], ca.horzcat(*(each[1:4] for each in passed[:-1]))])
     X, U = ca.MX.sym("X", 8, n + 1), ca.MX.sym("U", 4, n)
     ends, within = step.map(n)(X[:, :-1], U, *map(ca.DM, fields))
-    gaps = X[:, 1:] - ends
-    error = ca.sumsqr(UNIT * within) / (PARTS * n)
-    problem = {
-        "x": ca.vertcat(ca.vec(X), ca.vec(U)),
-        "f": error + EFFORT * ca.sumsqr(U) / n,
-        "g": ca.vertcat(ca.vec(gaps), ca.sumsqr(X[:4, 0]) - 1.0, X[1:, -1] - X[1:, 0]),
-    }
-    l_max = SECONDS * p.wheel_momentum_max
-    high = np.repeat(np.array([np.inf] * 7 + [l_max])[:, None], n + 1, axis=1)
-    bounds = np.concatenate((high.T.ravel(), np.ones(4 * n)))
-    rest = np.repeat(np.array([1.0, 0.0, 0.0, 0.0, *(SECONDS * turn), 0.0])[:, None], n + 1, axis=1)
-    found = ca.nlpsol("hold", "ipopt", problem, SEARCH)
-    end = found(x0=np.concatenate((rest.T.ravel(), np.zeros(4 * n))), lbx=-bounds, ubx=bounds, lbg=0.0, ubg=0.0)
-    states, commands = np.split(np.asarray(end["x"]).ravel(), [8 * (n + 1)])
-    states, commands = states.reshape(n + 1, 8).T, commands.reshape(n, 4).T
-    turned = np.asarray(ca.Function("within", [X, U], [within])(states, commands))
-    angle = 2.0 * np.arcsin(np.minimum(np.linalg.norm(turned, axis=0), 1.0))
-    return Hold(
-        math.sqrt(float(np.mean(angle**2))),
-        float(angle.max()),
-        float(np.abs(states[7]).max() / l_max),
-        float(np.abs(np.asarray(end["g"])).max()),
+    high = np.append(np.full(7, np.inf), SECONDS * p.wheel_momentum_max)
+    rest = np.array([1.0, 0.0, 0.0, 0.0, *(SECONDS * turn), 0.0])
+    return _Problem(
+        motion=ca.vertcat(ca.vec(X), ca.vec(U)),
+        errors=ca.sum1((UNIT * within) ** 2).T,
+        effort=EFFORT * ca.sumsqr(U) / n,
+        closed=ca.vertcat(ca.vec(X[:, 1:] - ends), ca.sumsqr(X[:4, 0]) - 1.0, X[1:, -1] - X[1:, 0]),
+        rest=np.concatenate((np.tile(rest, n + 1), np.zeros(4 * n))),
+        bounds=np.concatenate((np.tile(high, n + 1), np.ones(4 * n))),
+        nodes=n + 1,
     )
 
 

@@ -11,7 +11,7 @@ from ..flight.bound import loop, starts
 from ..flight.schemes import Data
 from ..hold import best, period
 from .classes import DURATION, EARLY, tumbles
-from .kept import CONDITIONS, Best, Flights, load_holds, save_holds, waiting
+from .kept import CONDITIONS, Best, Flights, Search, load_holds, save_holds, waiting
 
 AT_ONCE = 8
 """Tumbles between two writings of the file."""
@@ -21,25 +21,33 @@ def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
     """Searches what the file does not have of those that are sought, and tells of each part when it has been saved."""
     found = load_holds(file)
     with crew(jobs) as hands:
-        while wanted := _wanted(flights, found):  # once more for those whose last orbit is sought then
+        while wanted := _wanted(flights, found):  # once more for what is sought after these
             for i in range(0, len(wanted), AT_ONCE):
                 found += hands.each("best holds", _of_tumble, wanted[i : i + AT_ONCE])
                 save_holds(file, found)
                 yield f"{min(i + AT_ONCE, len(wanted))} of {len(wanted)} tumbles"
 
 
-def _wanted(flights: Flights, found: list[Best]) -> list[tuple[str, str, int, bool, Data]]:
+def _wanted(flights: Flights, found: list[Best]) -> list[tuple[str, str, Search, Data]]:
     wanted = []
-    for (name, condition), orbits in waiting(flights, found).items():
-        data = starts(tumbles(name, max(run for run, _ in orbits) + 1, CONDITIONS[condition]))
-        wanted += [(name, condition, run, last, data[run]) for run, last in orbits]
+    for (name, condition), searches in waiting(flights, found).items():
+        data = starts(tumbles(name, max(run for run, *_ in searches) + 1, CONDITIONS[condition]))
+        wanted += [(name, condition, search, data[search[0]]) for search in searches]
     return wanted
 
 
-def _of_tumble(tumble: tuple[str, str, int, bool, Data]) -> Best:
-    name, condition, run, last, data = tumble
+def _of_tumble(tumble: tuple[str, str, Search, Data]) -> Best:
+    name, condition, (run, last, even), data = tumble
     p = loop(data).plant
-    found = best(p, DURATION - period(p) if last else EARLY)
+    hold = best(p, DURATION - period(p) if last else EARLY, even)
     return Best(
-        name, condition, run, last, math.degrees(found.rms), math.degrees(found.largest), found.wheel, found.gap
+        name,
+        condition,
+        run,
+        last,
+        even,
+        math.degrees(hold.rms),
+        math.degrees(hold.largest),
+        hold.wheel,
+        hold.gap,
     )

@@ -110,13 +110,15 @@ def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
 class Best:
     """The best hold (studies/hold.py) of a tumble, over the orbit from EARLY on or over the last one.
 
-    Angles in deg, wheel momentum over its limit, largest gap of the motion.
+    Its mean square was minimised, then its largest error where it is `even`. Angles in deg, wheel momentum over its limit, largest gap of
+    the motion.
     """
 
     satellite: str
     condition: str
     run: int
     last: bool
+    even: bool
     rms_deg: float
     largest_deg: float
     wheel_share: float
@@ -128,6 +130,11 @@ class Best:
         return self.gap < CLOSED
 
     @property
+    def swings(self) -> bool:
+        """Whether it leaves LOST with an rms below it, so that another motion near it may stay within LOST."""
+        return self.closed and self.rms_deg < LOST <= self.largest_deg
+
+    @property
     def close(self) -> bool:
         """Whether it stays within LOST."""
         return self.closed and self.largest_deg < LOST
@@ -135,7 +142,7 @@ class Best:
 
 def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
     """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
-    all that are not settled, where that of the last orbit is sought, too, if this one is close."""
+    all that are not settled."""
     sample = range(SAMPLE) if condition == "errors" or not ALL[satellite].has_wheel else ()
     return sorted({*sample, *_unsettled(flights, satellite, condition)})
 
@@ -145,15 +152,29 @@ def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
     return [int(line["run"]) for line in Flights(tuple(flights.unsettled)).of(satellite, condition)]
 
 
-def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[tuple[int, bool]]]:
-    """By satellite and condition, runs whose best hold is sought and not among those found, and whether that of the last orbit."""
-    known = {(hold.satellite, hold.condition, hold.run, hold.last): hold for hold in holds}
-    left = {}
+Search = tuple[int, bool, bool]
+"""Of a run: its number, whether of its last orbit, whether its largest error is minimised."""
+
+
+def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[Search]]:
+    """By satellite and condition what is sought and not among those found.
+
+    That is the best hold of each run of `_sought`. Of those that are not settled also: in each orbit the largest error, where the best
+    hold has an rms below LOST and leaves it; and the last orbit, once a hold within LOST is known of the first.
+    """
+    known = {(hold.satellite, hold.condition, hold.run, hold.last, hold.even): hold for hold in holds}
+    left: dict[tuple[str, str], list[Search]] = {}
     for key in product(ALL, CONDITIONS):
-        first = [(run, False) for run in _sought(flights, *key) if (*key, run, False) not in known]
-        close = [run for run in _unsettled(flights, *key) if (hold := known.get((*key, run, False))) and hold.close]
-        left[key] = first + [(run, True) for run in close if (*key, run, True) not in known]
-    return {key: orbits for key, orbits in left.items() if orbits}
+        wanted = [(run, False, False) for run in _sought(flights, *key)]
+        for run in _unsettled(flights, *key):
+            found = {
+                (last, even): known.get((*key, run, last, even)) for last in (False, True) for even in (False, True)
+            }
+            wanted += [(run, last, True) for last in (False, True) if (hold := found[last, False]) and hold.swings]
+            if any(hold and hold.close for (last, _), hold in found.items() if not last):
+                wanted.append((run, True, False))
+        left[key] = [search for search in wanted if (*key, *search) not in known]
+    return {key: searches for key, searches in left.items() if searches}
 
 
 def load_holds(file: Path) -> list[Best]:
@@ -162,10 +183,10 @@ def load_holds(file: Path) -> list[Best]:
 
 
 def save_holds(file: Path, holds: Iterable[Best]) -> None:
-    """Writes them by satellite, condition, run and orbit."""
+    """Writes them by satellite, condition, run, orbit and kind."""
     satellites, conditions = list(ALL), list(CONDITIONS)
-    order = [
-        (satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold.last, hold)
-        for hold in holds
-    ]
-    files.save(Best, file, [hold for *_, hold in sorted(order, key=lambda entry: entry[:4])])
+
+    def place(hold: Best) -> tuple[int, int, int, bool, bool]:
+        return satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold.last, hold.even
+
+    files.save(Best, file, sorted(holds, key=place))

@@ -14,7 +14,7 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, SAMPLE, Best, Flights, column, waiting
+from .kept import CONDITIONS, HORIZON, LOST, SAMPLE, Best, Flights, column, waiting
 
 Key = tuple[str, str, str]
 """Satellite, condition and run."""
@@ -27,14 +27,12 @@ STEEP = 30.0
 
 def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     """The page."""
-    best, last = (
-        {
-            (hold.satellite, hold.condition, f"{hold.run}"): hold
-            for hold in holds
-            if hold.closed and hold.last is is_last
-        }
-        for is_last in (False, True)
-    )
+    best = {
+        (hold.satellite, hold.condition, f"{hold.run}"): hold
+        for hold in holds
+        if hold.closed and not (hold.last or hold.even)
+    }
+    least, left = _least(holds), waiting(flights, holds)
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
         Path(__file__).parent,
@@ -46,13 +44,18 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         if min(counts) == max(counts)
         else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
-        left=_left(flights, best, last),
+        left=_left(flights, best, least),
         held=_held(flights, best),
         sample=SAMPLE,
-        waiting=[f"{len(runs)} of *{name}*, {NAMES[kind]}" for (name, kind), runs in waiting(flights, holds).items()],
+        waiting=[
+            f"{len(first)} of *{name}*, {NAMES[kind]}"
+            for (name, kind), searches in left.items()
+            if (first := [run for run, last, even in searches if not (last or even)])
+        ],
+        further=sum(last or even for searches in left.values() for _, last, even in searches),
         open=sum(not hold.closed for hold in holds),
         found=sum(ALL[name].has_wheel for name, *_ in best),
-        **_unsettled(flights, best, last),
+        **_unsettled(flights, best, least),
         steep=f"{STEEP:g}°",
         without=_without(flights),
         beside=_beside(flights, best),
@@ -124,35 +127,46 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _left(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> list[list[str]]:
+def _least(holds: Sequence[Best]) -> dict[Key, list[float]]:
+    """By tumble the smallest largest error that was found in the orbit from EARLY on and in the last one, deg; NaN where none was."""
+    least: dict[Key, list[float]] = {}
+    for hold in holds:
+        if hold.closed:
+            of_tumble = least.setdefault((hold.satellite, hold.condition, f"{hold.run}"), [math.nan, math.nan])
+            of_tumble[hold.last] = float(np.fmin(of_tumble[hold.last], hold.largest_deg))
+    return least
+
+
+def _left(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, list[float]]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.unsettled:
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
-        hold, later = best.get(_key(line)), last.get(_key(line))
-        possible = [degrees(hold.rms_deg), degrees(hold.largest_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 3
-        possible.append(degrees(later.largest_deg) if later else "")
+        hold = best.get(_key(line))
+        possible = [degrees(hold.rms_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 2
+        possible += ["" if math.isnan(x) else degrees(x) for x in least.get(_key(line), [math.nan, math.nan])]
         rows.append(
             [line["satellite"], NAMES[line["condition"]], line["run"], *where, *flown, *rest, *possible, line["remark"]]
         )
     return rows
 
 
-def _unsettled(flights: Flights, best: Mapping[Key, Best], last: Mapping[Key, Best]) -> dict[str, int]:
+def _unsettled(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, list[float]]) -> dict[str, int]:
     """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
     lines = flights.unsettled
     known = [best[key] for line in lines if (key := _key(line)) in best]
+    errors = [least[key] for line in lines if (key := _key(line)) in best]
     return {
         "unsettled": len(lines),
         "were_settled": sum(bool(line["early_s"]) for line in lines),
         "known": len(known),
         "full": sum(hold.wheel_share > 0.995 for hold in known),
-        "close": sum(hold.close for hold in known),
-        "both": sum(
-            last[key].close for line in lines if (key := _key(line)) in last and key in best and best[key].close
-        ),
+        "far": (far := sum(hold.rms_deg >= LOST for hold in known)),
+        "close": (close := sum(first < LOST for first, _ in errors)),
+        "rest": len(known) - far - close,
+        "both": sum(first < LOST and last < LOST for first, last in errors),
     }
 
 

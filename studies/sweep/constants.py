@@ -78,6 +78,7 @@ CONSTANTS = tuple(
         ("renew.h", "HOLD_COST", "cost of a plan that has a turn in it", "hold, low inclination"),
         ("decide.c", "STRAINED_ANGLE", "angle from which a hold is strained", "low inclination"),
         ("estimate.c", "STRAINED_WEIGHT", "of the angle's weight in a strained hold", "low inclination"),
+        ("cost.c", "STRAINED_NEAR_LIMIT", "share of the wheel's limit from which it counts in one", "low inclination"),
         ("decide.c", "STRAINED_LOST", "angle from which a strained hold is left", "low inclination"),
         ("decide.c", "STRAINED_ORBITS", "how long it is settled until it is not strained", "low inclination"),
         ("scales.c", "STIFFNESS", "stiffness of the law [8]", "hold"),

@@ -37,6 +37,16 @@ def test_a_motion_by_rods_alone_does_not_swing_out_between_the_ends_of_its_inter
     assert (fine.rms, fine.largest) == pytest.approx((coarse.rms, coarse.largest), rel=0.02)
 
 
+def test_where_the_largest_error_is_least_it_is_near_the_rms(monkeypatch):
+    """At an optimum of a largest error much of the motion is at it, so mean and largest come together; a least mean swings out."""
+    monkeypatch.setattr("studies.hold.LONGEST", 240.0)
+    p = plant_of(starts(tumbles("50 kg, inertia x10", 41, errors=True))[40])
+    mean, even = best(p, 9000.0), best(p, 9000.0, evenly=True)
+    assert even.gap < 1e-5
+    assert mean.rms <= even.rms <= even.largest < 0.6 * mean.largest
+    assert even.largest < 1.1 * even.rms
+
+
 class AlongTheNormal:
     """A steady field along the orbit's normal, the pitch axis."""
 

@@ -50,7 +50,8 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     if (x->rods_alone) {
         controller_planned_plan_by_rods(&model, &x->plan);
     }
-    if (x->strained) {
+    model.strained = x->strained;
+    if (model.strained) {
         model.scales.weight_angle *= STRAINED_WEIGHT;
     }
     return model;

@@ -23,8 +23,9 @@ def line(satellite, run, settled, early, **more):
     return {**dict.fromkeys(COLUMNS, ""), "satellite": satellite, **values, **more}
 
 
-def row(text, satellite, condition):
-    return next(r for r in text.splitlines() if r.startswith(f"| {satellite} | {condition} |")).strip("| ").split(" | ")
+def row(text, *begins):
+    cells = " | ".join(begins)
+    return next(r for r in text.splitlines() if r.startswith(f"| {cells} |"))[2:-2].split(" | ")
 
 
 def test_the_page_is_that_of_the_kept_flights():
@@ -49,11 +50,11 @@ def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none
         (line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("6U", 0, "", ""))
     )
     holds = [
-        Best("3U", "errors", 0, False, 0.002, 0.01, 0.1, 1e-8),
-        Best("3U", "errors", 1, False, 2.0, 6.0, 1.0, 1e-8),
-        Best("3U", "errors", 2, False, 3.0, 9.0, 1.0, 1e-8),
+        Best("3U", "errors", 0, False, False, 0.002, 0.01, 0.1, 1e-8),
+        Best("3U", "errors", 1, False, False, 2.0, 6.0, 1.0, 1e-8),
+        Best("3U", "errors", 2, False, False, 3.0, 9.0, 1.0, 1e-8),
     ]
-    text = page.text(flights, [*holds, Best("6U", "errors", 0, False, 0.0, 0.0, 1.0, 0.1)])
+    text = page.text(flights, [*holds, Best("6U", "errors", 0, False, False, 0.0, 0.0, 1.0, 0.1)])
     assert "| below 0.1° | 1 | 1 | 0 |" in text
     assert "| 1 to 5° | 2 | 1 | 1 |" in text
     assert "a wheel 3 are found so far" in text
@@ -77,13 +78,30 @@ def test_every_satellite_has_both_rows():
             assert row(text, name, page.NAMES[condition])
 
 
-def test_the_last_orbit_is_sought_for_flights_that_are_not_settled_and_have_a_close_hold_before():
+def test_of_flights_that_are_not_settled_the_least_largest_error_is_sought_then_the_last_orbit():
+    def hold(run, last, even, rms, largest, gap=1e-8):
+        return Best("3U", "errors", run, last, even, rms, largest, 1.0, gap)
+
     flights = Flights(tuple(line("3U", run, "", "", hold_rms_deg="9") for run in range(20)))
-    first = [Best("3U", "errors", run, False, 1.0, 4.0 if run < 3 else 8.0, 1.0, 1e-8) for run in range(1, 20)]
-    open_gap = Best("3U", "errors", 0, False, 1.0, 4.0, 1.0, 0.1)
-    assert waiting(flights, first)["3U", "errors"] == [(0, False), (1, True), (2, True)]
-    last = [Best("3U", "errors", 1, True, 1.0, 3.0, 1.0, 1e-8), Best("3U", "errors", 2, True, 1.0, 9.0, 1.0, 1e-8)]
-    assert ("3U", "errors") not in waiting(flights, [*first, open_gap, *last])
-    text = page.text(flights, [*first, open_gap, *last])
-    assert "2 of the 19 best holds stay within 5°" in text
-    assert "searched, too, since the field is another one there: 1 stay within 5° in both" in text
+    first = [
+        hold(0, False, False, 1.0, 4.0, 0.1),  # did not close
+        hold(1, False, False, 1.0, 4.0),
+        hold(2, False, False, 2.0, 8.0),
+        hold(3, False, False, 2.0, 8.0),
+        *(hold(run, False, False, 6.0, 9.0) for run in range(4, 20)),  # its mean excludes it
+    ]
+    assert waiting(flights, first)["3U", "errors"] == [(1, True, False), (2, False, True), (3, False, True)]
+    then = [hold(1, True, False, 2.0, 6.0), hold(2, False, True, 4.0, 4.5), hold(3, False, True, 5.5, 6.0)]
+    assert waiting(flights, [*first, *then])["3U", "errors"] == [(1, True, True), (2, True, False)]
+    found = [*first, *then, hold(1, True, True, 2.5, 3.0), hold(2, True, False, 7.0, 9.0)]
+    assert ("3U", "errors") not in waiting(flights, found)
+    text = page.text(flights, found)
+    assert "Of the 19, 16 have a best hold with an rms of 5° or more: " in text
+    assert (
+        "For 2 a motion was found that stays within 5° in the orbit from 9,000 s on, for 1 of them in both orbits"
+        in text
+    )
+    assert row(text, "3U", "all errors", "1")[-5:] == ["1°", "1.00", "4°", "3°", ""]
+    assert row(text, "3U", "all errors", "3")[-5:] == ["2°", "1.00", "6°", "", ""]
+    assert row(text, "3U", "all errors", "4")[-5:] == ["6°", "1.00", "9°", "", ""]
+    assert "For 1 others the least largest error that was found is 5° or more" in text
