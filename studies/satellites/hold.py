@@ -31,23 +31,13 @@ def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
 def _wanted(flights: Flights, found: list[Best]) -> list[tuple[str, str, Search, Data]]:
     wanted = []
     for (name, condition), searches in waiting(flights, found).items():
-        data = starts(tumbles(name, max(run for run, *_ in searches) + 1, CONDITIONS[condition]))
-        wanted += [(name, condition, search, data[search[0]]) for search in searches]
+        data = starts(tumbles(name, max(search.run for search in searches) + 1, CONDITIONS[condition]))
+        wanted += [(name, condition, search, data[search.run]) for search in searches]
     return wanted
 
 
 def _of_tumble(tumble: tuple[str, str, Search, Data]) -> Best:
-    name, condition, (run, last, even), data = tumble
+    name, condition, search, data = tumble
     p = loop(data).plant
-    hold = best(p, DURATION - period(p) if last else EARLY, even)
-    return Best(
-        name,
-        condition,
-        run,
-        last,
-        even,
-        math.degrees(hold.rms),
-        math.degrees(hold.largest),
-        hold.wheel,
-        hold.gap,
-    )
+    hold = best(p, DURATION - period(p) if search.last else EARLY, search.even)
+    return Best(name, condition, *search, math.degrees(hold.rms), math.degrees(hold.largest), hold.wheel, hold.gap)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,9 +49,11 @@ class Flights:
         return [line for line in self.lines if (line["satellite"], line["condition"]) == (satellite, condition)]
 
     @property
-    def unsettled(self) -> list[Mapping[str, str]]:
-        """The lines of satellites with a wheel that are not settled at the end."""
-        return [line for line in self.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel]
+    def unsettled(self) -> Flights:
+        """Those with a wheel that are not settled at the end."""
+        return Flights(
+            tuple(line for line in self.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel)
+        )
 
 
 def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.nan) -> Array:
@@ -106,6 +109,10 @@ def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
     return least
 
 
+Tumble = tuple[str, str, str]
+"""Satellite, condition and run."""
+
+
 @dataclass(frozen=True)
 class Best:
     """The best hold (studies/hold.py) of a tumble, over the orbit from EARLY on or over the last one.
@@ -123,6 +130,11 @@ class Best:
     largest_deg: float
     wheel_share: float
     gap: float
+
+    @property
+    def tumble(self) -> Tumble:
+        """Whose hold it is, as the lines of the flights have it."""
+        return self.satellite, self.condition, f"{self.run}"
 
     @property
     def closed(self) -> bool:
@@ -148,12 +160,15 @@ def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
 
 
 def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
-    """The runs of a satellite under a condition that are not settled at the end; none without a wheel."""
-    return [int(line["run"]) for line in Flights(tuple(flights.unsettled)).of(satellite, condition)]
+    return [int(line["run"]) for line in flights.unsettled.of(satellite, condition)]
 
 
-Search = tuple[int, bool, bool]
-"""Of a run: its number, whether of its last orbit, whether its largest error is minimised."""
+class Search(NamedTuple):
+    """Of a run: whether of its last orbit, whether its largest error is minimised."""
+
+    run: int
+    last: bool
+    even: bool
 
 
 def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[Search]]:
@@ -165,14 +180,16 @@ def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], li
     known = {(hold.satellite, hold.condition, hold.run, hold.last, hold.even): hold for hold in holds}
     left: dict[tuple[str, str], list[Search]] = {}
     for key in product(ALL, CONDITIONS):
-        wanted = [(run, False, False) for run in _sought(flights, *key)]
+        wanted = [Search(run, False, False) for run in _sought(flights, *key)]
         for run in _unsettled(flights, *key):
             found = {
                 (last, even): known.get((*key, run, last, even)) for last in (False, True) for even in (False, True)
             }
-            wanted += [(run, last, True) for last in (False, True) if (hold := found[last, False]) and hold.swings]
+            wanted += [
+                Search(run, last, True) for last in (False, True) if (hold := found[last, False]) and hold.swings
+            ]
             if any(hold and hold.close for (last, _), hold in found.items() if not last):
-                wanted.append((run, True, False))
+                wanted.append(Search(run, True, False))
         left[key] = [search for search in wanted if (*key, *search) not in known]
     return {key: searches for key, searches in left.items() if searches}
 

@@ -14,10 +14,8 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, LOST, SAMPLE, Best, Flights, column, waiting
+from .kept import CONDITIONS, HORIZON, LOST, SAMPLE, Best, Flights, Tumble, column, waiting
 
-Key = tuple[str, str, str]
-"""Satellite, condition and run."""
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
 """deg: limits between the rows of the table of best holds."""
@@ -27,11 +25,7 @@ STEEP = 30.0
 
 def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     """The page."""
-    best = {
-        (hold.satellite, hold.condition, f"{hold.run}"): hold
-        for hold in holds
-        if hold.closed and not (hold.last or hold.even)
-    }
+    best = {hold.tumble: hold for hold in holds if hold.closed and not (hold.last or hold.even)}
     least, left = _least(holds), waiting(flights, holds)
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
@@ -50,9 +44,9 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         waiting=[
             f"{len(first)} of *{name}*, {NAMES[kind]}"
             for (name, kind), searches in left.items()
-            if (first := [run for run, last, even in searches if not (last or even)])
+            if (first := [search for search in searches if not (search.last or search.even)])
         ],
-        further=sum(last or even for searches in left.values() for _, last, even in searches),
+        further=sum(search.last or search.even for searches in left.values() for search in searches),
         open=sum(not hold.closed for hold in holds),
         found=sum(ALL[name].has_wheel for name, *_ in best),
         **_unsettled(flights, best, least),
@@ -72,7 +66,7 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     )
 
 
-def _key(line: Mapping[str, str]) -> Key:
+def _key(line: Mapping[str, str]) -> Tumble:
     return line["satellite"], line["condition"], line["run"]
 
 
@@ -127,20 +121,20 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _least(holds: Sequence[Best]) -> dict[Key, list[float]]:
+def _least(holds: Sequence[Best]) -> dict[Tumble, list[float]]:
     """By tumble the smallest largest error that was found in the orbit from EARLY on and in the last one, deg; NaN where none was."""
-    least: dict[Key, list[float]] = {}
+    least: dict[Tumble, list[float]] = {}
     for hold in holds:
         if hold.closed:
-            of_tumble = least.setdefault((hold.satellite, hold.condition, f"{hold.run}"), [math.nan, math.nan])
+            of_tumble = least.setdefault(hold.tumble, [math.nan, math.nan])
             of_tumble[hold.last] = float(np.fmin(of_tumble[hold.last], hold.largest_deg))
     return least
 
 
-def _left(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, list[float]]) -> list[list[str]]:
+def _left(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, list[float]]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
-    for line in flights.unsettled:
+    for line in flights.unsettled.lines:
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
@@ -153,9 +147,9 @@ def _left(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, list[f
     return rows
 
 
-def _unsettled(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, list[float]]) -> dict[str, int]:
+def _unsettled(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, list[float]]) -> dict[str, int]:
     """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
-    lines = flights.unsettled
+    lines = flights.unsettled.lines
     known = [best[key] for line in lines if (key := _key(line)) in best]
     errors = [least[key] for line in lines if (key := _key(line)) in best]
     return {
@@ -170,7 +164,7 @@ def _unsettled(flights: Flights, best: Mapping[Key, Best], least: Mapping[Key, l
     }
 
 
-def _held(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
+def _held(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
     """What became of the flights with a wheel whose best hold was found, by its rms."""
     lines = [line for line in flights.lines if _key(line) in best and ALL[line["satellite"]].has_wheel]
     rms = np.array([best[_key(line)].rms_deg for line in lines])
@@ -214,7 +208,7 @@ def _without(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _beside(flights: Flights, best: Mapping[Key, Best]) -> list[list[str]]:
+def _beside(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
     """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
     rows = []
     for name, kind, lines in _without_wheel(flights):

@@ -103,11 +103,14 @@ def _low(runs: int) -> list[Flight]:
     for errors in (False, True):
         group = tumbles_of_satellite("50 kg, wheel along (1, 2, 2)/3", 100, errors)
         low = [drawn for drawn in group.drawn() if drawn["plant.inclination"] < LOW][: runs // 2]
-        flights += [
-            Flight(given, until=group.duration, hold=group.early, rate=group.slow)
-            for given in (parameters({**group.scenario, "duration": group.duration}, each) for each in low)
-        ]
+        flights += [whole(group, each) for each in low]
     return flights
+
+
+def whole(group: Group, tumble: Data) -> Flight:
+    """A drawn tumble, flown as long as docs/satellites.md has it, with its hold from `early` on."""
+    given = parameters({**group.scenario, "duration": group.duration}, tumble)
+    return Flight(given, until=group.duration, hold=group.early, rate=group.slow)
 
 
 def _estimate(runs: int) -> list[Flight]:

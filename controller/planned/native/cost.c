@@ -3,12 +3,10 @@
 static const double BEND = 0.1;                            /* rad, of the pseudo-Huber cost of the angle */
 static const double NEAR_ANGLE = 0.078, NEAR_RATE = 0.045; /* rad (4.5 deg), 1/T: 0.9 of what is called settled */
 static const double FAR = 0.07;                            /* rad (4 deg), from which an angle is far */
-static const double WHEEL_NEAR_LIMIT = 0.8667;             /* of wheel_momentum_max */
-static const double STRAINED_NEAR_LIMIT = 0.97;            /* the same in a strained hold, which needs more of the wheel */
 
 double controller_planned_near_limit(const Model *model, double l)
 {
-    const double limit = (model->strained ? STRAINED_NEAR_LIMIT : WHEEL_NEAR_LIMIT) * model->wheel_momentum_max;
+    const double limit = model->scales.near_limit;
     return l > limit ? l - limit : l < -limit ? l + limit : 0.0;
 }
 

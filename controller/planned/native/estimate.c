@@ -5,6 +5,7 @@
 #include <string.h>
 
 static const double STRAINED_WEIGHT = 0.2;             /* of the angle in a strained hold */
+static const double STRAINED_NEAR_LIMIT = 0.97;        /* of wheel_momentum_max in it, which needs more of the wheel */
 static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
@@ -50,9 +51,9 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
     if (x->rods_alone) {
         controller_planned_plan_by_rods(&model, &x->plan);
     }
-    model.strained = x->strained;
-    if (model.strained) {
+    if (x->strained) {
         model.scales.weight_angle *= STRAINED_WEIGHT;
+        model.scales.near_limit = STRAINED_NEAR_LIMIT * model.wheel_momentum_max;
     }
     return model;
 }

@@ -26,7 +26,6 @@ typedef struct {
     Vector residual_B;    /* dipole of the satellite itself, A m2 */
     Scales scales;
     Horizon horizon;
-    bool strained; /* a hold that the wheel cannot keep close */
 } Model;
 
 typedef struct {

@@ -16,6 +16,7 @@ static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
 static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;                             /* T^2 */
+static const double WHEEL_NEAR_LIMIT = 0.8667;                     /* of wheel_momentum_max */
 static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* over wheel_momentum_max^2 */
 static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
 
@@ -88,6 +89,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .final_wheel = FINAL_WHEEL * T,
         .weight_wheel = two_digits(p->momentum_weight / (h * h)),
         .weight_near_limit = two_digits(WEIGHT_WHEEL_NEAR_LIMIT / (h * h)),
+        .near_limit = WHEEL_NEAR_LIMIT * h,
         .weight_rods = two_digits(WEIGHT_RODS * torque * torque),
         .weight_motor = two_digits(WEIGHT_MOTOR * torque * torque),
         .K = {k - k / UNEVEN, k, k + k / UNEVEN},
