@@ -149,12 +149,18 @@ def test_what_the_allocator_does_not_use_is_the_only_wrong_rate_that_nothing_sho
     assert max(row.found.time for row in result.rows if row.found) < 1.0
 
 
-@pytest.mark.parametrize("name", ["paper_singularity", "measured_no_singularity"])
+CHECKED = sorted(path.stem for path in SCENARIOS.glob("*.yaml") if read(path).data.get("consistency"))
+LONG = ["flight_hold"]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.thorough) if name in LONG else name for name in CHECKED]
+)
 def test_no_run_as_wired_breaks_a_check_with_errors_and_noise_neither(name):
     loop = Loop(read(SCENARIOS / f"{name}.yaml"))
     assert loop.fly()[0] is None
     assert len(loop.relations) >= 13
-    assert min(loop.margins.values()) > 2.0
+    assert min(loop.margins.values()) > 1.2
 
 
 def test_an_attitude_read_by_its_quaternion_with_the_scalar_in_the_wrong_place_is_shown(paper):
