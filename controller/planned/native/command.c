@@ -2,6 +2,8 @@
 #include "reference.h"
 #include "state.h"
 
+#include <string.h>
+
 static const double WHEEL_REST = 0.2; /* T, over which the wheel is brought to rest while steering or damping */
 static const double TINY = 1e-300;    /* keeps a rod that gives nothing from dividing */
 
@@ -40,8 +42,10 @@ static void damping_rods(const Model *model, double L, Vector omega, Vector B_B,
     }
 }
 
-void controller_planned_damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model,
-                             Vector Omega, double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y)
+/* The outputs where there is no attitude to plan with, of the rate Omega, the wheel's momentum l and the field B_B, zero where
+ * unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. */
+static void damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model, Vector Omega, double l,
+                 Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Matrix L = model->scales.L;
@@ -101,6 +105,23 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     y->h_w_estimate = now->l;
 }
 
+ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                                             const ControllerPlannedInputs *u)
+{
+    ControllerPlannedOutputs y;
+    memset(&y, 0, sizeof y);
+    y.no_attitude = true;
+    const Model model = controller_planned_believed(law, x);
+    const Vector Omega = subtract(vector(u->omega_B), vector(x->identification.p + BIAS));
+    const Motion now = {identity, Omega, controller_planned_has_h_w(u) ? u->h_w : x->l_own};
+    const Vector B_B = uses_field(x, u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
+    double controls[CONTROLS];
+    store(B_B, y.b_used_B);
+    store_estimates(x, &model, &now, &y);
+    damp(law, u, &model, now.Omega, now.l, B_B, controls, &y);
+    return y;
+}
+
 void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, const Motion *now, double controls[CONTROLS],
                                 ControllerPlannedOutputs *y)
@@ -110,10 +131,11 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Around around = controller_planned_around_at(&ahead, x->t);
     const Vector B_B = uses_field(x, u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);
+    y->no_attitude = false;
     store(B_B, y->b_used_B);
     store_estimates(x, &model, now, y);
     if (x->phase == PHASE_DAMPING) {
-        controller_planned_damp(law, u, &model, now->Omega, now->l, B_B, controls, y);
+        damp(law, u, &model, now->Omega, now->l, B_B, controls, y);
         return;
     }
 

@@ -7,6 +7,7 @@
 
 static const double COLLINEAR = 1e-6; /* |r x v|/(|r||v|) below which the orbit has no plane */
 static const double CLOSED = 0.999;   /* of the energy that escapes: the orbit's largest */
+static const Motion nowhere = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}, 0.0}; /* the reference */
 
 /* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
  * is connected: who gives it knows of an attitude that is lost. */
@@ -129,54 +130,60 @@ static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlanned
     return controller_planned_scales(&law->p, a >= ONBOARD_R_MIN ? a : LOW_ORBIT);
 }
 
-/* What is put out without an attitude: damping in the measured field, the largest error, what is believed of the satellite. */
-static ControllerPlannedOutputs without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
-{
-    ControllerPlannedOutputs y;
-    memset(&y, 0, sizeof y);
-    y.no_attitude = true;
-    y.gain_k = y.gain_l = y.rod_gain_estimate = 1.0;
-    store((Vector){1.0, 1.0, 1.0}, y.rod_gains_estimate);
-    y.h_w_estimate = controller_planned_has_h_w(u) ? u->h_w : 0.0;
-    const Scales scales = scales_of(law, u);
-    const Model model = controller_planned_nominal(law, &scales);
-    const Vector B_B = has_field(u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
-    store(B_B, y.b_used_B);
-    double controls[CONTROLS];
-    controller_planned_damp(law, u, &model, vector(u->omega_B), y.h_w_estimate, B_B, controls, &y);
-    store_matrix(identity, y.R_d);
-    store_matrix(matrix(law->p.J_B), y.J_estimate_B);
-    store_matrix(controller_planned_sigma_before(&law->p), y.J_estimate_sigma_B);
-    return y;
-}
-
-/* The state at the time t, at which the first attitude has come. */
-static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double t, ControllerPlannedState *x)
+/* What is known before the flight, at the time t. */
+static void know(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double t, ControllerPlannedState *x)
 {
     memset(x, 0, sizeof *x);
     x->t = t;
     x->scales = scales_of(law, u);
+    x->reference = nowhere;
     controller_planned_identification_start(&law->p, &x->scales, &x->identification);
     controller_planned_friction_start(&law->p, x->scales.time, &x->friction);
     x->rods_alone = controller_planned_is_no_wheel(law->p.wheel_torque_max, law->p.wheel_momentum_max, &x->scales);
+}
+
+/* The first sample with an attitude, or the first after one that was lost: what is known of the satellite stays. */
+static void begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x)
+{
+    if (x->flown) {
+        controller_planned_take_measured(&x->identification);
+    } else {
+        know(law, u, x->t, x);
+    }
+    x->waiting = false;
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = INFINITY;
     x->until_sample = law->p.control_period;
+    x->next_plan = x->next_challenge = x->t;
     sample(law, x, u, true);
+}
+
+/* A step without attitude ends at x->t. The motor's torque is all that changes the wheel's momentum where it is not measured. */
+static void wait(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double h, ControllerPlannedState *x)
+{
+    if (!x->flown) {
+        know(law, u, x->t, x);
+    } else if (!x->waiting) {
+        controller_planned_give_up(x, &nowhere);
+    }
+    const double limit = law->p.wheel_momentum_max;
+    x->l_own = clip(x->l_own + h * x->held.wheel_torque_ff, -limit, limit);
+    x->waiting = true;
+    x->sampled = false;
+    x->held = controller_planned_without_attitude(law, x, u);
 }
 
 bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
 {
-    memset(x, 0, sizeof *x);
-    x->waiting = no_attitude(x, u);
-    if (x->waiting) {
-        x->held = without_attitude(law, u);
+    know(law, u, 0.0, x);
+    if (no_attitude(x, u)) {
+        wait(law, u, 0.0, x);
         return inputs_finite(u, f);
     }
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
-    begin(law, u, 0.0, x);
+    begin(law, u, x);
     return true;
 }
 
@@ -184,7 +191,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
                                 const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
 {
     if (no_attitude(x, u)) {
-        *y = without_attitude(law, u);
+        *y = controller_planned_without_attitude(law, x, u);
         return inputs_finite(u, f);
     }
     *y = x->held;
@@ -208,25 +215,23 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
         if (!inputs_finite(u, f)) {
             return false;
         }
-        const double t = x->t + h;
-        memset(x, 0, sizeof *x);
-        x->t = t;
-        x->waiting = true;
-        x->held = *y = without_attitude(law, u);
+        x->t += h;
+        wait(law, u, h, x);
+        *y = x->held;
         return true;
     }
     if (!inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
+    x->t += h;
     if (x->waiting) {
-        begin(law, u, x->t + h, x);
+        begin(law, u, x);
         x->flown = true;
         *y = x->held;
         return true;
     }
     x->flown = true;
     const double period = law->p.control_period;
-    x->t += h;
     x->until_sample -= h;
     x->sampled = false;
     if (x->until_sample <= SAMPLE_EARLY * period) {

@@ -69,8 +69,7 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     };
 }
 
-/* Where there is no reference: rates are damped, and all that was planned is given up. */
-static void give_up(ControllerPlannedState *x, const Motion *now)
+void controller_planned_give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
     x->settled_since = INFINITY;
@@ -219,11 +218,11 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
 {
     if (!x->rods_alone && law->p.find_failures && controller_planned_wheel_stuck(&x->friction)) {
         x->rods_alone = true;
-        give_up(x, now); /* what was planned with the wheel */
+        controller_planned_give_up(x, now); /* what was planned with the wheel */
     }
     const Model model = controller_planned_believed(law, x);
     if (ahead->target_kind == ONBOARD_TARGET_NONE) {
-        give_up(x, now);
+        controller_planned_give_up(x, now);
         return;
     }
     if (x->phase == PHASE_DAMPING) {

@@ -176,6 +176,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
 {
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
+    controller_planned_set_noise(p, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
         controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB), x->estimate.Omega,

@@ -49,6 +49,9 @@ typedef struct {
 /* What is known before the flight: the parameters, and the first measurement. */
 void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id);
 
+/* The noise of the measurements is that of the parameters, which may change in flight. */
+void controller_planned_set_noise(const ControllerPlannedParameters *p, Identification *id);
+
 /* Inertia and gains are those of before the flight again. */
 void controller_planned_begin_properties(Identification *id);
 

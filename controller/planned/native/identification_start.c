@@ -91,6 +91,12 @@ static void store_symmetric(Matrix m, double p[6])
     memcpy(p, elements, sizeof elements);
 }
 
+void controller_planned_set_noise(const ControllerPlannedParameters *p, Identification *id)
+{
+    id->variance[0] = p->attitude_noise * p->attitude_noise;
+    id->variance[1] = p->rate_noise * p->rate_noise;
+}
+
 void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id)
 {
     const double T = scales->time, inertia = scales->momentum * T;
@@ -103,8 +109,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->limit[1] = scales->disturbance_max;
     id->limit[2] = scales->residual_dipole_max;
     id->limit[3] = PRODUCTS * TRUST * inertia;
-    id->variance[0] = p->attitude_noise * p->attitude_noise;
-    id->variance[1] = p->rate_noise * p->rate_noise;
+    controller_planned_set_noise(p, id);
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
     id->bias_density = EXPECTED * EXPECTED * id->limit[0] * id->limit[0] / BIAS_TIME;
     /* The filter at rest then forgets over disturbance_time. */

@@ -22,7 +22,7 @@ typedef struct {
     double settled_since;  /* s; beyond t while not settled */
     int32_t phase;
     bool sampled;  /* whether the control has acted at t */
-    bool waiting;  /* for the first attitude, with which all begins */
+    bool waiting;  /* for the first attitude, or for one that was lost */
     Scales scales; /* of the orbit on which it began */
     bool flown;    /* a step has had an attitude; zeros are then refused where no reference is connected */
     Steering steering;
@@ -108,10 +108,12 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first);
 
-/* The outputs where there is no attitude to plan with, of the rate Omega, the wheel's momentum l and the field B_B, zero where
- * unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. */
-void controller_planned_damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model,
-                             Vector Omega, double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y);
+/* All that was planned is given up, and rates are damped; `now` is the reference. */
+void controller_planned_give_up(ControllerPlannedState *x, const Motion *now);
+
+/* The outputs without an attitude: rates are damped in the measured field, by what is known of the satellite. */
+ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+                                                             const ControllerPlannedInputs *u);
 
 /* The wheel's control, -1 to 1, that brings its momentum l to rest while steering or damping. */
 double controller_planned_wheel_to_rest(const Model *model, double l);

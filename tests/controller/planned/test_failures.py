@@ -5,13 +5,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from . import core
+from .test_block import J
 from .test_closed_loop import ALWAYS, FORWARD, MEASURED, errors, fly
-from .test_identification import Tumbles, estimated, flown
+from .test_identification import SAMPLES, Tumbles, estimated, flown
 from .truth import DAYS, orbit
 
 GAINS = np.array([[0.0, 1.0, 1.0], [1.0, 0.2, 1.0], [1.0, 1.0, -1.0], [1.05, -0.5, 0.95], [0.0, 1.0, 0.0]])
 FAILED = [1, 2, 3, 2]
 """Of the first four; of the last 1 or 3."""
+TO_INERTIAL = {"R_ref": np.eye(3), "Omega_ref": np.zeros(3), "dOmega_ref": np.zeros(3)}
 
 
 def failing():
@@ -97,6 +99,38 @@ def test_a_wheel_that_gives_less_than_half_of_its_torque_has_failed(given, faile
         return sample | {"h_w": start + given * (sample["h_w"] - start)}
 
     assert bool(flown(truth, spoil)[1][0]["wheel_failed"]) == failed
+
+
+def without_attitude(since, until, spoil=lambda i, sample: sample):
+    """The same, with a matrix of zeros in the place of the attitude for these samples."""
+    return lambda i, sample: spoil(i, sample) | ({"R_NB": np.zeros((1, 3, 3))} if since <= i < until else {})
+
+
+@pytest.mark.parametrize("back", [0, 1], ids=["while it is lost", "when it is back"])
+def test_what_is_known_of_satellite_and_rods_outlasts_an_attitude_that_is_lost(back):
+    truths = [Tumbles(3, 1), Tumbles(3, 1)]
+    for truth in truths:
+        truth.gains = GAINS[:1].copy()
+    known = flown(truths[0], samples=SAMPLES - 20, **TO_INERTIAL)[1][0]
+    y = flown(truths[1], without_attitude(SAMPLES - 20, SAMPLES - back), **TO_INERTIAL)[1][0]
+    assert y["no_attitude"] == (not back)
+    assert y["failed_rod"] == FAILED[0]
+    for name in ("rod_gains_estimate", "J_estimate_B", "rate_bias_estimate_B"):
+        assert np.array_equal(y[name], known[name])
+    assert not np.allclose(y["J_estimate_B"], J, rtol=1e-3)
+
+
+@pytest.mark.parametrize("back", [0, 1], ids=["while it is lost", "when it is back"])
+def test_a_stuck_wheel_is_asked_for_nothing_after_an_attitude_that_is_lost(back):
+    truth = Tumbles(7, 1)
+    stuck = truth.h_w.copy()
+
+    def spoil(i, sample):
+        return sample | {"h_w": stuck, "u_applied": np.column_stack((sample["u_applied"][:, :3], [3e-3]))}
+
+    y = flown(truth, without_attitude(SAMPLES - 20, SAMPLES - back, spoil), **TO_INERTIAL)[1][0]
+    assert y["no_attitude"] == (not back)
+    assert (y["wheel_failed"], y["wheel_torque_ff"]) == (True, 0.0)
 
 
 def test_a_rod_that_dies_in_flight_is_found_and_the_satellite_settles_without_it():

@@ -179,3 +179,21 @@ def test_the_wheel_s_friction_is_found_and_given_beside_the_wheel_s_torque():
 def test_a_bias_is_not_estimated_where_an_estimator_has_removed_it():
     _, found = flown(Tumbles(4, 1), rate_bias_max=0.0)
     assert not estimated(found, "rate_bias_estimate_B").any()
+
+
+def test_noise_that_is_stated_in_flight_counts_from_then_on():
+    """The parameters are tunable: stated after the start, the estimate is nearly that of noise known before it."""
+    truth = Tumbles(8, 1)
+    record = flown(truth, samples=300)[0]
+    biases = []
+    for before, after in [(True, False), (False, True), (False, False)]:
+        noise = {"rate_noise": RATE_NOISE, "attitude_noise": ATTITUDE_NOISE}
+        with Instance(BLOCK) as it:
+            feed(it, noise if before else {"rate_noise": 1e-3, "attitude_noise": 1e-2})
+            for i, sample in enumerate(record):
+                feed(it, {name: values[0] for name, values in sample.items()})
+                it.initialize() if i == 0 else it.step((i - 1) * DT, DT)
+                feed(it, noise if after else {})
+            biases.append(np.array(it.outputs()["rate_bias_estimate_B"]))
+    known, told, never = biases
+    assert np.linalg.norm(told - known) < 0.1 * np.linalg.norm(never - known)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Refused
 
 from . import core
-from .test_block import AS_MEASURED, KNOWN, SEARCHED, J, alike, lvlh, near_target, orbit, run, started, tumbling
+from .test_block import AS_MEASURED, KNOWN, SEARCHED, alike, lvlh, near_target, orbit, run, started, tumbling
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
@@ -101,14 +101,13 @@ def test_a_reference_that_goes_ends_the_plan_and_one_that_comes_begins_the_searc
         assert back[-1]["phase"] == 2
 
 
-def test_an_attitude_that_is_lost_and_found_begins_all_anew():
+def test_an_attitude_that_is_lost_and_found_begins_the_plan_anew():
     with started(to_lvlh) as it:
         run(it, 0.0, 10.0, inputs=to_lvlh)
         assert run(it, 10.0, 12.0, inputs=lost(to_lvlh))[-1]["no_attitude"]
         y = run(it, 12.0, 12.5, inputs=to_lvlh)[-1]
         assert not y["no_attitude"]
         assert y["phase"] in (1, 2)
-        np.testing.assert_allclose(y["J_estimate_B"], J)
 
 
 # ------------------------------------------------------------------------------------------- the reference to come
