@@ -278,15 +278,12 @@ class _Writer:
 
     def _disturbance(self, fault: Disturbance) -> str:
         first, last = fault.span
-        seat = self.seats[fault.target.block]
-        parallel = self.plan.scenario.exchange == "parallel"
-        behind = parallel or fault.delayed or self.seats[fault.source.block] >= seat  # as injection.py has it
         entries = {
             "first": first,
             "last": "INT64_MAX" if last == math.inf else int(last),
-            "behind": int(behind),
+            "behind": fault.behind(self.plan.scenario.exchange == "parallel", self.seats),
             "value": float(fault.value),
-            "seat": seat,
+            "seat": self.seats[fault.target.block],
             "place": self._input(fault.target),
             "kind": _KINDS[fault.kind],
         }

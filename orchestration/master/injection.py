@@ -36,13 +36,12 @@ def with_faults(
     """The function that makes one base step, with the faults. `advance` makes the one without them, from `bus.seats`."""
     now = _Now()
     places = {seat.block.name: place for place, seat in enumerate(bus.seats)}
-    for place, seat in enumerate(bus.seats):
-        acting = []
-        for fault in faults.disturbances:
-            if fault.target.block == seat.block.name:
-                # What is stepped later in the same base step, or gives its values delayed, is a step behind.
-                behind = parallel or fault.delayed or places[fault.source.block] >= place
-                acting.append((fault, seat.inputs.elements.index(fault.target.element), int(behind)))
+    for seat in bus.seats:
+        acting = [
+            (fault, seat.inputs.elements.index(fault.target.element), fault.behind(parallel, places))
+            for fault in faults.disturbances
+            if fault.target.block == seat.block.name
+        ]
         if acting:
             seat.gather = _gatherer(seat, acting, now)
     changes = Changes(faults, bus, every, clock)

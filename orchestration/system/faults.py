@@ -26,6 +26,7 @@ from .wiring import Link, Node, Wiring
 
 Span = tuple[int, float]
 """The counts of base steps at which a fault acts first, and no more."""
+_LATE = "does not happen, since the run ends before: {}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,16 @@ class Disturbance:
     kind: str
     value: float
     span: Span
+    number: int
+    """Of the fault in the scenario."""
+
+    def behind(self, parallel: bool, places: Mapping[str, int]) -> int:
+        """How many base steps before the instant at which the receiver's step ends the value belongs to: 0 or 1.
+
+        What is stepped later in the same base step, or gives its values delayed, is a step behind; `places` of the blocks.
+        """
+        late = self.delayed or places[self.source.block] >= places[self.target.block]
+        return int(late or parallel)
 
 
 @dataclass
@@ -81,7 +92,7 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
                 if not is_unseen(scenario, (*key, "at"), fault.at, made, sentence(fault), faults.notes):
                     faults.settings.append(made)
             else:
-                faults.disturbances += _disturbances(fault, models, wiring, span)
+                faults.disturbances += _disturbances(number, fault, models, wiring, span)
         except (QuantityError, NameUnknown) as error:
             errors.append(scenario.error((*key, fault.kind), str(error)))
         except InputError as error:
@@ -95,7 +106,7 @@ def _span(scenario: Scenario, key: Key, fault: Fault, notes: list[str]) -> Span 
     """None for a fault that begins after the end of a run that was shortened by an option."""
     if fault.at > scenario.duration:
         if ("duration",) in scenario.source.options:
-            notes.append(f"does not happen, since the run ends before: {sentence(fault)}")
+            notes.append(_LATE.format(sentence(fault)))
             return None
         message = f"{fault.at:.10g} s lies after the end of the run, {scenario.duration:.10g} s"
         raise InputError(scenario.error((*key, "at"), message))
@@ -123,13 +134,47 @@ def is_unseen(scenario: Scenario, key: Key, time: float, made: Setting, late: st
     if made.span[0] <= last:
         return False
     if ("duration",) in scenario.source.options:
-        notes.append(f"does not happen, since the run ends before: {late}")
+        notes.append(_LATE.format(late))
         return True
     begun = float(last * Fraction(repr(scenario.step)))
     message = (
         f"{time:.10g} s lies after the beginning of the last step of {made.block}, {begun:.10g} s; no step sees it"
     )
     raise InputError(scenario.error(key, message))
+
+
+def drop_unseen(scenario: Scenario, blocks: Sequence[str], faults: Faults) -> None:
+    """Takes faults of connections away that come after the last step of every receiver, where an option shortened the run.
+
+    `blocks` in the order in which they are stepped. Raises InputError for other faults whose span has no step of a receiver.
+    """
+    places = {block: place for place, block in enumerate(blocks)}
+    seen = {d.number for d in faults.disturbances if _is_seen(scenario, d, places)}
+    unseen = {d.number: d for d in faults.disturbances if d.number not in seen}
+    late, errors = ("duration",) in scenario.source.options, []
+    for number, disturbance in unseen.items():
+        fault, every = scenario.faults[number], scenario.blocks[disturbance.target.block].every
+        if late and fault.until is None:
+            faults.notes.append(_LATE.format(sentence(fault)))
+            continue
+        message = (
+            f"no step of {disturbance.target.block} is given a value from {fault.at:.10g} s"
+            f"{'' if fault.until is None else f' to {fault.until:.10g} s'}; "
+            f"it is stepped each {float(every * Fraction(repr(scenario.step))):.10g} s"
+        )
+        errors.append(scenario.error(("faults", number, "at"), message))
+    if errors:
+        raise InputError(*errors)
+    faults.disturbances = [d for d in faults.disturbances if d.number not in unseen]
+
+
+def _is_seen(scenario: Scenario, disturbance: Disturbance, places: Mapping[str, int]) -> bool:
+    """Whether the receiver is given a value of the span: at the start or by a step."""
+    (first, last), behind = disturbance.span, disturbance.behind(scenario.exchange == "parallel", places)
+    every, (steps, _) = scenario.blocks[disturbance.target.block].every, steps_to(scenario, scenario.duration)
+    end = max(-(-(first + behind) // every), 1) * every
+    at_start = first == 0 and not disturbance.delayed and last > 0
+    return at_start or (end <= steps and end - behind < last)
 
 
 def _signal(reference: Reference, models: Mapping[str, Model]) -> tuple[str, Variable, list[int]]:
@@ -163,7 +208,9 @@ def _tunable(model: Model) -> str:
     return f"; tunable are {', '.join(names)}" if 0 < len(names) <= 12 else ""
 
 
-def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span) -> list[Disturbance]:
+def _disturbances(
+    number: int, fault: Fault, models: Mapping[str, Model], wiring: Wiring, span: Span
+) -> list[Disturbance]:
     reference = fault.target
     block, variable, positions = _signal(reference, models)
     if variable.causality == "parameter":
@@ -179,7 +226,7 @@ def _disturbances(fault: Fault, models: Mapping[str, Model], wiring: Wiring, spa
                 own = value
             else:
                 continue
-            disturbances.append(Disturbance(target, source, link.delayed, fault.kind, own, span))
+            disturbances.append(Disturbance(target, source, link.delayed, fault.kind, own, span, number))
     if not disturbances and variable.causality == "input":
         raise QuantityError(f"{reference} is not connected; remedy: set: {reference} = ...")
     if not disturbances:

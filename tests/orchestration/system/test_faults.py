@@ -91,6 +91,34 @@ def test_a_fault_at_the_start_acts_in_initialization():
     np.testing.assert_allclose(biased["law.y"], TIME + 1.0)
 
 
+@pytest.mark.parametrize(
+    ("fault", "every", "told"),
+    [
+        ({"at": 0.5, "until": 0.7, "cut": "plant.y"}, 4, "law is given a value from 0.5 s to 0.7 s; it is stepped each 0.4 s"),
+        ({"at": 1.9, "cut": "plant.y"}, 4, "law is given a value from 1.9 s; it is stepped each 0.4 s"),
+        ({"at": 2.0, "freeze": "law.y"}, 1, "plant is given a value from 2 s; it is stepped each 0.1 s"),
+        ({"at": 2.0, "bias": "plant.u", "by": 1}, 1, "plant is given a value from 2 s; it is stepped each 0.1 s"),
+    ],
+)  # fmt: skip
+def test_a_fault_of_a_signal_that_no_step_sees_is_refused(fault, every, told):
+    """What the law gives at 2 s, the end, is a step behind for the plant; with `every` 4 the law's last step ends at 2 s."""
+    with pytest.raises(InputError) as info:
+        chain(fault, every={"law": every}, scenario={"duration": 1.9 if every == 4 and fault["at"] > 1 else 2})
+    assert f"faults[1].at: no step of {told}" in str(info.value)
+
+
+@pytest.mark.parametrize(
+    ("fault", "every"),
+    [
+        ({"at": 0.5, "until": 0.9, "cut": "plant.y", "to": 9}, 4),
+        ({"at": 2.0, "cut": "plant.y", "to": 9}, 4),
+        ({"at": 0.0, "until": 0.1, "cut": "plant.y", "to": 9}, 4),
+    ],
+)
+def test_a_fault_of_a_signal_that_one_step_sees_acts(fault, every):
+    assert 9.0 in chain(fault, every={"law": every})["law.y"]
+
+
 def test_a_fault_of_an_input_is_that_of_one_receiver_alone():
     blocks = [ramp("plant"), law("one"), law("two")]
     connections = ["plant.y -> one.u", "plant.y -> two.u"]
