@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from calendar import isleap
 from datetime import UTC, datetime, timedelta
 
 EARTH_RATE = 7.2921158553e-5
@@ -52,5 +53,4 @@ def day_of_year(epoch: datetime) -> float:
 def decimal_year(epoch: datetime) -> float:
     """The date as a year with its fraction elapsed, as the field models count time."""
     start = datetime(epoch.year, 1, 1, tzinfo=UTC)
-    end = datetime(epoch.year + 1, 1, 1, tzinfo=UTC)
-    return epoch.year + (epoch - start) / (end - start)
+    return epoch.year + (epoch - start) / timedelta(days=366 if isleap(epoch.year) else 365)

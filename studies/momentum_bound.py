@@ -68,8 +68,6 @@ class Verdict:
     """rho times the integral of |B x p|, N m s, the most that the rods give along p/|p|."""
     slack: float
     """Disturbances and tolerances, N m s."""
-    simple_gap: float
-    """g of the simple direction D/|D| alone, N m s; never above `gap`."""
 
     @property
     def possible(self) -> bool:
@@ -208,7 +206,6 @@ class MomentumBalance:
             needed=float(best @ D) - self.l_max * abs(float(best @ a)),
             impulse=self.impulse(best, T),
             slack=self.slack(T),
-            simple_gap=self.gap(simple, T),
         )
 
     def _optimise(self, start: Array, D: Array, a: Array, T: float) -> Array:

@@ -20,7 +20,6 @@ from ..native import COMMON, SHELL
 from ..native.generate import block_header, ports_header, table
 from .fill import filled
 
-LANGUAGES = ("c", "python")
 SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
 """The run of which the test vector is a part, if no other is asked for."""
 

@@ -7,6 +7,7 @@ import select
 import socket
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 
 KINDS = ("udp", "tcp", "serial", "pipe")
 
@@ -40,7 +41,7 @@ def serve(receive: Callable[[bytes], bytes], arguments: list[str]) -> None:
 
 
 def _answer_caller(receive: Callable[[bytes], bytes], line: socket.socket) -> None:
-    with line:
+    with line, suppress(ConnectionError):  # a caller that leaves with answers unread resets the line
         line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         while data := line.recv(65536):
             line.sendall(receive(data))

@@ -24,7 +24,7 @@ from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface
 from ..native.toolchain import PLATFORMS
-from .shell import PLATFORM_ARGUMENTS, SOURCE, compile_shell
+from .shell import PLATFORM_ARGUMENTS, compile_shell, shell_sources
 
 RUNTIME = (
     "parsing.py",
@@ -72,7 +72,7 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
     content = _content(interface, folder)
     tool = f"PythonFMU {version('pythonfmu')}, for hosts that hold Python 3.11 or later with numpy"
     digest = hashlib.sha256(model_description(interface, "", CAPABILITIES, tool, NEEDS))
-    for name, data in sorted(content.items()):
+    for name, data in sorted((content | shell_sources()).items()):
         digest.update(f"{name}\n{len(data)}\n".encode() + data)
     identity = digest.hexdigest()
     entry = f"{interface.name}_{identity[:12]}"
@@ -93,7 +93,7 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
 
 
 def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
-    """Everything that decides what the FMU does, by its path inside the package of the code."""
+    """The package of the code, by path inside it."""
     content = {name: (_FMUS / name).read_bytes() for name in RUNTIME}
     content["interface.toml"] = interface.source.encode()
     carried = _carried(folder)
@@ -101,7 +101,6 @@ def _content(interface: Interface, folder: Path) -> dict[str, bytes]:
     if (folder / "tables").exists() or (folder / "tables.py").exists():
         with module_of(folder, "tables") as tables:
             content |= {f"{carried}/tables/{path}": data for path, data in tables.dump().items()}
-    content["shell.c"] = SOURCE.read_bytes()
     return content
 
 
@@ -126,7 +125,6 @@ def _build(
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
     (code / "__init__.py").touch()
-    (code / "shell.c").unlink()
     script = code.parent / f"{entry}.py"
     text = _ENTRY.format(
         code=code.name, name=interface.name, description=interface.description, package=block, identity=identity

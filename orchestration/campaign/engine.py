@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -190,7 +190,7 @@ def _with_cause(data: Any, there: int, verdicts: list[Verdict]) -> list[Verdict]
 def _extended(case: Case, earlier: dict[str, Any]) -> bool:
     """Whether runs were added to a campaign that had its verdicts on fewer."""
     runs = earlier.get("runs", {})
-    judged = bool(earlier.get("verdicts")) and runs["flown"] == runs["wanted"] < case.runs
+    judged = bool(earlier.get("verdicts")) and runs.get("flown") == runs.get("wanted", case.runs) < case.runs
     return judged or bool(earlier.get("extended"))
 
 
@@ -204,6 +204,14 @@ def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
         return None
 
 
+def _is_sound(earlier: Mapping[str, Any]) -> bool:
+    """Whether what is taken over from a manifest has its types."""
+    runs = earlier.get("runs", {})
+    counts = list(runs.values()) if isinstance(runs, dict) else [None]
+    texts = all(isinstance(earlier.get(key, ""), str) for key in ("started", "state"))
+    return texts and all(type(n) is int for n in counts) and type(earlier.get("wall_time", 0.0)) in (int, float)
+
+
 def _earlier(case: Case, folder: Path) -> dict[str, Any]:
     """The manifest that an earlier start of this campaign left. Raises InputError where it is another campaign's."""
     path = folder / MANIFEST
@@ -215,7 +223,7 @@ def _earlier(case: Case, folder: Path) -> dict[str, Any]:
     with suppress(OSError, ValueError):
         found = json.loads(path.read_text("utf-8"))
     parts = found.get("parts") if isinstance(found, dict) else None
-    if not isinstance(parts, dict):
+    if not isinstance(parts, dict) or not _is_sound(found):
         raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
     if found.get("fingerprint") != case.fingerprint:
         differ = [name for name, value in case.parts.items() if parts.get(name) != value]

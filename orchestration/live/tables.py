@@ -19,7 +19,8 @@ from ..instances.calls import Exchange
 from ..instances.layout import exchanges
 from ..master.bus import Bus, Seat, lay_out
 from ..runner.plan import Plan
-from ..system.faults import Disturbance, Faults, Setting
+from ..system.disturbances import Disturbance
+from ..system.faults import Faults, Setting
 from ..system.starts import Start
 from ..system.wiring import Node
 

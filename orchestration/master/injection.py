@@ -12,7 +12,8 @@ from ..errors import BlockError
 from ..fmu.model import Element
 from ..instances.block import Block
 from ..system.clock import Clock
-from ..system.faults import Disturbance, Faults, Setting
+from ..system.disturbances import Disturbance
+from ..system.faults import Faults, Setting
 from ..system.wiring import Node
 from .bus import Bus, Seat
 

@@ -15,7 +15,8 @@ from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
 from ..system import agreement, order, panels, periods, signals, starts, timeline, view, wiring
 from ..system.clock import Clock, check_size, clock
-from ..system.faults import Faults, drop_unseen, resolve
+from ..system.disturbances import acting
+from ..system.faults import Faults, resolve
 from ..system.order import Hook, Order
 from ..system.phases import phases
 from ..system.starts import Start
@@ -77,7 +78,7 @@ def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | 
         lambda: resolve(scenario, models, wired),
         lambda: timeline.settings(scenario, models, wired),
     )
-    drop_unseen(scenario, sequence.blocks, faults)
+    faults.disturbances = acting(scenario, sequence.blocks, faults.disturbances, faults.notes)
     faults.settings += settings
     faults.notes += remarks
     return wired, sequence, faults

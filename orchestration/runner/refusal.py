@@ -12,7 +12,8 @@ from ..errors import BlockError
 from ..fmu.model import Model
 from ..scenario.scenario import Scenario
 
-_MARK = re.compile(r"\[(?:error|fatal|discard)\] (.*)")
+_MARK = re.compile(r"\[(?:error|fatal|discard)\] (\S.*)")
+"""A line of a message; those of a traceback that show code are indented."""
 
 
 def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError) -> str | None:

@@ -10,8 +10,6 @@ from .expectations import Bound, Span
 from .references import Reference
 from .types import UnitName
 
-STATISTICS = ("final", "maximum", "mean", "minimum", "peak", "rms")
-
 
 class Metric(Span):
     """A number that a run is measured by. Exactly one of `statistic`, `settles`, `reaches`, `share` and `python`."""

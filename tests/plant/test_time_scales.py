@@ -34,6 +34,7 @@ def test_a_decimal_year_counts_the_leap_day():
     assert time_scales.decimal_year(datetime(2012, 7, 2, tzinfo=UTC)) == pytest.approx(2012.5, abs=1e-9)
     assert time_scales.decimal_year(datetime(2009, 7, 2, 12, tzinfo=UTC)) == pytest.approx(2009.5, abs=1e-9)
     assert time_scales.decimal_year(datetime(2010, 1, 1, tzinfo=UTC)) == 2010.0
+    assert time_scales.decimal_year(datetime(9999, 12, 31, tzinfo=UTC)) == pytest.approx(9999.9973, abs=1e-4)
 
 
 @pytest.mark.parametrize("text", dates.READ)

@@ -12,7 +12,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations, product
@@ -178,8 +177,3 @@ def _elements(n: int) -> list[Wrong]:
         if n > 2:
             made.append(Wrong(f"[{i + 1}] and [{i + 2}] exchanged", "axes", np.eye(n)[order]))
     return made
-
-
-def plain_name(text: str) -> str:
-    """A name for a column without blanks."""
-    return re.sub(r"\W+", "_", text).strip("_")

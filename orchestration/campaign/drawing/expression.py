@@ -23,25 +23,27 @@ def _euler(a: Any, b: Any, c: Any) -> Any:
     return np.array(rotation.euler([float(a), float(b), float(c)], "ZYX")).reshape(3, 3)
 
 
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "abs": np.abs,
-    "cos": np.cos,
-    "cross": np.cross,
-    "diag": np.diag,
-    "dot": np.dot,
-    "euler": _euler,
-    "exp": np.exp,
-    "log": np.log,
-    "max": lambda *values: np.max(np.array(values)),
-    "min": lambda *values: np.min(np.array(values)),
-    "norm": np.linalg.norm,
-    "rotation": _rotation,
-    "sin": np.sin,
-    "sqrt": np.sqrt,
-    "tan": np.tan,
-    "transpose": np.transpose,
+FUNCTIONS: dict[str, tuple[int | None, Callable[..., Any]]] = {
+    "abs": (1, np.abs),
+    "cos": (1, np.cos),
+    "cross": (2, np.cross),
+    "diag": (1, np.diag),
+    "dot": (2, np.dot),
+    "euler": (3, _euler),
+    "exp": (1, np.exp),
+    "log": (1, np.log),
+    "max": (None, lambda *values: np.max(np.array(values))),
+    "min": (None, lambda *values: np.min(np.array(values))),
+    "norm": (1, np.linalg.norm),
+    "rotation": (2, _rotation),
+    "sin": (1, np.sin),
+    "sqrt": (1, np.sqrt),
+    "tan": (1, np.tan),
+    "transpose": (1, np.transpose),
 }
-"""`rotation(axis, angle)` and `euler(yaw, pitch, roll)` give matrices that turn vectors; angles in rad."""
+"""By name: how many values it takes, None for one or more, and what it gives.
+
+`rotation(axis, angle)` and `euler(yaw, pitch, roll)` give matrices that turn vectors; angles in rad."""
 _CONSTANTS = {"pi": np.pi}
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: lambda a, b: a + b,
@@ -106,6 +108,10 @@ class Expression:
             if node.func.id not in FUNCTIONS:
                 raise QuantityError(f"there is no function {node.func.id!r}{hint(node.func.id, FUNCTIONS)}")
             parts = list(node.args)
+            wanted, _ = FUNCTIONS[node.func.id]
+            if len(parts) != wanted if wanted else not parts:
+                expected = f"{wanted or 'one or more'} value{'' if wanted == 1 else 's'}"
+                raise QuantityError(f"{node.func.id} takes {expected}, found {len(parts)} in {ast.unparse(node)!r}")
         else:
             raise QuantityError(f"expected arithmetic such as 'diag(J + error)', found {ast.unparse(node)!r}")
         for part in parts:
@@ -152,4 +158,4 @@ class Expression:
             return of[index]
         assert isinstance(node, ast.Call)
         assert isinstance(node.func, ast.Name)
-        return FUNCTIONS[node.func.id](*(self._compute(item, values) for item in node.args))
+        return FUNCTIONS[node.func.id][1](*(self._compute(item, values) for item in node.args))

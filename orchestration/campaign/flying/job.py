@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -173,4 +173,3 @@ def _same(a: Sequence[Cell], b: Sequence[Cell]) -> bool:
 
 
 Rows = list[list[Cell]]
-Fly = Callable[[Sequence[int], Floats | None], Rows]

@@ -127,10 +127,8 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
     const double periods[CLOCKS] = {p->attitude_period, p->rate_period, p->field_period,
                                     p->orbit_period,    p->sun_period,  p->telemetry_period};
     law->p = *p;
-    law->has_period = false;
     for (int i = 0; i < CLOCKS; ++i) {
         law->periods[i] = periods[i] > 0.0 ? periods[i] : p->sample_period;
-        law->has_period = law->has_period || law->periods[i] > 0.0;
     }
     for (int i = 0; i < SUN_SENSORS; ++i) {
         law->sun_axes[i] = unit(vector(p->sun_sensor_axes[i]));

@@ -126,7 +126,7 @@ bool plant_sensors_step(const PlantSensorsLaw *law, PlantSensorsState *x, const 
     for (int i = 0; i < CLOCKS; ++i) {
         int64_t periods = 1;
         spans[i] = h;
-        if (law->has_period && law->periods[i] > 0.0 && !tick(law, i, h, &x->since[i], &periods, &spans[i], f)) {
+        if (law->periods[i] > 0.0 && !tick(law, i, h, &x->since[i], &periods, &spans[i], f)) {
             return false;
         }
         x->sample[i] += periods;

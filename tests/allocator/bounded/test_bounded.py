@@ -177,6 +177,7 @@ def test_a_demand_along_the_wheel_in_a_field_along_it_is_the_wheels_alone():
 
 def test_feed_forward_decides_where_torque_does_not(rng):
     """Of a moment along the field nothing is felt: the preferred dipole comes through, and the torque stays."""
+    compared = 0
     for _ in range(100):
         u, _ = problem(rng, "any", tuned=False)
         u = replace(u, tau_cmd_B=1e-4 * unit(u.tau_cmd_B), omega_B=np.zeros(3), h_w=0.0)
@@ -191,6 +192,8 @@ def test_feed_forward_decides_where_torque_does_not(rng):
             null /= np.linalg.norm(null)
             np.testing.assert_allclose(moved, (along @ null) * null, rtol=0, atol=1e-6)
             np.testing.assert_allclose(torque(z, with_it), torque(y, absent), rtol=0, atol=1e-13)
+            compared += 1
+    assert compared > 90
 
 
 def test_a_plan_that_gives_the_demand_is_followed(rng):
@@ -323,13 +326,17 @@ def test_a_satellite_of_another_size_gets_the_same_shares_of_its_limits():
 
 
 def test_a_limit_that_does_not_act_has_no_say():
+    """Of small demands, without preferences, and where no torque of the motor fills the wheel in a period."""
+    compared = 0
     for u, p in PROBLEMS["any"]:
+        u = replace(u, tau_cmd_B=0.02 * u.tau_cmd_B, h_w=0.2 * u.h_w, dipole_ff=np.full(3, 1e9), wheel_torque_ff=1e9)
+        p = replace(p, command_period=0.5)
         y = given(u, p)
-        if y.demand_fraction < 0.99 and abs(u.h_w) < 0.01 and p.command_period < 1.0:
-            if abs(u.wheel_torque_ff) < 1e9 and (np.abs(u.dipole_ff).max() > 25.0 or abs(u.wheel_torque_ff) > 3e-3):
-                continue  # a preference that a limit cuts
+        if y.demand_fraction < 0.99:
             z = given(u, replace(p, dipole_max=1e9, wheel_torque_max=1e9, wheel_momentum_max=1e9))
             np.testing.assert_allclose(commands(z), commands(y), rtol=1e-6, atol=1e-9)
+            compared += 1
+    assert compared > 100
 
 
 def test_what_is_given_never_works_against_the_demand():

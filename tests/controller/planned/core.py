@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
 from dataclasses import dataclass, field
 from functools import cache
@@ -24,8 +25,10 @@ MODELS = ("igrf14", "wmm2010", "wmm2015", "wmm2020", "wmm2025")
 MU = 3.986004418e14
 U3 = 1.0 / np.sqrt(3.0)
 RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
-STAGES = 208
-WORK_OF_SAMPLE = 176_000
+STAGES, WORK_OF_SAMPLE = (
+    int(re.findall(rf"\b{name} = (\d+)", (NATIVE / file).read_text("utf-8"))[0])
+    for name, file in (("STAGES", "plan.h"), ("WORK_OF_SAMPLE", "work.h"))
+)
 _BLOCK = "controller_planned"
 
 Array = NDArray[np.float64]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import pytest
 
@@ -83,6 +84,15 @@ def test_it_is_refused_with_its_place(loop, old, new, message):
 def test_an_option_still_takes_the_place_of_one_element_of_a_vector(loop):
     loop.write_text(loop.read_text().replace(START, "axis: [1, 0, 0]"))
     assert run(loop, {"motor.axis[2]": 0.5}).manifest["parameters"]["motor"]["axis"] == [1, 0.5, 0]
+
+
+def test_what_a_block_of_the_python_flavour_refuses_is_told_in_its_words_and_not_by_its_code():
+    """The traceback in its log has a line of code that names the value, too."""
+    scenario = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"
+    with pytest.raises(InputError) as info:
+        run(scenario, {"plant.orbit_start": "position_velocity", "plant.r_N0": [0, 0, 0], "flavour": "python"})
+    assert "plant.r_N0=[0, 0, 0]: r_N0 [0.0, 0.0, 0.0] m and v_N0" in str(info.value)
+    assert "raise" not in str(info.value)
 
 
 def test_whole_numbers_that_no_double_holds_are_refused_from_python_too(loop):
