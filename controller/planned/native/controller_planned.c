@@ -22,6 +22,10 @@ static bool ahead_fits(const ControllerPlannedInputs *u, Fault *f)
     static const char *const all =
         "to be connected: connect t_ahead, turn_ahead and Omega_ahead with R_ref, or none of the three";
     const bool times = controller_planned_has_t_ahead(u), turns = controller_planned_has_turn_ahead(u);
+    int given_times = AHEAD_TIMES;
+    while (given_times > 0 && u->t_ahead[given_times - 1] == 0.0) {
+        --given_times;
+    }
     for (int k = 0; k < AHEAD_TIMES; ++k) {
         const NamedVector given[] = {{"t_ahead", {u->t_ahead[k], 0.0, 0.0}},
                                      {"turn_ahead", vector(u->turn_ahead[k])},
@@ -29,7 +33,7 @@ static bool ahead_fits(const ControllerPlannedInputs *u, Fault *f)
         if (!all_finite_vectors(given, COUNT(given), f)) {
             return false;
         }
-        if (times && k > 0 && u->t_ahead[k] != 0.0 && !(u->t_ahead[k] > u->t_ahead[k - 1])) {
+        if (times && k > 0 && k < given_times && !(u->t_ahead[k] > u->t_ahead[k - 1])) {
             return fault(f, "t_ahead", u->t_ahead[k], "ascending times, zeros at the end where there are fewer");
         }
     }
