@@ -32,7 +32,6 @@ _CTYPES = dict(
     )
 )
 _EXCHANGE = "fmi2Status (*)(fmi2Component, const fmi2ValueReference[], size_t, void *)"
-_KINDS = {"cut": "FAULT_CUT", "bias": "FAULT_BIAS", "freeze": "FAULT_FREEZE"}
 
 
 @dataclass
@@ -286,7 +285,7 @@ class _Writer:
             "value": float(fault.value),
             "seat": self.seats[fault.target.block],
             "place": self._input(fault.target),
-            "kind": _KINDS[fault.kind],
+            "kind": f"FAULT_{fault.kind.upper()}",
         }
         return _fields(entries)
 

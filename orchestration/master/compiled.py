@@ -26,6 +26,7 @@ from ..instances.calls import Exchange, Part
 from ..instances.slave import Slave
 from ..interrupt import interruptible
 from ..system.clock import EXACT, Clock
+from ..system.disturbances import KINDS, Disturbance
 from .bus import Bus
 from .injection import Changes
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite
@@ -72,6 +73,14 @@ class _Seat(c.Structure):
     )
 
 
+class _Disturbance(c.Structure):
+    _fields_ = (
+        *((name, c.c_int64) for name in ("first", "last", "behind")),
+        *((name, c.c_double) for name in ("value", "frozen")),
+        *((name, c.c_int32) for name in ("seat", "place", "kind", "acts", "held")),
+    )
+
+
 class _Loop(c.Structure):
     _fields_ = (
         ("seats", c.POINTER(_Seat)),
@@ -91,7 +100,7 @@ class _Loop(c.Structure):
         ("watched_first", c.c_int64),
         ("numerator", c.c_double),
         ("denominator", c.c_double),
-        ("disturbances", _Pointer),
+        ("disturbances", c.POINTER(_Disturbance)),
         ("disturbance_count", _Size),
         ("count", c.c_int64),
         ("begun", c.c_int64),
@@ -103,14 +112,22 @@ class _Loop(c.Structure):
 
 
 def compiled_loop(
-    bus: Bus, clock: Clock, every: Mapping[str, int], parallel: bool, watch: Watch | None, recording: Recording
+    bus: Bus,
+    clock: Clock,
+    every: Mapping[str, int],
+    parallel: bool,
+    watch: Watch | None,
+    recording: Recording,
+    disturbances: Sequence[Disturbance],
 ) -> CompiledLoop | None:
     """The loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
     slaves = [seat.block for seat in bus.seats if isinstance(seat.block, Slave)]
     exact = clock.steps * clock.numerator < EXACT and clock.denominator < EXACT
     if len(slaves) != len(bus.seats) or not exact or (library := _library()) is None:
         return None
-    return CompiledLoop(library, bus, slaves, clock, every, parallel, watch, recording)
+    loop = CompiledLoop(library, bus, slaves, clock, every, parallel, watch, recording)
+    loop.disturb(disturbances)
+    return loop
 
 
 class CompiledLoop:
@@ -153,6 +170,21 @@ class CompiledLoop:
         loop.watched_rows = self._floats(self._watch.rows if self._watch else recording.values)
         loop.numerator, loop.denominator = self._clock.numerator, self._clock.denominator
         self._kept.append(seats)
+
+    def disturb(self, disturbances: Sequence[Disturbance]) -> None:
+        """Takes up the faults of signals."""
+        seats, loop = self._bus.seats, self._loop
+        places = {seat.block.name: place for place, seat in enumerate(seats)}
+        array = (_Disturbance * len(disturbances))()
+        for into, fault in zip(array, disturbances, strict=True):
+            first, last = fault.span
+            into.first, into.last = first, int(min(last, self._clock.steps + 1))
+            into.behind, into.value = fault.behind(bool(loop.parallel), places), fault.value
+            into.seat = places[fault.target.block]
+            into.place = seats[into.seat].inputs.elements.index(fault.target.element)
+            into.kind, into.acts = KINDS.index(fault.kind), True
+        loop.disturbances, loop.disturbance_count = array, len(array)
+        self._kept.append(array)
 
     def _exchanges(self, exchanges: Sequence[Exchange]) -> Any:
         array = (_Exchange * len(exchanges))()

@@ -80,8 +80,9 @@ class Master:
                 bus.values.take(bus.watched, 0, self.watch.row(0), "clip")
             rows = 1
             loop = None
-            if self.compiled and not self.faults.disturbances and self.pacer is None:
-                loop = compiled_loop(bus, self.clock, self.every, self.parallel, self.watch, recording)
+            if self.compiled and self.pacer is None:
+                disturbances = self.faults.disturbances
+                loop = compiled_loop(bus, self.clock, self.every, self.parallel, self.watch, recording, disturbances)
             if loop is not None:
                 loop.run(recording, progress, Changes(self.faults, bus, self.every, self.clock))
             else:

@@ -27,6 +27,10 @@ Span = tuple[int, float]
 LATE = "does not happen, since the run ends before: {}"
 
 
+KINDS = ("cut", "bias", "freeze")
+"""The kinds of faults of signals, in the order in which loop.h counts them."""
+
+
 @dataclass(frozen=True)
 class Disturbance:
     """A fault of one element of a connection. `value` is what is added or given instead, in the receiver's unit."""

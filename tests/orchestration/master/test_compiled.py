@@ -49,6 +49,14 @@ def changed(name: str, **changes: Any) -> dict[str, Any]:
     return data
 
 
+FAULTS = [
+    {"at": 2, "until": 5, "cut": "allocator.dipole_cmd"},
+    {"at": 4, "until": 9, "cut": "plant.b_B[2]", "to": "10 uT"},
+    {"at": 3, "bias": "plant.omega_B", "by": ["0.1 deg/s", 0, 0]},
+    {"at": 6, "until": 8, "freeze": "controller.R_NB"},
+    {"at": 7, "freeze": "allocator.wheel_torque_cmd"},
+    {"at": 7.5, "until": 8, "bias": "plant.wheel_torque_cmd", "by": "1 mN.m"},
+]
 RATES = {"judge": 1, "plant": 1, "controller": 2, "allocator": 5}
 
 
@@ -59,9 +67,21 @@ RATES = {"judge": 1, "plant": 1, "controller": 2, "allocator": 5}
         {"exchange": "parallel"},
         {"record": {"interval": 0.5}},
         {"delays": ["allocator.tau_cmd_B"]},
+        {"faults": FAULTS},
+        {"faults": FAULTS, "exchange": "parallel"},
+        {"faults": FAULTS, "delays": ["allocator.tau_cmd_B"]},
         {"flavour": "python", "duration": 3},
     ],
-    ids=["sequential", "parallel", "recorded-now-and-then", "delayed", "python-fmus"],
+    ids=[
+        "sequential",
+        "parallel",
+        "recorded-now-and-then",
+        "delayed",
+        "faults",
+        "faults-parallel",
+        "faults-delayed",
+        "python-fmus",
+    ],
 )
 def test_both_loops_give_the_same_bits(changes, ran_in_c):
     a, b = both(changed("paper_singularity", **changes), ran_in_c)
