@@ -22,93 +22,18 @@ from fmus import places
 
 from ..fmu.platforms import PLATFORM, SUFFIX
 from ..fmu.types import CODES
-from ..instances.calls import Exchange, Part
+from ..instances.calls import Exchange
 from ..instances.slave import Slave
 from ..interrupt import interruptible
 from ..system.clock import EXACT, Clock
 from ..system.disturbances import KINDS, Disturbance
 from .bus import Bus
 from .injection import Changes
+from .layout import CDisturbance, CExchange, CLoop, CPart, CSeat, Pointer
 from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite
 
 _SOURCE = Path(__file__).with_name("loop.c")
 _SET, _STEP, _GET = range(3)
-
-_Pointer, _Size = c.c_void_p, c.c_size_t
-
-
-class _Part(c.Structure):
-    _fields_ = tuple((name, _Size) for name in Part._fields)
-
-
-class _Exchange(c.Structure):
-    _fields_ = (
-        *((name, _Pointer) for name in "function references values places slots buffer".split()),
-        ("low", c.c_double),
-        ("beyond", c.c_double),
-        ("live", _Part),
-        ("all", _Part),
-        ("type", c.c_int32),
-    )
-
-
-class _Seat(c.Structure):
-    _fields_ = (
-        ("component", _Pointer),
-        ("do_step", _Pointer),
-        ("version", c.c_int32),
-        ("every", c.c_int64),
-        ("step", c.c_double),
-        ("sources", _Pointer),
-        ("factors", _Pointer),
-        ("offsets", _Pointer),
-        ("inputs", _Pointer),
-        ("input_count", _Size),
-        ("setters", c.POINTER(_Exchange)),
-        ("setter_count", _Size),
-        ("getters", c.POINTER(_Exchange)),
-        ("getter_count", _Size),
-        ("outputs", _Pointer),
-        ("output_count", _Size),
-    )
-
-
-class _Disturbance(c.Structure):
-    _fields_ = (
-        *((name, c.c_int64) for name in ("first", "last", "behind")),
-        *((name, c.c_double) for name in ("value", "frozen")),
-        *((name, c.c_int32) for name in ("seat", "place", "kind", "acts", "held")),
-    )
-
-
-class _Loop(c.Structure):
-    _fields_ = (
-        ("seats", c.POINTER(_Seat)),
-        ("seat_count", _Size),
-        ("parallel", c.c_int32),
-        ("bus", _Pointer),
-        ("delayed", _Pointer),
-        ("held", _Pointer),
-        ("delayed_count", _Size),
-        ("columns", _Pointer),
-        ("column_count", _Size),
-        ("rows", _Pointer),
-        ("interval", c.c_int64),
-        ("watched", _Pointer),
-        ("watched_count", _Size),
-        ("watched_rows", _Pointer),
-        ("watched_first", c.c_int64),
-        ("numerator", c.c_double),
-        ("denominator", c.c_double),
-        ("disturbances", c.POINTER(_Disturbance)),
-        ("disturbance_count", _Size),
-        ("count", c.c_int64),
-        ("begun", c.c_int64),
-        ("seat", c.c_int32),
-        ("call", c.c_int32),
-        ("part", c.c_int32),
-        ("status", c.c_int32),
-    )
 
 
 def compiled_loop(
@@ -146,11 +71,11 @@ class CompiledLoop:
     ) -> None:
         self._clock, self._bus, self._slaves, self._run = clock, bus, slaves, library.run_loop
         self._kept: list[Any] = []  # what C has pointers to
-        seats = (_Seat * len(slaves))()
+        seats = (CSeat * len(slaves))()
         for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
             every = rates.get(slave.name, 1)
             into.component = slave.component
-            into.do_step, into.version = c.cast(slave.step_function, _Pointer), int(slave.model.fmi[0])
+            into.do_step, into.version = c.cast(slave.step_function, Pointer), int(slave.model.fmi[0])
             into.every, into.step = every, every * self._clock.numerator / self._clock.denominator
             into.sources, into.input_count = self._whole(seat.inputs.sources), len(seat.inputs.sources)
             into.factors, into.offsets = self._floats(seat.inputs.factors), self._floats(seat.inputs.offsets)
@@ -158,7 +83,7 @@ class CompiledLoop:
             into.setters, into.setter_count = self._exchanges(slave.setters), len(slave.setters)
             into.getters, into.getter_count = self._exchanges(slave.getters), len(slave.getters)
             into.outputs, into.output_count = self._floats(seat.view), len(seat.view)
-        loop = self._loop = _Loop(seats, len(seats), parallel, self._floats(bus.values))
+        loop = self._loop = CLoop(seats, len(seats), parallel, self._floats(bus.values))
         if bus.delay is not None:
             loop.delayed, loop.delayed_count = self._whole(bus.delay.sources), len(bus.delay.sources)
             loop.held = self._floats(bus.values[bus.delay.first :])
@@ -175,7 +100,7 @@ class CompiledLoop:
         """Takes up the faults of signals."""
         seats, loop = self._bus.seats, self._loop
         places = {seat.block.name: place for place, seat in enumerate(seats)}
-        array = (_Disturbance * len(disturbances))()
+        array = (CDisturbance * len(disturbances))()
         for into, fault in zip(array, disturbances, strict=True):
             first, last = fault.span
             into.first, into.last = first, int(min(last, self._clock.steps + 1))
@@ -187,15 +112,15 @@ class CompiledLoop:
         self._kept.append(array)
 
     def _exchanges(self, exchanges: Sequence[Exchange]) -> Any:
-        array = (_Exchange * len(exchanges))()
+        array = (CExchange * len(exchanges))()
         for into, exchange in zip(array, exchanges, strict=True):
-            into.function = c.cast(exchange.function, _Pointer)
+            into.function = c.cast(exchange.function, Pointer)
             into.references = exchange.references.ctypes.data
             into.values, into.buffer = exchange.values.ctypes.data, exchange.buffer.ctypes.data
             into.places = None if exchange.direct else exchange.places.ctypes.data
             into.slots, into.type = exchange.slots.ctypes.data, CODES.index(exchange.native.code)
             into.low, into.beyond = exchange.native.bounds
-            into.live, into.all = _Part(*exchange.live), _Part(*exchange.all)
+            into.live, into.all = CPart(*exchange.live), CPart(*exchange.all)
         self._kept += [array, exchanges]
         return array
 
@@ -261,7 +186,7 @@ def _library() -> c.CDLL | None:
         library = c.CDLL(str(path or _compiled(places.work() / "loop")))
     except (RuntimeError, OSError):  # no compiler, or no folder to write to: the loop in Python will do
         return None
-    library.run_loop.argtypes = (c.POINTER(_Loop), c.c_int64)
+    library.run_loop.argtypes = (c.POINTER(CLoop), c.c_int64)
     return library
 
 

@@ -28,8 +28,7 @@ typedef struct {
 typedef struct {
     PlantSensorsParameters p;
     double periods[CLOCKS]; /* s; 0: a measurement at every step */
-    bool turns_attitude, has_rate_error, has_field_error, has_drift, has_rate_scale, has_field_scale,
-        has_rod_coupling;
+    bool turns_attitude, has_rate_error, has_field_error, has_drift, has_rate_scale, has_field_scale, has_rod_coupling;
     Vector boresight, fine_sun_axis, sun_axes[SUN_SENSORS]; /* unit, or zeros */
     double cos_sun_exclusion, cos_sun_sensor, cos_fine_sun;
 } PlantSensorsLaw;
