@@ -21,6 +21,7 @@ from fmus.versions import version_of
 
 from ..errors import InputError, hint
 from . import zipped
+from .aliases import aliases, set_together
 from .co_simulation import CoSimulation
 from .description import describe
 from .head import Head, line, read_head
@@ -181,6 +182,10 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
     # The version decides first: the schema's complaints about another version would only confuse.
     check_version(path, head)
     description, model, problems = described(path, head, lenient)
+    if description.fmiVersion == "2.0":
+        problems += [text + wrong for alike, text in aliases(description) if (wrong := set_together(alike))]
+        if problems and not lenient:
+            raise _not_valid(path, problems)
     return Fmu(path, _digest(path), CoSimulation.of(description), model, tuple(problems))
 
 
