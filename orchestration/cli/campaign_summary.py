@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import io
-import sys
 from collections.abc import Mapping
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from ..campaign.statistics.verdicts import percent, probability
-from ..errors import printable
 from ..quantities import with_unit
-from .console import is_terminal, say
+from .console import say, table
 
-_WIDTH = 80
-_COLOURS = {"met": "green", "not met": "bold red", "undecided": "yellow"}
+_COLOURS = {"met": "green", "not met": "red", "undecided": "yellow"}
 _DASH = "\N{EN DASH}"
 _NAMED = 4
 """Varied entries that are named for each metric at most."""
@@ -36,7 +28,7 @@ def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
         failed = f"{runs['failed']:,} run{'s' * (runs['failed'] > 1)} failed and meet{'s' * (runs['failed'] == 1)} no requirement"
         say(f"{failed}; the first: {reason}" if reason else failed, fg="yellow")
     if manifest["verdicts"]:
-        _print(_verdicts(manifest))
+        _verdicts(manifest)
         for verdict in manifest["verdicts"]:
             if verdict["status"] == "undecided":
                 say(f"{verdict['name']}: undecided: {verdict['text']}", fg="yellow")
@@ -44,33 +36,19 @@ def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
     _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]})
 
 
-def _verdicts(manifest: Mapping[str, Any]) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="", width=_WIDTH)
-    for name in ("verdict", "requirement", "bound", "required", "share, bounds"):
-        table.add_column(name, no_wrap=name in ("verdict", "share, bounds"), overflow="fold")
+def _verdicts(manifest: Mapping[str, Any]) -> None:
     asked = {requirement["name"]: requirement for requirement in manifest["requirements"]}
+    rows = []
     for v in manifest["verdicts"]:
         share = f"{v['share']:.5g}" if v["share"] is not None else _DASH
-        cells = (
-            v["name"],
-            asked[v["name"]]["expected"],
-            f"{v['probability']:g} at {percent(v['confidence'])}",
-            f"{share} (\N{GREATER-THAN OR EQUAL TO} {probability(v['low'])}, \N{LESS-THAN OR EQUAL TO} {probability(v['high'], up=True)})",
-        )
-        table.add_row(Text(v["status"], _COLOURS[v["status"]]), *(Text(printable(str(cell))) for cell in cells))
-    return table
-
-
-def _print(table: Table) -> None:
-    """Prints a table of rich by way of `say`, which minds what becomes of the streams."""
-    coloured = is_terminal(sys.stdout)
-    console = Console(
-        file=io.StringIO(), width=_WIDTH, force_terminal=coloured, color_system="standard" if coloured else None
-    )
-    console.print(table)
+        required = f"{v['probability']:g} at {percent(v['confidence'])}"
+        bounds = f"(\N{GREATER-THAN OR EQUAL TO} {probability(v['low'])}, \N{LESS-THAN OR EQUAL TO} {probability(v['high'], up=True)})"
+        rows.append((v["status"], v["name"], asked[v["name"]]["expected"], required, f"{share} {bounds}"))
+    header, *lines = table(("verdict", "requirement", "bound", "required", "share, bounds"), rows)
     say()
-    for line in console.file.getvalue().rstrip("\n").split("\n"):  # type: ignore[attr-defined]
-        say(head=line.rstrip())
+    say(header)
+    for line, v in zip(lines, manifest["verdicts"], strict=True):
+        say(line, fg=_COLOURS[v["status"]])
 
 
 def _influence(found: Mapping[str, Any] | None) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 
 import click
@@ -18,7 +17,7 @@ from ..results.place import check_writable
 from ..runner.read import load, read
 from ..scenario.source import Source
 from ..swap.option import swapped
-from .console import Progress, complain, notes, say, say_json, table
+from .console import Progress, complain, folded, notes, say, say_json, table
 from .help import examples
 from .options import DURATION, MAP, SET, SWAP, out_folder
 from .overrides import overridden
@@ -150,8 +149,6 @@ def _print(campaign: Campaign, files: list[Path]) -> None:
     for name, wrongs, reason, remedy in page.unobservable(campaign):
         some = ", ".join(wrongs[:4]) + (f" and {len(wrongs) - 4} more" if len(wrongs) > 4 else "")
         say()
-        for line in textwrap.wrap(f"not observable: {name}: {some}: {reason}", 80, subsequent_indent="  "):
-            say(line, fg="yellow")
-        for line in textwrap.wrap(f"-> add {remedy}", 80, initial_indent="  ", subsequent_indent="     "):
-            say(line)
+        say(folded(f"not observable: {name}: {some}: {reason}"), fg="yellow")
+        say(folded(f"-> add {remedy}", "  "))
     say(f"\ntables in {files[0].parent}: {', '.join(path.name for path in files)}")

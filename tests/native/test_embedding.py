@@ -28,6 +28,13 @@ ZIG = [sys.executable, "-m", "ziglang", "cc"]
 FLIGHT = [f for f in FLAGS if not f.startswith("-fvisibility")]
 
 
+SIZES = """size_t sizes(int which)
+{
+    return which == 0 ? sizeof(ControllerLaw) + sizeof(ControllerState) : sizeof(AllocatorLaw) + sizeof(AllocatorState);
+}
+"""
+
+
 def listing() -> str:
     text = (ROOT / "docs" / "embedding.md").read_text("utf-8")
     (found,) = re.findall(r"```c\n(.*?)```", text, flags=re.DOTALL)
@@ -48,9 +55,11 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     )
     source = made / "flight.c"
     text = listing().replace(
-        "static AllocatorInputs demand", own + "size_t size_of(void);\nstatic AllocatorInputs demand", 1
+        "static AllocatorInputs demand",
+        own + "size_t size_of(void), sizes(int which);\nstatic AllocatorInputs demand",
+        1,
     )
-    source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n")
+    source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n" + SIZES)
     library = made / "flight.so"
     objects = []
     for block in ("controller", "allocator"):
@@ -140,6 +149,12 @@ def test_the_listing_flies_as_the_reference_does(flight: ctypes.CDLL) -> None:
 
 
 FLOWN = ("controller", "allocator", "allocator_bounded", "controller_planned", "estimator")
+
+
+def test_the_page_states_the_memory_of_both_laws(flight: ctypes.CDLL) -> None:
+    flight.sizes.restype = ctypes.c_size_t
+    stated = f"One controller takes {flight.sizes(0)} bytes and one allocator {flight.sizes(1)} bytes"
+    assert stated in (ROOT / "docs" / "embedding.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("block", FLOWN)

@@ -106,11 +106,12 @@ def test_a_port_wired_wrongly_and_back_is_wired_as_it_was(paper):
 # ---------------------------------------------------------------- a small loop
 
 
-def test_a_flipped_sign_in_a_small_loop_is_shown_by_its_expectation_and_all_is_written(loop):
+def test_a_flipped_sign_in_a_small_loop_is_shown_by_its_expectation_and_all_is_written(loop, monkeypatch):
     """dx/dt = -x becomes dx/dt = x: 2 rad/s times 1.1^n is above 30 rpm, 3.14 rad/s, at n = 5.
 
     A tachometer with the opposite sign is not seen by an expectation that has an upper bound only.
     """
+    monkeypatch.setenv("COLUMNS", "100")
     result = orchestrate("polarity", loop, "--processes", 1, "--out", "out")
     assert result.exit_code == 0, result.output
     data = json.loads(Path("out/polarity.json").read_text())
