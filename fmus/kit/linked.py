@@ -111,7 +111,7 @@ def lay_out(interface: Interface, block: Path, folder: Path) -> Sources:
 def python_ports(interface: Interface) -> str:
     """ports.py: the variables on the line, in Python."""
     parts = [
-        f'"""The interface {interface.name} on the line. Generated from interface.toml; do not edit."""\n',
+        f'"""The interface {interface.name} on the line. Generated from interface.toml; do not edit."""\n# fmt: off\n',
         "from link.device import Field, Ports\n",
         f"PORTS = Ports(\n    name={interface.name!r},\n    hash=bytes.fromhex({wire.interface_hash(interface).hex()!r}),",
     ]
