@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import plant
+from fmus.interface import load
+from plant.checks import AT_LEAST, DRAG_RANGES, ROD_GAIN_MAX
 from tests.blocks import parameters
 from tests.plant.motion import checked
 
@@ -149,3 +151,13 @@ def test_the_papers_printed_attitude_is_projected_onto_a_rotation():
     assert np.abs(R.T @ R - np.eye(3)).max() < 1e-15
     assert checked(Q0=printed).orbit.position_velocity(0.0)[0] is not None
     assert np.abs(R - checked().R_NB0 @ printed).max() < 2e-4
+
+
+def test_ranges_are_those_of_the_interface():
+    """The FMUs refuse what lies beyond the interface's, the block what lies beyond its own."""
+    stated = {v.name: (v.min, v.max) for v in load("plant").of("parameter")}
+    for name, least, _ in AT_LEAST:
+        assert stated[name] == (least, None), name
+    for name, low, high, _ in DRAG_RANGES:
+        assert stated[name] == (low, high), name
+    assert stated["rod_gain"] == (-ROD_GAIN_MAX, ROD_GAIN_MAX)
