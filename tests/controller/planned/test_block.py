@@ -14,92 +14,24 @@ from tests.native.driver import Instance, Refused
 from tests.native.test_shell import saved, serialized
 
 from . import core
-from .truth import DAYS, NORMAL, Truth, orbit
-
-BLOCK = "controller_planned"
-J = np.diag([2.13, 3.04, 3.09])
-RODS = 25.0 * core.RODS
-E1 = np.array([1.0, 0.0, 0.0])
-AS_MEASURED = {
-    "attitude_noise": 0.0,
-    "rate_noise": 0.0,
-    "identify": False,
-    "disturbance_max": 0.0,
-    "residual_dipole_max": 0.0,
-    "rate_bias_max": 0.0,
-}
-"""No estimator between the measurements and the law."""
-KNOWN = {name: value for name, value in AS_MEASURED.items() if not name.endswith("noise")}
-"""Nothing to be learned: also from motions that no satellite has."""
-SEARCHED = 40.0
-"""s, by which the search for the first plan is over."""
-
-
-def lvlh(t=0.0):
-    r, _ = orbit(t)
-    z, y = -r / np.linalg.norm(r), -NORMAL
-    return np.column_stack((np.cross(y, z), y, z))
-
-
-def near_target(t):
-    """Inputs as of a satellite that nods about LVLH: smooth functions of time, so acquisition and hold."""
-    r, v = orbit(t)
-    angle = 0.2 * np.array([math.cos(0.02 * t), math.sin(0.01 * t), 0.5])
-    R = lvlh(t) @ Rotation.from_rotvec(angle).as_matrix()
-    return {
-        "R_NB": R,
-        "omega_B": [-0.004 * math.sin(0.02 * t), -1.08e-3 + 0.002 * math.cos(0.01 * t), 0.0],
-        "r_N": r, "v_N": v, "h_w": 0.004 * math.cos(0.01 * t), "b_B": R.T @ core.field_at("igrf14", DAYS, 10, r, t),
-        "u_applied": [3.0, -2.0, 5.0 * math.cos(0.03 * t), -4e-5 * math.sin(0.01 * t)],
-    }  # fmt: skip
-
-
-def at_target(t):
-    """At rest in LVLH with nothing to do: a motion that the equations have."""
-    r, v = orbit(t)
-    rate = np.linalg.norm(np.cross(r, v)) / (r @ r)
-    R = lvlh(t)
-    still = {"R_NB": R, "omega_B": [0.0, -rate, 0.0], "h_w": 0.0, "u_applied": [0.0, 0.0, 0.0, 0.0]}
-    return {**near_target(t), **still, "b_B": R.T @ core.field_at("igrf14", DAYS, 10, r, t)}
-
-
-def tumbling(t):
-    """A spin about a principal axis, without torque."""
-    R, B = Rotation.from_rotvec([0.0, 0.07 * t, 0.0]).as_matrix(), core.field_at("igrf14", DAYS, 10, orbit(t)[0], t)
-    still = {"u_applied": [0.0, 0.0, 0.0, 0.0], "h_w": 0.0}
-    return {**near_target(t), **still, "omega_B": [0.0, 0.07, 0.0], "R_NB": R, "b_B": R.T @ B}
-
-
-def feed(it, values):
-    for name, value in values.items():
-        it.set(name, value)
-
-
-def started(inputs=near_target, **changes):
-    it = Instance(BLOCK)
-    feed(it, changes)
-    feed(it, inputs(0.0))
-    it.initialize()
-    return it
-
-
-def run(it, first, last, h=0.5, inputs=near_target):
-    """Steps of h from first to last, s; the outputs after each."""
-    found = []
-    for i in range(round(first / h), round(last / h)):
-        feed(it, inputs((i + 1) * h))
-        it.step(i * h, h)
-        found.append(it.outputs())
-    return found
-
-
-def same(a, b):
-    return all(np.array_equal(a[name], b[name]) for name in a)
-
-
-def alike(a, b, rel=1e-9):
-    return all(np.allclose(a[name], b[name], rtol=rel, atol=rel * max(1e-6, np.abs(b[name]).max())) for name in a)
-
+from .block import (
+    AS_MEASURED,
+    BLOCK,
+    E1,
+    KNOWN,
+    SEARCHED,
+    J,
+    alike,
+    at_target,
+    feed,
+    lvlh,
+    near_target,
+    run,
+    same,
+    started,
+    tumbling,
+)
+from .truth import DAYS, orbit
 
 # ------------------------------------------------------------------------------------------- samples
 
@@ -300,6 +232,25 @@ def test_without_h_w_the_wheel_is_reckoned_from_what_was_given():
     assert found == pytest.approx(np.maximum(np.cumsum(0.5 * torque), -0.03), abs=1e-12)
 
 
+def test_without_a_measured_field_the_controller_goes_on_with_the_difference_that_it_has_seen():
+    """The rods' commands of the steering follow the field: with the sign of the difference wrong they would turn away."""
+    starts = {v.name: v.start for v in load(BLOCK).of("input")}
+    with Instance(BLOCK) as it:
+        it.set("omega_B", [0.06, -0.05, 0.08])
+        it.initialize()
+        own = it.get("dipole_ff")  # by the onboard field alone
+        assert it.get("phase") == 1
+        it.call("Reset")
+        it.set("omega_B", [0.06, -0.05, 0.08])
+        it.set("b_B", [1.5e-5, -2.5e-5, 1e-5])
+        it.initialize()
+        measured = it.get("dipole_ff")
+        it.set("b_B", starts["b_B"])
+        remembered = it.get("dipole_ff")
+    assert np.linalg.norm(measured - own) > 1.0
+    assert np.linalg.norm(remembered - measured) < 0.5 * np.linalg.norm(remembered - own)
+
+
 # ------------------------------------------------------------------------------------------- refusals
 
 
@@ -492,203 +443,3 @@ def test_while_steering_the_torque_is_that_of_the_feed_forward():
                 np.cross((y["dipole_ff"] * y["rod_gains_estimate"]) @ core.RODS, u["b_B"]) - y["wheel_torque_ff"] * E1
             )
             assert y["tau_cmd_B"] + np.cross(u["omega_B"], u["h_w"] * E1) == pytest.approx(given, abs=2e-6)
-
-
-# ------------------------------------------------------------------------------------------- identification
-
-
-def tumble(J_true, gain, seconds, seed=0, rate_noise=0.0, rods=True, wheel=True, d_B=(0.0, 0.0, 0.0), glitch=None):
-    """The last outputs of a controller that looks at a tumbling satellite with commands that are not its own."""
-    rng = np.random.default_rng(seed)
-    truth = Truth(
-        J_true,
-        gain * RODS,
-        np.array(d_B),
-        Rotation.random(random_state=seed).as_matrix(),
-        np.array([0.05, -0.04, 0.045]),
-    )
-    with Instance(BLOCK) as it:
-        feed(it, {**truth.measured(), "rate_noise": max(rate_noise, 1e-6)})
-        it.initialize()
-        for i in range(int(2 * seconds)):
-            if i % 20 == 0:
-                u, dl = rng.uniform(-1, 1, 3) * rods, rng.uniform(-1e-3, 1e-3) * wheel
-                dl = dl if abs(truth.h_w + 10 * dl) < 0.02 else -dl
-            truth.fly(u, dl, 0.5)
-            measured = truth.measured(rng, rate_noise)
-            if i == glitch:
-                measured["omega_B"] = measured["omega_B"] + np.array([0.2, -0.1, 0.3])
-            feed(it, {**measured, "u_applied": [*(25.0 * u), dl]})
-            it.step(0.5 * i, 0.5)
-        return it.outputs()
-
-
-SCALES = np.diag([1.06, 0.95, 1.04])
-
-
-def test_inertia_and_rod_gain_are_found_in_a_tumble():
-    found = tumble(J @ SCALES, 0.9, 400, rate_noise=1e-5)
-    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
-    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
-    assert inertia == pytest.approx(np.diag(SCALES), abs=0.03)
-    assert found["rod_gain_estimate"] == pytest.approx(0.9, abs=0.03)
-
-
-def held(d_B, own, samples, **changes):
-    """Outputs after samples near LVLH, and the field there, of a satellite with a torque and a dipole of its own."""
-    rng = np.random.default_rng(1)
-    truth = Truth(J, RODS, d_B, lvlh(0.0), np.array([0.0, -1.08e-3, 0.0]), own_dipole=own)
-    with Instance(BLOCK) as it:
-        feed(it, {**truth.measured(), **changes})
-        it.initialize()
-        for i in range(samples):
-            # The test holds the satellite by what it knows itself: the block is only asked for its estimates.
-            if i % 10 == 0:
-                Q = lvlh(truth.t).T @ truth.R
-                error = Rotation.from_matrix(Q).as_rotvec()
-                rate = truth.Omega - Q.T @ np.array([0.0, -1.08e-3, 0.0])
-                B = truth.R.T @ truth.field_N(truth.t)
-                wanted = -2e-4 * error - 0.03 * rate - d_B - np.cross(own, B)
-                A = np.column_stack((np.cross(RODS, B).T, -E1))
-                u = np.linalg.pinv(A * [1.0, 1.0, 1.0, 0.03]) @ wanted
-                u, dl = np.clip(u[:3], -1, 1), float(np.clip(0.03 * u[3], -1e-3, 1e-3))
-            truth.fly(u, dl, 0.5)
-            feed(it, {**truth.measured(rng, 1e-6), "u_applied": [*(25.0 * u), dl]})
-            it.step(0.5 * i, 0.5)
-        return it.outputs(), truth.R.T @ truth.field_N(truth.t)
-
-
-def test_a_torque_of_the_satellites_own_is_found_whatever_it_is_of():
-    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does not."""
-    d_B, own = np.array([6e-6, -8e-6, 5e-6]), np.array([0.10, -0.15, 0.2])
-    y, B = held(d_B, own, 4000)
-    torque = d_B + np.cross(own, B)
-    found = y["disturbance_B"] + np.cross(y["residual_dipole_estimate_B"], B)
-    assert np.linalg.norm(found - torque) < 0.25 * np.linalg.norm(torque)
-
-
-def test_a_dipole_of_the_satellites_own_is_found_slowly_where_there_is_no_other_torque():
-    """Its torque shows little in a window of 5 s, so it takes orbits; after 1000 s a part of it, and of no other, is known."""
-    own = np.array([0.10, -0.15, 0.2])
-    y, _ = held(np.zeros(3), own, 2000, disturbance_max=0.0)
-    found = y["residual_dipole_estimate_B"]
-    assert 0.2 < found @ own / (own @ own) < 1.1
-    assert np.linalg.norm(found - own) < 0.8 * np.linalg.norm(own)
-
-
-def test_a_model_that_is_right_stays_right():
-    found = tumble(J, 1.0, 200, seed=2)
-    assert np.diag(found["J_estimate_B"]) == pytest.approx(np.diag(J), rel=0.005)
-    assert found["rod_gain_estimate"] == pytest.approx(1.0, abs=0.005)
-    assert np.linalg.norm(found["disturbance_B"]) < 5e-6
-
-
-def test_noise_alone_does_not_draw_the_inertia_down():
-    """Without rods and wheel only the ratios show: the scale of all must stay, whatever the noise."""
-    found = tumble(J, 1.0, 300, seed=3, rate_noise=5e-5, rods=False, wheel=False)
-    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
-    assert inertia.mean() == pytest.approx(1.0, abs=0.04)  # half of its deviation before the flight
-    assert inertia / inertia.mean() == pytest.approx(np.ones(3), abs=0.01)
-
-
-def test_ratios_are_found_without_any_torque():
-    found = tumble(J @ SCALES, 1.0, 300, seed=4, rods=False, wheel=False)
-    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
-    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
-
-
-def test_a_measurement_beyond_belief_is_not_learned_from():
-    with_glitch, without_it = (tumble(J, 1.0, 60, seed=5, glitch=g) for g in (59, None))
-    assert np.abs(with_glitch["J_estimate_B"] - without_it["J_estimate_B"]).max() < 0.02
-
-
-def test_identification_can_be_left_out():
-    with Instance(BLOCK) as it:
-        feed(it, {**tumbling(0.0), "identify": False})
-        it.initialize()
-        for y in run(it, 0.0, 60.0, inputs=tumbling):
-            assert np.array_equal(y["J_estimate_B"], J)
-            assert y["rod_gain_estimate"] == 1.0
-
-
-def test_without_a_measured_field_the_controller_goes_on_with_the_difference_that_it_has_seen():
-    """The rods' commands of the steering follow the field: with the sign of the difference wrong they would turn away."""
-    starts = {v.name: v.start for v in load(BLOCK).of("input")}
-    with Instance(BLOCK) as it:
-        it.set("omega_B", [0.06, -0.05, 0.08])
-        it.initialize()
-        own = it.get("dipole_ff")  # by the onboard field alone
-        assert it.get("phase") == 1
-        it.call("Reset")
-        it.set("omega_B", [0.06, -0.05, 0.08])
-        it.set("b_B", [1.5e-5, -2.5e-5, 1e-5])
-        it.initialize()
-        measured = it.get("dipole_ff")
-        it.set("b_B", starts["b_B"])
-        remembered = it.get("dipole_ff")
-    assert np.linalg.norm(measured - own) > 1.0
-    assert np.linalg.norm(remembered - measured) < 0.5 * np.linalg.norm(remembered - own)
-
-
-def turned(degrees):
-    return Rotation.from_rotvec([0.0, math.radians(degrees), 0.0]).as_matrix()
-
-
-@contextlib.contextmanager
-def holding():
-    """A controller at the target, from when its hold begins, and a function that steps it n times and returns its phases."""
-    with Instance(BLOCK) as it:
-        it.set("reference", "inertial")
-        for name, value in AS_MEASURED.items():
-            it.set(name, value)
-        it.initialize()
-        k = 0
-
-        def step(n):
-            nonlocal k
-            seen = []
-            for _ in range(n):
-                it.step(0.5 * k, 0.5)
-                k += 1
-                seen.append(it.get("phase"))
-            return seen
-
-        assert 3 in step(400), "61 s at the target are a hold"
-        yield it, step
-
-
-@pytest.mark.parametrize(("degrees", "phase"), [(4.5, 3), (5.5, 2)])
-def test_a_hold_is_left_beyond_five_degrees_and_not_before(degrees, phase):
-    with holding() as (it, step):
-        it.set("R_NB", turned(degrees))
-        seen = step(40)
-        assert np.degrees(it.get("attitude_error")) > 0.9 * degrees
-    assert set(seen) == {3} if phase == 3 else 2 in seen
-
-
-@pytest.mark.parametrize(
-    ("off", "wheel", "settled_for", "degrees", "phase"),
-    [
-        (2.5, 0.99, 0, 50.0, 2),
-        (3.5, 0.80, 0, 50.0, 2),
-        (3.5, 0.99, 0, 50.0, 3),
-        (3.5, 0.99, 0, 65.0, 2),
-        (3.5, 0.99, 5700, 50.0, 3),
-        (3.5, 0.99, 5900, 50.0, 2),
-    ],
-)
-def test_a_hold_three_degrees_off_with_a_full_wheel_is_left_beyond_a_radian_until_it_was_settled_for_an_orbit(
-    off, wheel, settled_for, degrees, phase
-):
-    """An orbit is 5792 s."""
-    limit = load(BLOCK).variables["wheel_momentum_max"].start
-    with holding() as (it, step):
-        it.set("R_NB", turned(off))
-        it.set("h_w", wheel * limit)
-        step(2)
-        it.set("R_NB", turned(0.0))
-        it.set("h_w", 0.0)
-        step(2 * settled_for)
-        it.set("R_NB", turned(degrees))
-        seen = step(3)
-    assert set(seen) == {3} if phase == 3 else 2 in seen

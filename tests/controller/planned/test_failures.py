@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from . import core
-from .test_block import J
+from .block import J
 from .test_closed_loop import ALWAYS, FORWARD, MEASURED, errors, fly
 from .test_identification import SAMPLES, Tumbles, estimated, flown
 from .truth import DAYS, orbit

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Instance
 
 from . import core
-from .test_block import AS_MEASURED, feed, orbit
+from .block import AS_MEASURED, feed, orbit
 from .test_plan import differences
 
 # ------------------------------------------------------------------------------------------- the plan's feedback

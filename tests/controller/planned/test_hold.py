@@ -1,12 +1,23 @@
-"""Holds that are hard to keep, judged by the plant's truth."""
+"""When a hold begins, is strained and is left; and holds that are hard to keep, judged by the plant's truth."""
 
+import contextlib
 import json
+import math
 
 import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
 
 import orchestration
+from fmus.interface import load
 from studies.flight.schemes import change
 from studies.satellites.classes import tumbles
+from tests.native.driver import Instance
+
+from .block import (
+    AS_MEASURED,
+    BLOCK,
+)
 
 
 def flown(satellite, run, errors, duration, signals):
@@ -35,3 +46,67 @@ def test_a_hold_near_the_equator_is_not_given_up_where_the_wheel_comes_near_its_
     assert np.abs(wheel[time > 2000.0]).max() > 0.8667 * 0.03
     assert (phase[time > 2000.0] == 3).all()
     assert error[time > 3500.0].max() < 8.0
+
+
+def turned(degrees):
+    return Rotation.from_rotvec([0.0, math.radians(degrees), 0.0]).as_matrix()
+
+
+@contextlib.contextmanager
+def holding():
+    """A controller at the target, from when its hold begins, and a function that steps it n times and returns its phases."""
+    with Instance(BLOCK) as it:
+        it.set("reference", "inertial")
+        for name, value in AS_MEASURED.items():
+            it.set(name, value)
+        it.initialize()
+        k = 0
+
+        def step(n):
+            nonlocal k
+            seen = []
+            for _ in range(n):
+                it.step(0.5 * k, 0.5)
+                k += 1
+                seen.append(it.get("phase"))
+            return seen
+
+        assert 3 in step(400), "61 s at the target are a hold"
+        yield it, step
+
+
+@pytest.mark.parametrize(("degrees", "phase"), [(4.5, 3), (5.5, 2)])
+def test_a_hold_is_left_beyond_five_degrees_and_not_before(degrees, phase):
+    with holding() as (it, step):
+        it.set("R_NB", turned(degrees))
+        seen = step(40)
+        assert np.degrees(it.get("attitude_error")) > 0.9 * degrees
+    assert set(seen) == {3} if phase == 3 else 2 in seen
+
+
+@pytest.mark.parametrize(
+    ("off", "wheel", "settled_for", "degrees", "phase"),
+    [
+        (2.5, 0.99, 0, 50.0, 2),
+        (3.5, 0.80, 0, 50.0, 2),
+        (3.5, 0.99, 0, 50.0, 3),
+        (3.5, 0.99, 0, 65.0, 2),
+        (3.5, 0.99, 5700, 50.0, 3),
+        (3.5, 0.99, 5900, 50.0, 2),
+    ],
+)
+def test_a_hold_three_degrees_off_with_a_full_wheel_is_left_beyond_a_radian_until_it_was_settled_for_an_orbit(
+    off, wheel, settled_for, degrees, phase
+):
+    """An orbit is 5792 s."""
+    limit = load(BLOCK).variables["wheel_momentum_max"].start
+    with holding() as (it, step):
+        it.set("R_NB", turned(off))
+        it.set("h_w", wheel * limit)
+        step(2)
+        it.set("R_NB", turned(0.0))
+        it.set("h_w", 0.0)
+        step(2 * settled_for)
+        it.set("R_NB", turned(degrees))
+        seen = step(3)
+    assert set(seen) == {3} if phase == 3 else 2 in seen

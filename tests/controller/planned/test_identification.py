@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Instance
 
 from . import core
-from .test_block import BLOCK, RODS, J, feed
-from .truth import DAYS, orbit
+from .block import BLOCK, E1, RODS, J, feed, lvlh, run, tumbling
+from .truth import DAYS, Truth, orbit
 
 DT, SAMPLES = 0.5, 160
 DRAWS = 24
@@ -197,3 +197,120 @@ def test_noise_that_is_stated_in_flight_counts_from_then_on():
             biases.append(np.array(it.outputs()["rate_bias_estimate_B"]))
     known, told, never = biases
     assert np.linalg.norm(told - known) < 0.1 * np.linalg.norm(never - known)
+
+
+# ------------------------------------------------------------------------------------------- one satellite
+
+
+def tumble(J_true, gain, seconds, seed=0, rate_noise=0.0, rods=True, wheel=True, d_B=(0.0, 0.0, 0.0), glitch=None):
+    """The last outputs of a controller that looks at a tumbling satellite with commands that are not its own."""
+    rng = np.random.default_rng(seed)
+    truth = Truth(
+        J_true,
+        gain * RODS,
+        np.array(d_B),
+        Rotation.random(random_state=seed).as_matrix(),
+        np.array([0.05, -0.04, 0.045]),
+    )
+    with Instance(BLOCK) as it:
+        feed(it, {**truth.measured(), "rate_noise": max(rate_noise, 1e-6)})
+        it.initialize()
+        for i in range(int(2 * seconds)):
+            if i % 20 == 0:
+                u, dl = rng.uniform(-1, 1, 3) * rods, rng.uniform(-1e-3, 1e-3) * wheel
+                dl = dl if abs(truth.h_w + 10 * dl) < 0.02 else -dl
+            truth.fly(u, dl, 0.5)
+            measured = truth.measured(rng, rate_noise)
+            if i == glitch:
+                measured["omega_B"] = measured["omega_B"] + np.array([0.2, -0.1, 0.3])
+            feed(it, {**measured, "u_applied": [*(25.0 * u), dl]})
+            it.step(0.5 * i, 0.5)
+        return it.outputs()
+
+
+SCALES = np.diag([1.06, 0.95, 1.04])
+
+
+def test_inertia_and_rod_gain_are_found_in_a_tumble():
+    found = tumble(J @ SCALES, 0.9, 400, rate_noise=1e-5)
+    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
+    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
+    assert inertia == pytest.approx(np.diag(SCALES), abs=0.03)
+    assert found["rod_gain_estimate"] == pytest.approx(0.9, abs=0.03)
+
+
+def held(d_B, own, samples, **changes):
+    """Outputs after samples near LVLH, and the field there, of a satellite with a torque and a dipole of its own."""
+    rng = np.random.default_rng(1)
+    truth = Truth(J, RODS, d_B, lvlh(0.0), np.array([0.0, -1.08e-3, 0.0]), own_dipole=own)
+    with Instance(BLOCK) as it:
+        feed(it, {**truth.measured(), **changes})
+        it.initialize()
+        for i in range(samples):
+            # The test holds the satellite by what it knows itself: the block is only asked for its estimates.
+            if i % 10 == 0:
+                Q = lvlh(truth.t).T @ truth.R
+                error = Rotation.from_matrix(Q).as_rotvec()
+                rate = truth.Omega - Q.T @ np.array([0.0, -1.08e-3, 0.0])
+                B = truth.R.T @ truth.field_N(truth.t)
+                wanted = -2e-4 * error - 0.03 * rate - d_B - np.cross(own, B)
+                A = np.column_stack((np.cross(RODS, B).T, -E1))
+                u = np.linalg.pinv(A * [1.0, 1.0, 1.0, 0.03]) @ wanted
+                u, dl = np.clip(u[:3], -1, 1), float(np.clip(0.03 * u[3], -1e-3, 1e-3))
+            truth.fly(u, dl, 0.5)
+            feed(it, {**truth.measured(rng, 1e-6), "u_applied": [*(25.0 * u), dl]})
+            it.step(0.5 * i, 0.5)
+        return it.outputs(), truth.R.T @ truth.field_N(truth.t)
+
+
+def test_a_torque_of_the_satellites_own_is_found_whatever_it_is_of():
+    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does not."""
+    d_B, own = np.array([6e-6, -8e-6, 5e-6]), np.array([0.10, -0.15, 0.2])
+    y, B = held(d_B, own, 4000)
+    torque = d_B + np.cross(own, B)
+    found = y["disturbance_B"] + np.cross(y["residual_dipole_estimate_B"], B)
+    assert np.linalg.norm(found - torque) < 0.25 * np.linalg.norm(torque)
+
+
+def test_a_dipole_of_the_satellites_own_is_found_slowly_where_there_is_no_other_torque():
+    """Its torque shows little in a window of 5 s, so it takes orbits; after 1000 s a part of it, and of no other, is known."""
+    own = np.array([0.10, -0.15, 0.2])
+    y, _ = held(np.zeros(3), own, 2000, disturbance_max=0.0)
+    found = y["residual_dipole_estimate_B"]
+    assert 0.2 < found @ own / (own @ own) < 1.1
+    assert np.linalg.norm(found - own) < 0.8 * np.linalg.norm(own)
+
+
+def test_a_model_that_is_right_stays_right():
+    found = tumble(J, 1.0, 200, seed=2)
+    assert np.diag(found["J_estimate_B"]) == pytest.approx(np.diag(J), rel=0.005)
+    assert found["rod_gain_estimate"] == pytest.approx(1.0, abs=0.005)
+    assert np.linalg.norm(found["disturbance_B"]) < 5e-6
+
+
+def test_noise_alone_does_not_draw_the_inertia_down():
+    """Without rods and wheel only the ratios show: the scale of all must stay, whatever the noise."""
+    found = tumble(J, 1.0, 300, seed=3, rate_noise=5e-5, rods=False, wheel=False)
+    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
+    assert inertia.mean() == pytest.approx(1.0, abs=0.04)  # half of its deviation before the flight
+    assert inertia / inertia.mean() == pytest.approx(np.ones(3), abs=0.01)
+
+
+def test_ratios_are_found_without_any_torque():
+    found = tumble(J @ SCALES, 1.0, 300, seed=4, rods=False, wheel=False)
+    inertia = np.diag(found["J_estimate_B"]) / np.diag(J)
+    assert inertia / inertia.mean() == pytest.approx(np.diag(SCALES) / np.diag(SCALES).mean(), abs=0.01)
+
+
+def test_a_measurement_beyond_belief_is_not_learned_from():
+    with_glitch, without_it = (tumble(J, 1.0, 60, seed=5, glitch=g) for g in (59, None))
+    assert np.abs(with_glitch["J_estimate_B"] - without_it["J_estimate_B"]).max() < 0.02
+
+
+def test_identification_can_be_left_out():
+    with Instance(BLOCK) as it:
+        feed(it, {**tumbling(0.0), "identify": False})
+        it.initialize()
+        for y in run(it, 0.0, 60.0, inputs=tumbling):
+            assert np.array_equal(y["J_estimate_B"], J)
+            assert y["rod_gain_estimate"] == 1.0

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Refused
 
 from . import core
-from .test_block import AS_MEASURED, KNOWN, SEARCHED, alike, lvlh, near_target, orbit, run, started, tumbling
+from .block import AS_MEASURED, KNOWN, SEARCHED, alike, lvlh, near_target, orbit, run, started, tumbling
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()

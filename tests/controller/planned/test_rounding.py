@@ -9,9 +9,9 @@ import pytest
 import orchestration
 from tests.native.driver import Instance
 
+from .block import feed, near_target, same
 from .core import ROOT
 from .rounding import apart, flight
-from .test_block import feed, near_target, same
 
 
 def by_multiplication(h, n):

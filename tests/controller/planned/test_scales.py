@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Instance, Refused
 
 from . import core
-from .test_block import BLOCK, feed, near_target, same, started, tumbling
+from .block import BLOCK, feed, near_target, same, started, tumbling
 from .test_plan import FULL_J, R0, V0
 
 AHEAD = core.Ahead(R0, V0)
