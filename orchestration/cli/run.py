@@ -18,13 +18,13 @@ from ..runner import run as runner
 from ..runner.pace import pacer
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
-from .console import Progress, complain, lost, notes, open_page, say
+from .console import Progress, complain, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
 from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder, pacing
 from .overrides import loaded
 from .paths import PATH
-from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
+from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
 from .summary import summary
 
 
@@ -126,7 +126,7 @@ def command(
         say(f"\nresults in {target}")
     if open_:
         open_page(target / "report.html")
-    ctx.exit(UNWRITTEN if lost() else status)
+    ctx.exit(status)
 
 
 def _status(result: Result, quiet: bool) -> int:

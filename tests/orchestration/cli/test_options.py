@@ -75,6 +75,13 @@ def test_each_help_fits_80_columns_and_has_examples_that_can_be_typed(name, monk
         command.make_context(name, words)  # raises where there is no such option
 
 
+def test_an_error_of_a_command_that_help_imports_is_no_traceback(monkeypatch):
+    monkeypatch.setitem(COMMANDS, "view", "orchestration.cli.not_there")
+    told = orchestrate("-h")
+    assert told.exit_code == 70
+    assert told.stderr.startswith("internal error: ModuleNotFoundError: No module named 'orchestration.cli.not_there'")
+
+
 def test_no_summary_of_a_command_is_cut(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     told = orchestrate("-h").stdout

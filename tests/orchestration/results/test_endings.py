@@ -222,7 +222,20 @@ def test_a_closed_output_is_no_error_and_no_file_takes_its_place(loop):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
-@pytest.mark.parametrize("arguments", ["loop.yaml", "schema", "--help"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "loop.yaml",
+        "schema",
+        "--help",
+        "info motor.fmu",
+        "scenarios",
+        "fmus",
+        "validate loop.yaml",
+        "check motor.fmu --as motor.fmu",
+        "compare loop.yaml --swap regulator=regulator.fmu",
+    ],
+)
 def test_a_full_output_is_told_and_is_no_internal_error(loop, arguments):
     done = shell(f"{sys.executable} -m orchestration {arguments} >/dev/full")
     assert done.returncode == 4
