@@ -26,7 +26,7 @@ from ..scenario.references import Name
 from ..system.values import values_of
 from .experiments import EXPERIMENTS, PARAMETERS, Table
 from .references import run
-from .vector import columns_of, parameters_of, read_table
+from .tables import columns_of, parameters_of, read_table
 
 NAME = "smoke-test"
 VERSION = "1.0.0-beta.1"
