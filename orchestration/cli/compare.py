@@ -11,7 +11,7 @@ import click
 from ..acceptance.compare import Comparison, compare
 from ..acceptance.page import write
 from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
-from ..errors import BlockError, InputError
+from ..errors import BlockError, InputError, writing
 from ..results.place import put, refuse_foreign
 from ..runner.read import load, read
 from ..swap.option import swapped
@@ -91,7 +91,8 @@ def command(
     if len(comparison.theirs.time):
         comparison.theirs.save(target / "theirs")
     data = summary(comparison)
-    put(target / "comparison.json", json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    with writing(target):
+        put(target / "comparison.json", json.dumps(data, indent=2, ensure_ascii=False) + "\n")
     page = write(comparison, target)
     if json_:
         say_json(data)

@@ -242,3 +242,19 @@ def test_a_full_output_is_told_and_is_no_internal_error(loop, arguments):
     assert "the disk is full" in done.stderr
     assert "internal error" not in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
+@pytest.mark.parametrize(
+    ("arguments", "file"),
+    [
+        (("export", "loop.yaml", "--ssp", "loop.ssp"), "loop.ssp"),
+        (("export", "loop.yaml", "--container", "loop.fmu"), "loop.fmu"),
+        (("fmus", "--copy", "."), "allocator.fmu"),
+    ],
+)
+def test_a_file_that_a_full_disk_does_not_take_ends_each_command_with_4(loop, arguments, file):
+    Path(file).symlink_to("/dev/full")
+    told = orchestrate(*arguments)
+    assert told.exit_code == 4, told.output
+    assert told.stderr.splitlines()[-1].endswith(f"{file} cannot be written: the disk is full")
