@@ -27,7 +27,7 @@ from .options import OPEN, SET, out_folder
 from .overrides import settings
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
-from .summary import mark
+from .summary import mark, save
 from .summary import summary as run_summary
 
 
@@ -136,7 +136,7 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     result = again.result
     if not quiet:
         _print_replay(case, index, again)
-    result.save(folder)
+    save(result, folder)
     if not quiet:
         say(f"\nscenario in {again.file}, results in {folder}")
     if result.failure is not None:

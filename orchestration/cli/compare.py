@@ -21,7 +21,7 @@ from .options import DURATION, OPEN, SET, STEP, out_folder
 from .overrides import overridden
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
-from .summary import mark
+from .summary import mark, save
 
 FILES = ("ours", "theirs", "comparison.html", "comparison.json")
 """What it leaves in its folder."""
@@ -87,7 +87,7 @@ def command(
             error.result.save(target / "ours")
         complain(f"ours: {error}")
         ctx.exit(BLOCK_FAILED)
-    comparison.ours.save(target / "ours")
+    save(comparison.ours, target / "ours")
     if len(comparison.theirs.time):
         comparison.theirs.save(target / "theirs")
     data = summary(comparison)

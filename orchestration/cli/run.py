@@ -25,7 +25,7 @@ from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, S
 from .overrides import loaded
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
-from .summary import summary
+from .summary import save, summary
 
 
 @click.command(
@@ -116,10 +116,7 @@ def command(
             if len(result.time):
                 summary(result)
         status = _status(result, quiet)
-        noted = len(result.warnings)
-        result.save(target, format_)
-        if not quiet:
-            notes(result.warnings[noted:])
+        save(result, target, format_)
         if figures and len(result.time):
             result.draw(target / "figures")
     if not quiet:
