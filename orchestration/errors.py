@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import errno
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -73,6 +74,15 @@ _PLAIN = {
 def reason(error: BaseException) -> str:
     """Why the system refused something, in plain words."""
     return _PLAIN.get(getattr(error, "errno", None) or 0) or getattr(error, "strerror", None) or str(error)
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """What is written inside is a result: raises ResultsError where the system refuses it."""
+    try:
+        yield
+    except OSError as error:
+        raise ResultsError(f"{error.filename or target} cannot be written: {reason(error)}") from None
 
 
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")

@@ -50,6 +50,7 @@ MARKERS = {
         "orchestration/campaign/test_cluster.py",
         "orchestration/instances",
         "orchestration/results/test_endings.py",
+        "orchestration/results/test_outputs.py",
         "orchestration/results/test_browser.py",
         "orchestration/system/test_optional.py",
         "orchestration/test_broken.py",

@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..errors import InputError, reason
+from ..errors import writing
 from ..quantities import ONE, with_unit
 from ..results.html import Page, each, items, joined, part, pieces, rows, verdict
 from ..results.plots import CURVES, ROWS, Curve, axis, plot, unit_of_values
@@ -20,13 +20,11 @@ _TEMPLATE = "comparison.html"
 
 
 def write(comparison: Comparison, folder: Path) -> Path:
-    """Writes the page and returns its path. Raises InputError where it cannot be written."""
+    """Writes the page and returns its path. Raises ResultsError where it cannot be written."""
     path = folder / "comparison.html"
-    try:
+    with writing(path):
         folder.mkdir(parents=True, exist_ok=True)
         path.write_text(page(comparison), "utf-8", errors="replace", newline="\n")
-    except OSError as error:
-        raise InputError(f"{path}: {reason(error)}") from None
     return path
 
 

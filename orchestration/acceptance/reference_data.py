@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ..errors import InputError, ResultsError, reason
+from ..errors import InputError, writing
 from ..export.ssp import parameter_set
 from ..export.system import Value
 from ..fmu.archive import Fmu, open_fmu
@@ -26,7 +26,7 @@ from ..scenario.references import Name
 from ..system.values import values_of
 from .experiments import EXPERIMENTS, PARAMETERS, Table
 from .references import run
-from .vector import columns_of, parameters_of, read_table
+from .tables import columns_of, parameters_of, read_table
 
 NAME = "smoke-test"
 VERSION = "1.0.0-beta.1"
@@ -82,12 +82,10 @@ def write(fmu: Path, vector: Path, folder: Path, others: Sequence[Path] = ()) ->
     }
     files[f"{NAME}.exp"] = _experiment(model, step, time, tolerances)
     files["fmi-ls-manifest.xml"] = _manifest(files)
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
             (folder / name).write_bytes(data)
-    except OSError as error:
-        raise ResultsError(f"{error.filename or folder} cannot be written: {reason(error)}") from None
     return [folder / name for name in files]
 
 

@@ -7,18 +7,15 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Container
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from fmus import kit
 
-from ..errors import InputError, reason
+from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import reference
-from ..fmu.model import Element, Model, Variable
 from ..runner.read import load
 from ..runner.run import whole
 from ..scenario.references import Name
@@ -27,6 +24,7 @@ from ..swap.findings import Finding, Fit
 from ..system.values import values_of
 from ..system.wiring import fed
 from . import playback
+from .tables import columns_of, parameters_of, read_table
 
 ROUNDING = 1e-15
 """A difference this small is rounding, however small the output itself."""
@@ -43,7 +41,7 @@ def record(scenario: Path, block: str, folder: Path) -> int:
     source = loaded.source.without([(key,) for key in ("expect", "figures", "holds", "faults", "timeline", "phases")])
     step = loaded.step * loaded.blocks[name].every
     changes = {
-        "duration": min(loaded.duration, ROWS_MAX * step),
+        "duration": step * min(ROWS_MAX, int(loaded.duration / step + 1e-6)),
         "record": {"interval": step, "signals": [f"{name}.{port}" for port in _ports(loaded, name, block)]},
     }
     for key, value in changes.items():
@@ -109,6 +107,8 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
         if v.name in columns
     }
     expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
+    if not expected:
+        raise InputError(f"{folder / 'vector.csv'}:1: expected a column of an output of {model.name}, found none")
     entry = {
         "fmu": str(fmu.resolve()),
         "interface": fitted.reference.name,
@@ -137,55 +137,3 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
         remedy = "" if within else "look at the units and signs first, then at --tolerance"
         findings.append(Finding("ok" if within else "error", "vector", text, remedy))
     return findings
-
-
-def read_table(path: Path) -> tuple[list[str], Any]:
-    """Header and rows of a vector.csv. Raises InputError."""
-    try:
-        with path.open(encoding="utf-8") as file:
-            header = file.readline().strip().split(",")
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
-    except OSError as error:
-        raise InputError(f"{path}: {reason(error)}; expected a test vector, as 'orchestrate new' writes it") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
-    if header[0] != "time" or table.shape[0] < 2 or table.shape[1] != len(header):
-        raise InputError(f"{path}: expected a column 'time', then inputs and outputs, in two rows or more")
-    return header, table
-
-
-def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
-    """The columns of each variable's elements. Raises InputError."""
-    labels = {v.label(p): Element(v.name, p) for v in model.variables.values() for p in range(v.size)}
-    columns: dict[str, dict[int, int]] = {}
-    for column, label in enumerate(header[1:], start=1):
-        if label not in labels:
-            raise InputError(f"{folder / 'vector.csv'}: {model.name} has no variable {label!r}")
-        columns.setdefault(labels[label].variable, {})[labels[label].position] = column
-    return {name: [places[p] for p in sorted(places)] for name, places in columns.items()}
-
-
-def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> dict[str, Any]:
-    """The vector's parameters, for a scenario. Raises InputError."""
-    values: dict[str, Any] = {}
-    path = folder / "parameters.csv"
-    rows = list(csv.reader(path.read_text("utf-8").splitlines()))[1:] if path.exists() else []
-    for label, text in (row for row in rows if len(row) == 2):
-        name = label.partition("[")[0]
-        variable = model.variables.get(name)
-        if variable is None:
-            raise InputError(f"{path}: {model.name} has no parameter {label!r}")
-        if name in left_out:
-            continue
-        values[label.replace("][", ",")] = _value(variable, text)
-    return values
-
-
-def _value(variable: Variable, text: str) -> Any:
-    if variable.type == "string":
-        return text
-    if variable.type == "boolean":
-        return float(text) != 0.0
-    if variable.type == "enumeration":
-        return {number: item for item, number in variable.items}.get(int(float(text)), text)
-    return int(text) if variable.type == "integer" else float(text)

@@ -26,7 +26,7 @@ from .statistics.verdicts import Claim, Verdict
 try:
     from .extras import ANALYSES, analyse, keep
     from .flying.dataset import Dataset
-except ImportError:  # in a place without PyArrow, of which `_need_parquet` tells
+except ImportError:  # in a place without PyArrow, of which `fly` tells
     Dataset = None  # type: ignore[assignment, misc]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pyarrow.dataset as ds
 
-from ..errors import InputError
+from ..errors import InputError, writing
 from ..expectations.metrics import MetricError
 from ..results.place import put
 from .evaluate import evaluator
@@ -43,7 +43,8 @@ def analyse(
             done[name] = key
     more["analyses"] = done
     if text := more.get("search", {}).get("scenario"):
-        put(folder / "worst.yaml", text)
+        with writing(folder / "worst.yaml"):
+            put(folder / "worst.yaml", text)
 
 
 def keep(case: Case, folder: Path) -> list[int]:

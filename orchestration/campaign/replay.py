@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, ResultsError, reason
+from ..errors import InputError, writing
 from ..fmu.interfaces import is_path
 from ..quantities import QuantityError
 from ..results.place import put
@@ -70,11 +70,9 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
         raise InputError(f"{title} of the campaign: {error}") from None
     file = folder / "scenario.yaml"
     text = scenario_text(case, values, f"{title} of the campaign {case.campaign.name}", f"{case.scenario.name}{ending}")
-    try:
+    with writing(file):
         folder.mkdir(parents=True, exist_ok=True)
         put(file, text)
-    except OSError as error:
-        raise ResultsError(f"{file} cannot be written: {reason(error)}") from None
     pilot = Pilot(case.job)
     meters = pilot.meters()
     result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))

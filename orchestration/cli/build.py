@@ -9,7 +9,7 @@ import click
 from fmus.build import BLOCKS, BuildError, blocks_of
 from fmus.build import build as build_fmus
 
-from ..errors import InputError, hint, reason
+from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
 from .console import say
 from .help import examples
@@ -37,11 +37,10 @@ def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
         if block not in BLOCKS:
             raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
     try:
-        paths = build_fmus(blocks or None, flavour, out)
+        with writing(out or Path("out/fmus")):
+            paths = build_fmus(blocks or None, flavour, out)
     except BuildError as error:
         raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(f"{error.filename or 'the disk'}: {reason(error)}") from None
     for path in paths.values():
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
     for block in () if blocks else BLOCKS:

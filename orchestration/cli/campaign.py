@@ -21,13 +21,13 @@ from ..expectations.metrics import MetricError
 from ..quantities import with_unit
 from ..results.place import check_writable
 from .campaign_summary import summary
-from .console import complain, is_terminal, lost, notes, open_page, say, table
+from .console import complain, is_terminal, notes, open_page, say, table
 from .help import examples
 from .options import OPEN, SET, out_folder
 from .overrides import settings
 from .paths import PATH
-from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
-from .summary import mark
+from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
+from .summary import mark, save
 from .summary import summary as run_summary
 
 
@@ -102,8 +102,7 @@ def command(
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     if open_ and finished.page is not None:
         open_page(finished.page)
-    status = _status(case, finished, quiet)
-    ctx.exit(UNWRITTEN if lost() else status)
+    ctx.exit(_status(case, finished, quiet))
 
 
 def _note(text: str) -> None:
@@ -137,13 +136,13 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     result = again.result
     if not quiet:
         _print_replay(case, index, again)
-    result.save(folder)
+    save(result, folder)
     if not quiet:
         say(f"\nscenario in {again.file}, results in {folder}")
     if result.failure is not None:
         complain(str(result.failure))
         return BLOCK_FAILED
-    return UNWRITTEN if lost() else 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
+    return 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
 
 
 def _print_replay(case: Case, index: str, again: Replayed) -> None:

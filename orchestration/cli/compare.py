@@ -11,7 +11,7 @@ import click
 from ..acceptance.compare import Comparison, compare
 from ..acceptance.page import write
 from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
-from ..errors import BlockError, InputError
+from ..errors import BlockError, InputError, writing
 from ..results.place import put, refuse_foreign
 from ..runner.read import load, read
 from ..swap.option import swapped
@@ -21,7 +21,7 @@ from .options import DURATION, OPEN, SET, STEP, out_folder
 from .overrides import overridden
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
-from .summary import mark
+from .summary import mark, save
 
 FILES = ("ours", "theirs", "comparison.html", "comparison.json")
 """What it leaves in its folder."""
@@ -87,11 +87,12 @@ def command(
             error.result.save(target / "ours")
         complain(f"ours: {error}")
         ctx.exit(BLOCK_FAILED)
-    comparison.ours.save(target / "ours")
+    save(comparison.ours, target / "ours")
     if len(comparison.theirs.time):
         comparison.theirs.save(target / "theirs")
     data = summary(comparison)
-    put(target / "comparison.json", json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    with writing(target):
+        put(target / "comparison.json", json.dumps(data, indent=2, ensure_ascii=False) + "\n")
     page = write(comparison, target)
     if json_:
         say_json(data)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError, reason
+from ..errors import InputError, writing
 from ..export import container as container_writer
 from ..export import ssp as ssp_writer
 from ..export.system import check_plain, flat
@@ -76,10 +76,8 @@ def command(
         say(f"note: the archive does not carry {', '.join(kept)}: who runs it decides that", error=True)
     system = flat(loaded)
     for path, suffix in targets:
-        try:
+        with writing(path):
             (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)
-        except OSError as error:
-            raise InputError(f"{path}: {reason(error)}") from None
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 
 

@@ -9,7 +9,7 @@ import click
 
 from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 
-from ..errors import InputError, reason
+from ..errors import InputError, writing
 from ..fmu.archive import shown
 from .console import say
 from .help import examples
@@ -45,9 +45,7 @@ def command(copy: Path | None, flavour: str) -> None:
 
 
 def copied(path: Path, folder: Path) -> Path:
-    """A copy of a file in a folder, which is made if it is missing. Raises InputError."""
-    try:
+    """A copy of a file in a folder, which is made if it is missing. Raises ResultsError."""
+    with writing(folder / path.name):
         folder.mkdir(parents=True, exist_ok=True)
         return Path(shutil.copyfile(path, folder.absolute() / path.name))
-    except OSError as error:
-        raise InputError(f"{error.filename or folder}: {reason(error)}") from None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError, ResultsError, reason
+from ..errors import InputError, writing
 from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
@@ -45,10 +45,8 @@ def command(scenario: Path, out: Path, step: str | None, duration: str | None, o
     native = whole(chosen)
     if native.failure is not None:
         raise native.failure
-    try:
+    with writing(out):
         out.write_text(page(live, native), "utf-8", newline="\n")
-    except OSError as error:
-        raise ResultsError(f"{out}: {reason(error)}") from None
     say(f"{shown(out)}  {out.stat().st_size / 1000:.0f} kB, of which {len(live.wasm) / 1000:.0f} kB are WebAssembly")
     if open_:
         open_page(out)

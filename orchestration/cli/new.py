@@ -13,7 +13,7 @@ from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
 from ..acceptance.vector import record, scenario_of
-from ..errors import BlockError, InputError, hint, reason
+from ..errors import BlockError, InputError, hint, writing
 from ..fmu.archive import shown
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
@@ -81,13 +81,12 @@ def command(
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file; expected a folder")
     try:
-        kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
-        rows = record(run, block, target / "vector")
-        files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang)
+        with writing(target):
+            kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
+            rows = record(run, block, target / "vector")
+            files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang)
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     if link_:
         say(f"\n  cd {target}")
@@ -108,12 +107,10 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
     new = not folder.exists()
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for path, text in files.items():
             path.write_text(text, "utf-8")
-    except OSError as error:
-        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
     try:
         written = read(folder / found.flown)
         loop = open_scenario(load_scenario(written)).plan.scenario

@@ -18,14 +18,14 @@ from ..runner import run as runner
 from ..runner.pace import pacer
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
-from .console import Progress, complain, lost, notes, open_page, say
+from .console import Progress, complain, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
 from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder, pacing
 from .overrides import loaded
 from .paths import PATH
-from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED, UNWRITTEN
-from .summary import summary
+from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
+from .summary import save, summary
 
 
 @click.command(
@@ -116,17 +116,14 @@ def command(
             if len(result.time):
                 summary(result)
         status = _status(result, quiet)
-        noted = len(result.warnings)
-        result.save(target, format_)
-        if not quiet:
-            notes(result.warnings[noted:])
+        save(result, target, format_)
         if figures and len(result.time):
             result.draw(target / "figures")
     if not quiet:
         say(f"\nresults in {target}")
     if open_:
         open_page(target / "report.html")
-    ctx.exit(UNWRITTEN if lost() else status)
+    ctx.exit(status)
 
 
 def _status(result: Result, quiet: bool) -> int:

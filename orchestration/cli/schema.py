@@ -6,15 +6,12 @@ import click
 
 from ..campaign.file.campaign import schema as campaign_text
 from ..scenario.schema import text
-from .console import lost, say
+from .console import say
 from .help import examples
-from .status import UNWRITTEN
 
 
 @click.command("schema", epilog=examples("orchestrate schema > scenario.schema.json"))
 @click.option("--campaign", is_flag=True, help="That of campaign files.")
-@click.pass_context
-def command(ctx: click.Context, campaign: bool) -> None:
+def command(campaign: bool) -> None:
     """Print the JSON Schema of scenario files."""
     say((campaign_text() if campaign else text()).removesuffix("\n"))
-    ctx.exit(UNWRITTEN if lost() else 0)

@@ -6,13 +6,15 @@ import errno
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import click
 
 from ..errors import BlockError, InputError, ResultsError, reason
 from ..interrupt import stoppable
-from .console import complain, open_streams, silence
+from .console import complain, lost, open_streams, silence
 
 EXPECTATION_FAILED = DOES_NOT_FIT = NOT_EQUIVALENT = 1
 WRONG_INPUT, BLOCK_FAILED, UNWRITTEN, INTERNAL, SIGNALLED = 2, 3, 4, 70, 128
@@ -21,16 +23,21 @@ _PIPE = 13
 
 
 class Commands(click.Group):
-    """A group whose commands end with a line and a status where they raise, without a traceback."""
+    """A group whose commands end with a line and a status where they raise, or lose what they print, without a traceback."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         open_streams()
+        lost()  # by an earlier command of this process
         try:
-            with stoppable():
+            with stoppable(), _told():
                 return super().main(*args, **kwargs)
-        except SystemExit:
+        except click.exceptions.Exit as ended:
+            raise SystemExit(ended.exit_code) from None
+        except SystemExit as ended:
             if type(sys.stdout).__name__.endswith("PacifyFlushWrapper"):  # click's way with a pipe that is closed
                 raise SystemExit(SIGNALLED + _PIPE) from None
+            if lost() and ended.code in (0, 1):  # of the others something else is told, too
+                raise SystemExit(UNWRITTEN) from None
             raise
         except OSError as error:
             if error.errno != errno.ENOSPC:
@@ -40,25 +47,32 @@ class Commands(click.Group):
             raise SystemExit(UNWRITTEN) from None
 
     def invoke(self, ctx: click.Context) -> Any:
-        try:
+        with _told():
             return super().invoke(ctx)
-        except InputError as error:
-            for message in error.messages:
-                complain(message)
-            ctx.exit(WRONG_INPUT)
-        except BlockError as error:
-            complain(str(error))
-            ctx.exit(BLOCK_FAILED)
-        except ResultsError as error:
-            complain(str(error))
-            ctx.exit(UNWRITTEN)
-        except (KeyboardInterrupt, click.Abort) as error:
-            complain("interrupted")
-            ctx.exit(SIGNALLED + getattr(error, "number", signal.SIGINT))
-        except (click.exceptions.Exit, click.ClickException, BrokenPipeError):
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Prints why a command cannot go on, and ends it with the status of that."""
+    try:
+        yield
+    except InputError as error:
+        for message in error.messages:
+            complain(message)
+        raise click.exceptions.Exit(WRONG_INPUT) from None
+    except BlockError as error:
+        complain(str(error))
+        raise click.exceptions.Exit(BLOCK_FAILED) from None
+    except ResultsError as error:
+        complain(str(error))
+        raise click.exceptions.Exit(UNWRITTEN) from None
+    except (KeyboardInterrupt, click.Abort) as error:
+        complain("interrupted")
+        raise click.exceptions.Exit(SIGNALLED + getattr(error, "number", signal.SIGINT)) from None
+    except (click.exceptions.Exit, click.ClickException, BrokenPipeError):
+        raise
+    except Exception as error:
+        if os.environ.get("ORCHESTRATE_TRACEBACK") or getattr(error, "errno", None) == errno.ENOSPC:
             raise
-        except Exception as error:
-            if os.environ.get("ORCHESTRATE_TRACEBACK") or getattr(error, "errno", None) == errno.ENOSPC:
-                raise
-            complain(f"internal error: {type(error).__name__}: {error} (ORCHESTRATE_TRACEBACK=1 shows where)")
-            ctx.exit(INTERNAL)
+        complain(f"internal error: {type(error).__name__}: {error} (ORCHESTRATE_TRACEBACK=1 shows where)")
+        raise click.exceptions.Exit(INTERNAL) from None

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from ..quantities import with_unit
 from ..results.result import Result
 from ..scenario import timeline
 from ..scenario.faults import sentence
-from .console import folded, say, table
+from .console import folded, notes, say, table
 
 _LISTED = 5
 """Late steps that are printed."""
@@ -21,6 +23,13 @@ def mark(word: str = "", width: int = 13) -> str:
     if word in ("not evaluated", "allowed"):
         return click.style(f"{word:<{width}}", fg="yellow")
     return click.style(f"{word:<{width}}", fg="red", bold=True) if word else " " * width
+
+
+def save(result: Result, folder: Path, format_: str = "csv") -> None:
+    """Writes the folder of a run, and prints what could not be written there, also with --quiet."""
+    noted = len(result.warnings)
+    result.save(folder, format_)
+    notes(result.warnings[noted:])
 
 
 def summary(result: Result) -> None:

@@ -236,7 +236,7 @@ class Called:
         called = self.measure.metric.python
         try:
             number = float(self._function(np.concatenate(self._time), given))
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # sys.exit in it would end the worker
             raise MetricError(f"{self.measure.metric.name}: {called} raised {type(error).__name__}: {error}") from None
         if math.isnan(number):
             raise MetricError(f"{self.measure.metric.name}: {called} returned nan; expected a number")

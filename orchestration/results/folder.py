@@ -56,7 +56,8 @@ def _report(result: RunData, part: Path, folder: Path) -> None:
         report.write(result, part / "report.html")
     except Exception as error:
         (part / "report.html").unlink(missing_ok=True)
-        result.warnings.append(f"{folder / 'report.html'} cannot be written: {type(error).__name__}: {error}")
+        why = reason(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+        result.warnings.append(f"{folder / 'report.html'} cannot be written: {why}")
 
 
 def _complete(result: RunData) -> bool:

@@ -230,5 +230,8 @@ def put(path: Path, text: str) -> None:
             file.write(text)
         _sync(part)
         os.replace(part, path)
+    except OSError as error:
+        error.filename = str(path)
+        raise
     finally:
         part.unlink(missing_ok=True)

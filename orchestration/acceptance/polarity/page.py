@@ -6,11 +6,12 @@ import csv
 import io
 import json
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...errors import writing
 from ...results.place import put
 from .campaign import Campaign, Row
 from .card import Card
@@ -68,24 +69,25 @@ def verdict(campaign: Campaign) -> str:
 
 
 def write_mappings(looked: Looked, folder: Path) -> None:
-    """Writes the mappings that are proposed or mended."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for block, text in looked.proposed.items():
-        put(folder / f"{block}.proposed.yaml", text)
-    for mended in looked.mended:
-        if mended.behaves:
-            put(folder / f"{mended.block}.mapping.yaml", as_yaml(mended.mapping))
+    """Writes the mappings that are proposed or mended. Raises ResultsError."""
+    files = {f"{block}.proposed.yaml": text for block, text in looked.proposed.items()}
+    _write(folder, files | {f"{m.block}.mapping.yaml": as_yaml(m.mapping) for m in looked.mended if m.behaves})
 
 
 def write(campaign: Campaign, card: Card | None, folder: Path, title: str, looked: Looked | None = None) -> list[Path]:
-    """Writes polarity.md, .csv and .json, and the card, into a folder."""
+    """Writes polarity.md, .csv and .json, and the card, into a folder. Raises ResultsError."""
     data = json.dumps(summary(campaign, looked), indent=2, ensure_ascii=False) + "\n"
     files = {"polarity.md": markdown(campaign, title), "polarity.csv": _csv(campaign), "polarity.json": data}
     if card is not None:
         files |= {"card.md": card_markdown(card, title), "card.csv": card_csv(card)}
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        put(folder / name, text)
+    return _write(folder, files)
+
+
+def _write(folder: Path, files: Mapping[str, str]) -> list[Path]:
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            put(folder / name, text)
     return [folder / name for name in files]
 
 

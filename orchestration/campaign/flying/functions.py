@@ -77,7 +77,7 @@ def find(reference: str, folder: Path, place: str) -> Code:
     except SyntaxError as error:
         at = f"{error.filename}:{error.lineno}: {error.msg}"
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {at}") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         why = f"{type(error).__name__}: {error}"
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}, in {path}") from None
     if not callable(getattr(module, function, None)):

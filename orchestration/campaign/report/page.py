@@ -9,20 +9,22 @@ import re
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
 
 from ...results.html import Page, cards, joined, part, pieces
 from ...results.report import manifest_fold
-from ..flying.rows import Rows
 from ..statistics.sensitivity import RANKED
 from ..statistics.verdicts import probability, quantile, share
 from . import plots
 from .influence import ranked, sensitivity, signed
 from .overview import basis, failures, header, outcome, two, verdicts
 from .plots import Metric
+
+if TYPE_CHECKING:
+    from ..flying.rows import Rows
 
 _PLOTS = 120
 """Scatter plots on a page at most."""
@@ -46,6 +48,8 @@ def write(folder: Path) -> Path:
 
 def page(folder: Path) -> str:
     """The page of the campaign whose files are in the folder."""
+    from ..flying.rows import Rows  # it needs PyArrow, and all commands and their help do without  # noqa: PLC0415
+
     runs = Rows(folder)
     manifest, made = runs.manifest, Page()
     metrics = _metrics(runs) if len(runs) else []

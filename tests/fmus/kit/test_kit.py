@@ -212,7 +212,7 @@ def test_a_folder_that_cannot_be_written_is_refused_in_one_line(blocked, tmp_pat
     else:
         (tmp_path / "file").write_text("a file")
         result = orchestrate("new", "allocator", tmp_path / "file" / "kit")
-    assert result.exit_code == 2, result.stderr
+    assert result.exit_code == 4, result.stderr
     assert result.stderr.startswith(str(tmp_path / blocked).removesuffix("/vector"))
     assert result.stderr.count("\n") == 1
 

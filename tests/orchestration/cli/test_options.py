@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
+import subprocess
+import sys
 import webbrowser
 from pathlib import Path
 
@@ -14,6 +17,46 @@ from orchestration import InputError, run
 from orchestration.cli.main import COMMANDS, main
 
 from ..swapped import orchestrate
+
+ROOT = Path(__file__).parents[3]
+
+
+BASE = """\
+import sys
+for name in ("pyarrow", "dask", "distributed", "cma", "SALib", "pandas", "xarray", "pythonfmu", "ziglang"):
+    sys.modules[name] = None
+from orchestration.cli.main import main
+main(sys.argv[1:], prog_name="orchestrate")
+"""
+"""The command where none of the optional packages is installed."""
+
+
+def in_the_base_install(*arguments, **variables):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
+    command = [sys.executable, "-c", BASE, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+
+
+def test_help_and_completion_need_no_optional_package():
+    told = in_the_base_install("--help")
+    assert (told.returncode, told.stderr) == (0, "")
+    assert all(f"\n  {name} " in told.stdout for name in COMMANDS)
+    told = in_the_base_install("campaign", "-h")
+    assert (told.returncode, told.stderr) == (0, "")
+    assert "Fly a scenario many times" in told.stdout
+    words = {"COMP_WORDS": "orchestrate camp", "COMP_CWORD": "1", "_ORCHESTRATE_COMPLETE": "bash_complete"}
+    told = in_the_base_install(**words)
+    assert (told.stdout.splitlines()[0], told.stderr) == ("plain,campaign", "")
+
+
+def test_a_campaign_without_its_packages_says_how_to_install_them(loop):
+    loop.with_name("toy.yaml").write_text(
+        "name: toy\nscenario: loop.yaml\nruns: 2\nseed: 4\nvary: {motor.speed0: {uniform: [1 rad/s, 2 rad/s]}}\n"
+        "metrics: [{name: final, signal: motor.speed, statistic: final}]\n"
+    )
+    told = in_the_base_install("campaign", "toy.yaml", "--workers", "0")
+    wanted = "a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'\n"
+    assert (told.returncode, told.stderr) == (2, wanted)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -30,6 +73,13 @@ def test_each_help_fits_80_columns_and_has_examples_that_can_be_typed(name, monk
         words = words[1:] if words[0] in COMMANDS else words
         command = main.get_command(click.Context(main), name)
         command.make_context(name, words)  # raises where there is no such option
+
+
+def test_an_error_of_a_command_that_help_imports_is_no_traceback(monkeypatch):
+    monkeypatch.setitem(COMMANDS, "view", "orchestration.cli.not_there")
+    told = orchestrate("-h")
+    assert told.exit_code == 70
+    assert told.stderr.startswith("internal error: ModuleNotFoundError: No module named 'orchestration.cli.not_there'")
 
 
 def test_no_summary_of_a_command_is_cut(monkeypatch):

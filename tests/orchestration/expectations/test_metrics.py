@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from types import SimpleNamespace
 from typing import Any
 
@@ -105,7 +106,12 @@ def test_a_function_is_given_the_whole_run():
 
 
 @pytest.mark.parametrize(
-    ("function", "message"), [(lambda t, s: 1 / 0, "ZeroDivisionError"), (lambda t, s: math.nan, "nan")]
+    ("function", "message"),
+    [
+        (lambda t, s: 1 / 0, "ZeroDivisionError"),
+        (lambda t, s: math.nan, "nan"),
+        (lambda t, s: sys.exit(5), "SystemExit: 5"),
+    ],
 )
 def test_a_function_that_fails_says_which(function, message):
     with pytest.raises(MetricError, match=f"m: path:length .*{message}"):

@@ -1,0 +1,89 @@
+"""Outputs that are closed or full break nothing, and what is lost is told."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from orchestration.results import report
+
+from ..cli.test_cli import orchestrate
+from .test_endings import ENVIRONMENT, POSIX
+
+
+def shell(command):
+    return subprocess.run(["bash", "-c", command], env=ENVIRONMENT, capture_output=True, text=True)
+
+
+@POSIX
+def test_a_closed_pipe_does_not_change_the_verdict(loop):
+    run_ = f"{sys.executable} -m orchestration"
+    done = shell(
+        f"set -o pipefail; {run_} loop.yaml | true; {run_} loop.yaml --set motor.speed0=4 | true; echo ${{PIPESTATUS[0]}}"
+    )
+    assert (done.stdout, done.stderr) == ("1\n", "")
+    done = shell(f"{run_} loop.yaml | true; echo ${{PIPESTATUS[0]}}; {run_} --help | true; echo ${{PIPESTATUS[0]}}")
+    assert (done.stdout.split()[0], done.stderr) == ("0", "")
+    assert done.stdout.split()[1] in ("0", "141"), "a matter of luck, but never 1"
+    assert Path("results/loop/manifest.json").exists()
+
+
+@POSIX
+def test_a_closed_output_is_no_error_and_no_file_takes_its_place(loop):
+    for closed in (">&-", "2>&-", "<&- >&- 2>&-"):
+        done = shell(f"{sys.executable} -m orchestration loop.yaml {closed}")
+        assert done.returncode == 0, done.stderr
+    assert json.loads(Path("results/loop/manifest.json").read_text())["outcome"] == "completed"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "loop.yaml",
+        "schema",
+        "--help",
+        "info motor.fmu",
+        "scenarios",
+        "fmus",
+        "validate loop.yaml",
+        "check motor.fmu --as motor.fmu",
+        "compare loop.yaml --swap regulator=regulator.fmu",
+    ],
+)
+def test_a_full_output_is_told_and_is_no_internal_error(loop, arguments):
+    done = shell(f"{sys.executable} -m orchestration {arguments} >/dev/full")
+    assert done.returncode == 4
+    assert "the disk is full" in done.stderr
+    assert "internal error" not in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_page_that_is_missing_is_told_also_by_a_quiet_run(loop, monkeypatch):
+    def full(result, path):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(report, "write", full)
+    told = orchestrate(loop.name, "--quiet")
+    assert (told.exit_code, told.stdout) == (0, "")
+    assert told.stderr == f"note: {Path('results/loop/report.html')} cannot be written: the disk is full\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
+@pytest.mark.parametrize(
+    ("arguments", "file"),
+    [
+        (("export", "loop.yaml", "--ssp", "loop.ssp"), "loop.ssp"),
+        (("export", "loop.yaml", "--container", "loop.fmu"), "loop.fmu"),
+        (("fmus", "--copy", "."), "allocator.fmu"),
+    ],
+)
+def test_a_file_that_a_full_disk_does_not_take_ends_each_command_with_4(loop, arguments, file):
+    Path(file).symlink_to("/dev/full")
+    told = orchestrate(*arguments)
+    assert told.exit_code == 4, told.output
+    assert told.stderr.splitlines()[-1].endswith(f"{file} cannot be written: the disk is full")
