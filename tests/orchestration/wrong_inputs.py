@@ -563,6 +563,13 @@ CASES = [
         "    zeros: 0\n  - {name: the motor stops, signal: motor.speed, zeros: 1}",
     ),
     Case(
+        "two figures of one name",
+        "loop.yaml:23: figures[2].name: is that of figures[1], too; expected another, since it names the file",
+        "    always: {below: 30 rpm}",
+        "    always: {below: 30 rpm}\nfigures:\n  - {name: speed, panels: [{signals: [motor.speed]}]}\n"
+        "  - {name: speed, panels: [{signals: [motor.voltage]}]}",
+    ),
+    Case(
         "an expectation of an unknown signal",
         f"loop.yaml:19: {EXPECT}.signal: motor has no variable 'sped'; did you mean 'speed'?",
         "signal: motor.speed",
