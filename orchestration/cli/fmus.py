@@ -11,6 +11,7 @@ from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 
 from ..errors import InputError, reason
 from ..fmu.archive import shown
+from ..results.place import putting
 from .console import say
 from .help import examples
 from .paths import PATH
@@ -46,8 +47,12 @@ def command(copy: Path | None, flavour: str) -> None:
 
 def copied(path: Path, folder: Path) -> Path:
     """A copy of a file in a folder, which is made if it is missing. Raises InputError."""
+    target = folder.absolute()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return Path(shutil.copyfile(path, folder.absolute() / path.name))
+        target /= path.name
+        with putting(target) as part:
+            shutil.copyfile(path, part)
     except OSError as error:
-        raise InputError(f"{error.filename or folder}: {reason(error)}") from None
+        raise InputError(f"{shown(target)}: {reason(error)}") from None
+    return target

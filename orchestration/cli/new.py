@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from fmus.native.toolchain import CompilerError
 from ..acceptance.vector import record, scenario_of
 from ..errors import BlockError, InputError, hint, reason
 from ..fmu.archive import shown
+from ..results.place import put
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
 from ..runner.read import read
@@ -87,7 +89,7 @@ def command(
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
     except OSError as error:
-        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
+        raise _unwritten(error, target) from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     if link_:
         say(f"\n  cd {target}")
@@ -102,6 +104,10 @@ def command(
     say(f"  orchestrate check {block}.fmu --as {block} --vector vector")
 
 
+def _unwritten(error: OSError, folder: Path) -> InputError:
+    return InputError(f"{error.filename or folder}: {reason(error)}; expected a folder that can be written")
+
+
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
     files = {folder / name: text for name, text in found.filled(given).items()}
@@ -109,12 +115,12 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         raise InputError(f"{there} is there already; expected a folder without it")
     new = not folder.exists()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for path, text in files.items():
-            path.write_text(text, "utf-8")
-    except OSError as error:
-        raise InputError(f"{error.filename}: {reason(error)}; expected a folder that can be written") from None
-    try:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for path, text in files.items():
+                put(path, text)
+        except OSError as error:
+            raise _unwritten(error, folder) from None
         written = read(folder / found.flown)
         loop = open_scenario(load_scenario(written)).plan.scenario
         sample = loop.step * max(entry.every for entry in loop.blocks.values())
@@ -123,10 +129,11 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         if first.failure is not None:
             raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
     except (InputError, BlockError, KeyboardInterrupt):
-        for path in files:
-            path.unlink()
-        if new:
-            folder.rmdir()
+        with suppress(OSError):
+            for path in files:
+                path.unlink(missing_ok=True)
+            if new:
+                folder.rmdir()
         raise
     say(f"{folder}: {found.about}")
     for path in files:
