@@ -276,6 +276,11 @@ CASES = [
         "interval: 0.25 s",
     ),
     Case(
+        "a duration of no step",
+        "--duration 1e-30: expected at least one step, 0.1 s, found 1e-30 s",
+        options=("loop.yaml", "--duration", "1e-30"),
+    ),
+    Case(
         "an interval longer than the run",
         "loop.yaml:16: record.interval: expected at most the duration, 2 s, found 3 s",
         "interval: 0.1 s",
@@ -673,6 +678,11 @@ CASES = [
         "modelDescription.xml that is no XML",
         "motor.fmu: modelDescription.xml cannot be read:",
         spoil=_xml("</fmiModelDescription>", ""),
+    ),
+    Case(
+        "an output that is no variable",
+        "motor.fmu: modelDescription.xml:33: Outputs/Unknown: index: there is no variable 9999; expected 1 to 15, as there are 15",
+        spoil=_xml('<Unknown index="14"', '<Unknown index="9999"'),
     ),
     Case(
         "modelDescription.xml against its schema",
