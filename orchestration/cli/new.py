@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -40,9 +41,7 @@ from .paths import PATH
 )
 @click.argument("block")
 @click.argument("folder", required=False, type=PATH, metavar="[DIR]")
-@click.option(
-    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="Language of the project."
-)
+@click.option("--lang", type=click.Choice(["c", "python"]), show_default="c", help="Language of the project.")
 @click.option(
     "--link",
     "link_",
@@ -57,7 +56,7 @@ from .paths import PATH
 )
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="A value of a satellite; may be repeated.")
 def command(
-    block: str, folder: Path | None, lang: str, link_: bool, scenario: Path | None, sets: tuple[str, ...]
+    block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None, sets: tuple[str, ...]
 ) -> None:
     """Write a project for another team, or a satellite's file.
 
@@ -65,11 +64,15 @@ def command(
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the
     FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
 
-    For a satellite it writes its file and a scenario that flies it; without --set NAME=VALUE the command says which values it needs.
+    For a satellite it writes its file and a scenario that flies it, which is called after DIR; without --set NAME=VALUE the command says which values it needs.
     """
     if block in template.names():
+        options = {"--lang": lang, "--link": link_, "--scenario": scenario}
+        if given := [option for option, value in options.items() if value]:
+            raise InputError(f"{given[0]}: a {block} is data alone and has no project; expected --set NAME=VALUE only")
         _fill(template.read(block), folder or Path(block), settings(sets))
         return
+    lang = lang or "c"
     if sets:
         raise InputError(f"--set: {block!r} has no values to set; only {', '.join(template.names())} has")
     if block not in BLOCKS:
@@ -110,6 +113,8 @@ def _unwritten(error: OSError, folder: Path) -> InputError:
 
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
+    if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
+        given = {"name": own, **given}
     files = {folder / name: text for name, text in found.filled(given).items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
@@ -128,12 +133,14 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         first = whole(load_scenario(short))
         if first.failure is not None:
             raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
-    except (InputError, BlockError, KeyboardInterrupt):
+    except (InputError, BlockError, KeyboardInterrupt) as error:
         with suppress(OSError):
             for path in files:
                 path.unlink(missing_ok=True)
             if new:
                 folder.rmdir()
+        if isinstance(error, InputError):
+            raise InputError(*(found.told(message, folder) for message in error.messages)) from None
         raise
     say(f"{folder}: {found.about}")
     for path in files:
