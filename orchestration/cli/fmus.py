@@ -11,6 +11,7 @@ from fmus.build import BLOCKS, BuildError, blocks_of, ensure
 
 from ..errors import InputError, writing
 from ..fmu.archive import shown
+from ..results.place import putting
 from .console import say
 from .help import examples
 from .paths import PATH
@@ -46,6 +47,9 @@ def command(copy: Path | None, flavour: str) -> None:
 
 def copied(path: Path, folder: Path) -> Path:
     """A copy of a file in a folder, which is made if it is missing. Raises ResultsError."""
-    with writing(folder / path.name):
-        folder.mkdir(parents=True, exist_ok=True)
-        return Path(shutil.copyfile(path, folder.absolute() / path.name))
+    target = folder.absolute() / path.name
+    with writing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with putting(target) as part:
+            shutil.copyfile(path, part)
+    return target

@@ -10,6 +10,7 @@ from ..errors import InputError, writing
 from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
+from ..results.place import put
 from ..runner.run import whole
 from .console import notes, open_page, say
 from .help import examples
@@ -46,7 +47,7 @@ def command(scenario: Path, out: Path, step: str | None, duration: str | None, o
     if native.failure is not None:
         raise native.failure
     with writing(out):
-        out.write_text(page(live, native), "utf-8", newline="\n")
+        put(out, page(live, native))
     say(f"{shown(out)}  {out.stat().st_size / 1000:.0f} kB, of which {len(live.wasm) / 1000:.0f} kB are WebAssembly")
     if open_:
         open_page(out)

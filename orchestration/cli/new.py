@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +15,9 @@ from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
 from ..acceptance.vector import record, scenario_of
-from ..errors import BlockError, InputError, hint, writing
+from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
+from ..results.place import put
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
 from ..runner.read import read
@@ -38,9 +41,7 @@ from .paths import PATH
 )
 @click.argument("block")
 @click.argument("folder", required=False, type=PATH, metavar="[DIR]")
-@click.option(
-    "--lang", type=click.Choice(["c", "python"]), default="c", show_default=True, help="Language of the project."
-)
+@click.option("--lang", type=click.Choice(["c", "python"]), show_default="c", help="Language of the project.")
 @click.option(
     "--link",
     "link_",
@@ -55,7 +56,7 @@ from .paths import PATH
 )
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="A value of a satellite; may be repeated.")
 def command(
-    block: str, folder: Path | None, lang: str, link_: bool, scenario: Path | None, sets: tuple[str, ...]
+    block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None, sets: tuple[str, ...]
 ) -> None:
     """Write a project for another team, or a satellite's file.
 
@@ -63,11 +64,15 @@ def command(
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the
     FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
 
-    For a satellite it writes its file and a scenario that flies it; without --set NAME=VALUE the command says which values it needs.
+    For a satellite it writes its file and a scenario that flies it, which is called after DIR; without --set NAME=VALUE the command says which values it needs.
     """
     if block in template.names():
+        options = {"--lang": lang, "--link": link_, "--scenario": scenario}
+        if given := [option for option, value in options.items() if value]:
+            raise InputError(f"{given[0]}: a {block} is data alone and has no project; expected --set NAME=VALUE only")
         _fill(template.read(block), folder or Path(block), settings(sets))
         return
+    lang = lang or "c"
     if sets:
         raise InputError(f"--set: {block!r} has no values to set; only {', '.join(template.names())} has")
     if block not in BLOCKS:
@@ -103,15 +108,17 @@ def command(
 
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
+    if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
+        given = {"name": own, **given}
     files = {folder / name: text for name, text in found.filled(given).items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
     new = not folder.exists()
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for path, text in files.items():
-            path.write_text(text, "utf-8")
     try:
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            for path, text in files.items():
+                put(path, text)
         written = read(folder / found.flown)
         loop = open_scenario(load_scenario(written)).plan.scenario
         sample = loop.step * max(entry.every for entry in loop.blocks.values())
@@ -119,11 +126,14 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
         first = whole(load_scenario(short))
         if first.failure is not None:
             raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
-    except (InputError, BlockError, KeyboardInterrupt):
-        for path in files:
-            path.unlink()
-        if new:
-            folder.rmdir()
+    except (InputError, BlockError, ResultsError, KeyboardInterrupt) as error:
+        with suppress(OSError):
+            for path in files:
+                path.unlink(missing_ok=True)
+            if new:
+                folder.rmdir()
+        if isinstance(error, InputError):
+            raise InputError(*(found.told(message, folder) for message in error.messages)) from None
         raise
     say(f"{folder}: {found.about}")
     for path in files:

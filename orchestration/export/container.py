@@ -17,6 +17,7 @@ from xml.etree import ElementTree as ET
 
 from ..errors import InputError
 from ..quantities import Unit
+from ..results.place import putting
 from .system import System
 
 
@@ -54,7 +55,11 @@ def _check(system: System) -> None:
 
 def _finish(system: System, made: Path, path: Path) -> None:
     """Copies the container with what the toolbox leaves out of its description: units, names of items, what it is."""
-    with zipfile.ZipFile(made) as source, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+    with (
+        zipfile.ZipFile(made) as source,
+        putting(path) as part,
+        zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as target,
+    ):
         for entry in source.infolist():
             data = source.read(entry)
             target.writestr(entry, _described(system, data) if entry.filename == "modelDescription.xml" else data)

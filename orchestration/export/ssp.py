@@ -13,6 +13,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..quantities import Unit
+from ..results.place import putting
 from ..ssp.annotation import BLOCK_KEYS, KEYS
 from ..ssp.words import ANNOTATION, NAMESPACES, OPENMODELICA, OPENMODELICA_ANNOTATION, PARAMETER_SET, STRUCTURE
 from .system import Component, System, Value
@@ -28,7 +29,7 @@ def write(system: System, path: Path) -> None:
         files[_resource(system, component)] = component.fmu.path.read_bytes()
         if component.values:
             files[f"resources/{component.name}.ssv"] = parameter_set(component.values)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    with putting(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             info = zipfile.ZipInfo(name, _DATE)
             info.compress_type = zipfile.ZIP_DEFLATED

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError
 from . import zipped
@@ -60,6 +61,8 @@ def read_head(path: Path) -> Head:
         raise InputError(
             f"{shown(path)}: modelDescription.xml declares {len(variables)} variables; expected at most {VARIABLES_MAX}"
         )
+    if root.get("fmiVersion") == "2.0":
+        _check_indices(path, root, len(variables))
     marked: set[str] = set()
     stated: dict[str, str] = {}
     tools = (f"Tool[@name='{ANNOTATION}']", f"Annotation[@type='{ANNOTATION}']")  # of FMI 2.0, of FMI 3.0
@@ -71,6 +74,17 @@ def read_head(path: Path) -> Head:
             stated[name] = entry.get("name", "")
     unsigned = {v.get("name", ""): (v.get("min"), v.get("max")) for v in variables if str(v.tag).startswith("UInt")}
     return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated, unsigned)
+
+
+def _check_indices(path: Path, root: Any, count: int) -> None:
+    """Refuses a ModelStructure that names a variable that there is not; FMPy would fail, or take the last one for 0."""
+    for unknown in root.iterfind("ModelStructure/*/Unknown"):
+        for name in ("index", "dependencies"):
+            for text in unknown.get(name, "").split():
+                if text.isdecimal() and not 1 <= int(text[:20]) <= count:
+                    place = f"modelDescription.xml:{unknown.sourceline}: {unknown.getparent().tag}/Unknown"
+                    wanted = f"expected 1 to {count}, as there are {count} variables" if count else "there are none"
+                    raise InputError(f"{shown(path)}: {place}: {name}: there is no variable {text[:20]}; {wanted}")
 
 
 def _doctype(path: Path) -> InputError:

@@ -31,7 +31,8 @@ _LENGTH = struct.Struct("<Q")
 _ANSWER_MAX = 64_000_000
 _CALL_MAX = 200
 _HEAD = 512
-"""Bytes: time and step as doubles; at 16 the part of the step that runs; at 32 the call of FMI's that runs."""
+"""Bytes: time and step as doubles; at 16 the part of the step that runs; at 17 whether the worker has lost its pipes;
+at 32 the call of FMI's that runs, empty between two."""
 
 SETTING, STEPPING, GETTING = 1, 2, 3
 
@@ -71,6 +72,7 @@ class Memory:
             self.map = mmap.mmap(file.fileno(), size)
         self.clock = memoryview(self.map)[:16].cast("d")
         self.part = memoryview(self.map)[16:17]
+        self.cut = memoryview(self.map)[17:18]
 
     def values(self, inputs: int, outputs: int) -> tuple[Floats, Floats]:
         """The inputs, and the outputs behind them."""

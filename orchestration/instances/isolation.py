@@ -66,6 +66,7 @@ class IsolatedBlock:
         """Waits until it has been instantiated. Raises BlockError."""
         self._wait(max(self._limits.timeout, _START_TIMEOUT))
         self._wait(self._limits.timeout)
+        self._memory.call = ""
         self._instantiated = True
 
     @property
@@ -99,14 +100,17 @@ class IsolatedBlock:
     def _ask(self, method: str, *arguments: Any) -> Any:
         if self._watchdog.ended.is_set():
             raise BlockError(self.name, method, "its process has ended", log=self.log)
+        self._memory.part[0] = 0
         try:
             send(self._to, CALL, pickle.dumps((method, arguments)))
         except Closed:
             raise self._lost() from None
-        return self._wait(self._limits.timeout)
+        try:
+            return self._wait(self._limits.timeout)
+        finally:
+            self._memory.call = ""
 
     def _wait(self, timeout: float) -> Any:
-        self._memory.part[0] = 0
         self._watchdog.deadline = monotonic() + timeout
         kind = os.read(self._from, 1)
         answer = self._answer(kind)
@@ -134,13 +138,14 @@ class IsolatedBlock:
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
         self._ask("wire", list(inputs), list(outputs))
         shared_inputs, shared_outputs = self._memory.values(len(inputs), len(outputs))
-        clock, to, source, write, read = self._memory.clock, self._to, self._from, os.write, os.read
+        clock, part, to, source = self._memory.clock, self._memory.part, self._to, self._from
+        write, read = os.write, os.read
         timeout = self._limits.timeout
 
         def do_step(time: float, step: float) -> None:
             if self._stepping:
                 finish()
-            clock[0], clock[1] = time, step
+            clock[0], clock[1], part[0] = time, step, 0
             self._watchdog.deadline = monotonic() + timeout
             self._stepping = True
             try:
@@ -228,7 +233,7 @@ class IsolatedBlock:
         if overdue:
             limit = f"{self._limits.timeout:.10g} s"
             how = f"did not return within {limit} (the block's 'timeout'), so its process was ended"
-        elif alive:
+        elif alive or self._memory.cut[0]:
             how = "broke off its connection, so its process was ended"
         else:
             how = self._process.cause + self._held()
@@ -246,7 +251,7 @@ class IsolatedBlock:
     def _call(self) -> str:
         part = self._memory.part[0]
         verb = {SETTING: "Set", STEPPING: "DoStep", GETTING: "Get"}.get(part)
-        return f"{self.model.prefix}{verb}" if verb else self._memory.call
+        return f"{self.model.prefix}{verb}" if verb else self._memory.call or "between two calls"
 
 
 def _amount(count: int) -> str:

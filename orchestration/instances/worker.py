@@ -63,7 +63,15 @@ class Worker:
         return receive(self._source)
 
     def serve(self) -> None:
-        """Answers calls until the pipe is closed."""
+        """Answers calls until the pipe is closed. Raises Closed or OSError where the FMU has closed ours."""
+        try:
+            self._serve()
+        except (Closed, OSError):
+            self._memory.cut[0] = 1
+            raise
+
+    def _serve(self) -> None:
+        part = self._memory.part
         source, to, read, put = self._source, self._to, os.read, os.write
         while True:
             order = read(source, 1)
@@ -73,6 +81,7 @@ class Worker:
                 except BlockError as error:
                     self._refuse(error)
                 else:
+                    part[0] = STEPPING  # until it is answered: what closes our pipes is seen no earlier
                     put(to, DONE)
             elif order:
                 method, arguments = pickle.loads(receive(source))
@@ -122,6 +131,7 @@ class Worker:
         self._fmu.reset()
 
     def _do_get_all(self) -> None:
+        self._memory.call = f"{self._fmu.model.prefix}Get"
         self._fmu.get_all()
 
     def _do_wire(self, inputs: Sequence[Element], outputs: Sequence[Element]) -> None:
@@ -139,7 +149,6 @@ class Worker:
             do_step(clock[0], clock[1])
             part[0] = GETTING
             get_all()
-            part[0] = 0
 
         self._step = step  # type: ignore[method-assign]
 

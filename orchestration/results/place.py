@@ -223,11 +223,17 @@ def digests(folder: Path) -> dict[str, str]:
 
 
 def put(path: Path, text: str) -> None:
-    """Writes a file that is there whole or not at all, and takes the place of an earlier one. Raises OSError."""
+    """Writes a file as `putting` does."""
+    with putting(path) as part, part.open("x", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
+        file.write(text)
+
+
+@contextmanager
+def putting(path: Path) -> Iterator[Path]:
+    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises OSError."""
     part = path.with_name(f"{_PART}{uuid4().hex}")
     try:
-        with part.open("x", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
-            file.write(text)
+        yield part
         _sync(part)
         os.replace(part, path)
     except OSError as error:

@@ -25,7 +25,8 @@ def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError
     lines = [match[1] for line in failure.log if (match := _MARK.match(line))]
     for line in lines:
         if match := _named(line, given):
-            return scenario.error(given[match[1]], _reason(line, match))
+            key, said = given[match[1]], _reason(line, match)
+            return scenario.error(key, said if key[0] == "blocks" else f"{block} refuses it: {said}")
     parameters = [variable.name for variable in models[block].of("parameter")]
     for line in lines:
         if (match := _named(line, parameters)) and _begins(line, match):

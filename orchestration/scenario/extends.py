@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, as_written, hint
+from ..paths import located
 from .references import Connection
 from .source import PLACES, Key, Source, copied
 from .text import read as read_text
@@ -67,7 +68,10 @@ def extended(source: Source, within: tuple[Path, ...] = (), files: list[Path] | 
 
 
 def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], files: list[Path]) -> Source:
-    path = (Path(source.file).parent if source.file else source.folder) / Path(name).expanduser()
+    try:
+        path = located(name, Path(source.file).parent if source.file else source.folder)
+    except InputError as error:
+        raise InputError(source.error(key, str(error))) from None
     if path.resolve() in within:
         through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
         raise InputError(source.error(key, f"the files extend each other in a circle: {through}"))

@@ -47,11 +47,22 @@ class Template:
             if path.name != VALUES
         }
 
+    def told(self, message: str, folder: Path) -> str:
+        """A message about a file made in a folder, of which nothing stays: with `--set NAME` in the place of a line that was left
+        open, or with that of the template."""
+        for path in self.folder.glob("*.yaml"):
+            if place := re.match(rf"{re.escape(str(folder / path.name))}:(\d+): ", message):
+                left_open = re.search(r"@(\w+)@", path.read_text("utf-8").splitlines()[int(place[1]) - 1])
+                said = f"--set {left_open[1]}" if left_open else f"{path}:{place[1]}"
+                return f"{said}: {message[place.end() :]}"
+        return message
+
 
 def _flow(value: Any) -> str:
     """On one line; text as it stands where YAML reads it back as the same."""
     if isinstance(value, str):
-        return value if re.fullmatch(r"[\w.+-]+( [\w./^*-]+)?", value) else json.dumps(value)
+        plain = re.fullmatch(r"[\w.+-]+( [\w./^*-]+)?", value) and parse(value).data == value
+        return value if plain else json.dumps(value)
     return json.dumps(value)
 
 

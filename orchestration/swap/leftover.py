@@ -121,7 +121,7 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
     try:
         values = values_of("theirs", fitted.theirs, name, value)
     except (QuantityError, NameUnknown) as error:
-        return fitted.say("error", "mapping", str(error), key=key)
+        return fitted.say("error", "mapping", f"{name}, under start: {error}", key=key)
     if (signal := fitted.feeding.get(variable.name)) is not None:
         text = f"{signal} feeds {variable.name}, as inputs in the mapping says"
         return fitted.say("error", "mapping", text, "leave it out of start or of inputs", key)

@@ -110,11 +110,15 @@ def read_mapping(scenario: Scenario, name: str, entry: BlockEntry) -> tuple[mapp
     """A block's mapping, and its own file where it has one."""
     if entry.map is None or entry.map.file is None:
         return entry.map, None
+    key = ("blocks", name, "map")
     try:
-        return mappings.load(located(entry.map.file, scenario.source.folder))
+        path = located(entry.map.file, scenario.source.folder)
+    except InputError as error:
+        raise InputError(scenario.error(key, str(error))) from None
+    try:
+        return mappings.load(path)
     except InputError as error:
         missing = all("there is no such file" in message for message in error.messages)
-        key = ("blocks", name, "map")
         raise InputError(*(scenario.error(key, m) if missing else m for m in error.messages)) from None
 
 

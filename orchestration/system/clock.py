@@ -69,6 +69,9 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     if steps >= EXACT:
         message = f"{scenario.duration:.10g} s are more than {EXACT:.1g} steps of {scenario.step:.6g} s"
         raise InputError(scenario.error(("duration",), message))
+    if not steps:
+        message = f"expected at least one step, {scenario.step:.10g} s, found {scenario.duration:.10g} s"
+        raise InputError(scenario.error(("duration",), message))
     interval = scenario.record.interval or scenario.step
     every = whole(Fraction(repr(interval)) / step)
     if not every:

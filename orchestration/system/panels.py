@@ -19,7 +19,11 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
     needed: dict[Node, None] = {}
     errors: list[str] = []
+    first: dict[str, int] = {}
     for i, entry in enumerate(scenario.figures):
+        if (same := first.setdefault(entry.name, i)) != i:
+            message = f"is that of figures[{same + 1}], too; expected another, since it names the file"
+            errors.append(scenario.error(("figures", i, "name"), message))
         wanted: list[tuple[Key, Reference]] = [
             (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
         ]

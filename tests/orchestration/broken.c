@@ -67,7 +67,7 @@ static int broken(Block *b, double t)
         printf("no end of line after this");
         return ERROR;
     }
-    if (is(b, "deaf"))
+    if (is(b, "deaf") || is(b, "mute"))
         for (int i = 0; i < 64; i++)
             close(i);
 #if !defined(_WIN32)

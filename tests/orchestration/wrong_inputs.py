@@ -276,6 +276,11 @@ CASES = [
         "interval: 0.25 s",
     ),
     Case(
+        "a duration of no step",
+        "--duration 1e-30: expected at least one step, 0.1 s, found 1e-30 s",
+        options=("loop.yaml", "--duration", "1e-30"),
+    ),
+    Case(
         "an interval longer than the run",
         "loop.yaml:16: record.interval: expected at most the duration, 2 s, found 3 s",
         "interval: 0.1 s",
@@ -563,6 +568,13 @@ CASES = [
         "    zeros: 0\n  - {name: the motor stops, signal: motor.speed, zeros: 1}",
     ),
     Case(
+        "two figures of one name",
+        "loop.yaml:23: figures[2].name: is that of figures[1], too; expected another, since it names the file",
+        "    always: {below: 30 rpm}",
+        "    always: {below: 30 rpm}\nfigures:\n  - {name: speed, panels: [{signals: [motor.speed]}]}\n"
+        "  - {name: speed, panels: [{signals: [motor.voltage]}]}",
+    ),
+    Case(
         "an expectation of an unknown signal",
         f"loop.yaml:19: {EXPECT}.signal: motor has no variable 'sped'; did you mean 'speed'?",
         "signal: motor.speed",
@@ -666,6 +678,11 @@ CASES = [
         "modelDescription.xml that is no XML",
         "motor.fmu: modelDescription.xml cannot be read:",
         spoil=_xml("</fmiModelDescription>", ""),
+    ),
+    Case(
+        "an output that is no variable",
+        "motor.fmu: modelDescription.xml:33: Outputs/Unknown: index: there is no variable 9999; expected 1 to 15, as there are 15",
+        spoil=_xml('<Unknown index="14"', '<Unknown index="9999"'),
     ),
     Case(
         "modelDescription.xml against its schema",

@@ -41,6 +41,12 @@ def test_the_files_it_writes_fly_that_satellite(tmp_path):
     assert np.abs(result["plant.dipole"]).max() == pytest.approx(0.3)
 
 
+@pytest.mark.parametrize(("folder", "name"), [("cube", "cube"), ("2026", "2026"), ("-my cube", "my_cube")])
+def test_a_satellite_is_called_as_its_folder(tmp_path, folder, name):
+    made(tmp_path / folder)
+    assert orchestration.load(tmp_path / folder / "tumble.yaml").name == name
+
+
 def test_without_its_values_it_says_which_it_needs(tmp_path):
     result = orchestrate("new", "satellite", str(tmp_path))
     assert result.exit_code == 2
@@ -56,6 +62,9 @@ def test_without_its_values_it_says_which_it_needs(tmp_path):
     [
         (("satellite", "--set", "inertai=1"), "--set inertai: satellite has no such value; did you mean 'inertia'?"),
         (("allocator", "--set", "mass=1"), "--set: 'allocator' has no values to set; only satellite has"),
+        (("satellite", "--lang", "c"), "--lang: a satellite is data alone and has no project"),
+        (("satellite", "--link"), "--link: a satellite is data alone and has no project"),
+        (("satellite", "--scenario", "x.yaml"), "--scenario: a satellite is data alone and has no project"),
         (("satelite",), "there is no block 'satelite'; did you mean 'satellite'?"),
     ],
 )
@@ -77,11 +86,15 @@ def test_files_that_are_there_are_kept(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"dipole_max": "0.3 N.m"}, "satellite.yaml:6: shared.dipole_max"),
-        ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: expected"),
-        ({"wheel_axis": [1, 1, 0]}, "wheel_axis: expected"),
+        ({"dipole_max": "0.3 N.m"}, "--set dipole_max: shared.dipole_max: the unit"),
+        ({"inertia": [1, 2, 3]}, "--set inertia: shared.J_B: expected 3 rows of 3 values, found a list of 3"),
+        ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: plant refuses it: expected"),
+        ({"wheel_axis": [1, 1, 0]}, "wheel_axis: plant refuses it: expected"),
         ({"name": "../cube"}, "name: "),
-        ({"step": "0.04 s"}, "tumble.yaml:31: blocks.controller.start.control_period: expected a multiple of the step"),
+        (
+            {"step": "0.04 s"},
+            "--set control_period: blocks.controller.start.control_period: expected a multiple of the step",
+        ),
         ({"step": "0.3 s", "control_period": "1.5 s"}, "tumble.yaml:70: record.interval: expected a multiple"),
     ],
 )

@@ -180,6 +180,27 @@ def test_what_it_logs_and_prints_is_shown_as_it_comes_where_asked_for(vendor, ca
     assert out == ""
 
 
+def test_a_process_that_ends_between_two_steps_is_told_as_that(vendor):
+    block = vendor()
+    _wired(block)
+    os.kill(block._process._popen.pid, signal.SIGTERM)
+    assert block._process.gone(10.0)
+    with pytest.raises(BlockError, match=r"^vendor0: between two calls at 1 s: crashed with SIGTERM"):
+        _step(block)
+
+
+def test_a_step_that_closes_the_pipes_and_returns_is_blamed_for_it(vendor):
+    block = vendor("step-mute")
+    _wired(block)
+    with pytest.raises(BlockError, match=r"^vendor0: fmi2DoStep at 1 s: broke off its connection, so its process was"):
+        _step(block)
+
+
+def _step(block: IsolatedBlock) -> None:
+    block.do_step(1.0, 0.1)
+    block.get_all()
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 @pytest.mark.parametrize("guid", ["none-none", "step-hang"])
 def test_the_process_ends_with_a_master_that_is_killed(guid, tmp_path):

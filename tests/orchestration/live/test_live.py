@@ -17,9 +17,11 @@ from orchestration.cli.main import main
 from orchestration.errors import InputError
 from orchestration.live.sliders import controls
 from orchestration.live.system import checked, prepare
+from orchestration.results import place
 from orchestration.runner.open import open_scenario
 from orchestration.runner.read import load
 from tests.orchestration.results.browser import Tab
+from tests.orchestration.results.test_place import full
 
 ROOT = Path(__file__).parents[3]
 SETS = {
@@ -259,6 +261,17 @@ def test_the_button_of_a_fault_that_a_shortened_run_does_not_reach_is_disabled(t
     assert done.exit_code == 0, done.output
     buttons = re.findall(r"<button[^>]*data-fault[^>]*>", page.read_text("utf-8"))
     assert ["disabled" in button for button in buttons] == [False, True, True]
+
+
+def test_a_page_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypatch):
+    scenario, page = tmp_path / "tumble.yaml", tmp_path / "tumble.html"
+    scenario.write_text(json.dumps(minimal()), "utf-8")
+    page.write_text("the earlier page")
+    monkeypatch.setattr(place, "_sync", full)
+    done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(page)])
+    assert (done.exit_code, done.stderr.splitlines()[-1]) == (4, f"{page}: the disk is full")
+    assert page.read_text() == "the earlier page"
+    assert set(tmp_path.iterdir()) == {scenario, page}
 
 
 def test_two_faults_with_one_name_are_refused():

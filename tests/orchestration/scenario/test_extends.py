@@ -169,6 +169,10 @@ def test_paths_start_at_the_folder_of_the_file_that_names_them(loop):
             {"over.yaml": "name: x\nextends:\n  - lop.yaml\n"},
             "over.yaml:3: extends[1]: lop.yaml: there is no such file; did you mean 'loop.yaml'?",
         ),
+        (
+            {"over.yaml": 'name: x\nextends: "a\\0b.yaml"\n'},
+            "over.yaml:2: extends: 'a\\x00b.yaml' is no path: embedded null byte",
+        ),
         ({"over.yaml": "extends: [3]\n"}, "over.yaml:1: extends: expected the paths of files, found 3"),
         ({"over.yaml": "extends: b.yaml\n", "b.yaml": "- a\n"}, "b.yaml:1: expected keys such as 'shared' or 'blocks'"),
     ],

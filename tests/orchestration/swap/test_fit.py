@@ -32,6 +32,12 @@ def test_elements_that_nothing_feeds_are_refused_unless_they_have_a_start():
     assert "gyro[1] gyro[3] stands for our u, whose value it takes" in str(error)
 
 
+def test_a_start_value_of_the_mapping_that_is_no_number_is_refused_by_name():
+    theirs = mocks.model("theirs", real("off_time", "parameter"))
+    (error,) = fitted(mocks.model("ours"), theirs, start={"off_time": float("nan")}).errors
+    assert "off_time, under start: expected a finite number, found nan" in str(error)
+
+
 def test_what_is_left_of_outputs_and_parameters_is_told():
     ours = mocks.model("ours", real("y", "output"), real("p", "parameter"))
     theirs = mocks.model("theirs", real("v", "output", shape=(2,)), real("q", "parameter", shape=(2,)))

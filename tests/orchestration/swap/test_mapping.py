@@ -82,6 +82,16 @@ def test_a_wrong_swap_is_refused(tmp_path, monkeypatch, options, message):
     assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
 
 
+def test_a_path_of_a_mapping_that_can_be_none_is_refused_with_its_line(tmp_path, monkeypatch):
+    swapped(tmp_path, monkeypatch)
+    text = SCENARIO.replace(
+        "fmu: regulator.fmu", 'fmu: vendor.fmu\n    interface: regulator.fmu\n    map: "a\\0b.yaml"'
+    )
+    (tmp_path / "loop.yaml").write_text(text)
+    with pytest.raises(InputError, match=r"loop\.yaml:13: blocks\.regulator\.map: .* is no path: embedded null byte$"):
+        run(tmp_path / "loop.yaml")
+
+
 def test_a_mapping_without_an_interface_is_refused(tmp_path, monkeypatch):
     text = SCENARIO.replace("fmu: regulator.fmu", "fmu: vendor.fmu\n    map: mapping.yaml")
     path = swapped(tmp_path, monkeypatch, scenario=text)

@@ -12,10 +12,11 @@ from click.testing import CliRunner
 from fmus.build import ensure
 from fmus.interface import BLOCKS
 from fmus.interface import load as load_interface
-from orchestration import InputError, load, run
+from orchestration import BlockError, InputError, load, run
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
 from orchestration.runner.open import open_scenario
+from orchestration.runner.refusal import refusal
 
 from .. import vendor
 from ..swapped import orchestrate, swapped
@@ -50,6 +51,14 @@ def test_set_works_on_shared_values_with_and_without_their_prefix():
             given = {start.element.variable: start.value for start in plan.starts[block]}
             assert given["dipole_max"] == 10.0, block
     assert notes(FLIGHT, dipole_max=10) == []
+
+
+def test_a_shared_value_that_one_block_refuses_is_told_with_the_block():
+    log = ["[error] dipole_max: expected less than 1, found 25"]
+    failure = BlockError("allocator", "fmi2ExitInitializationMode", "gave status error", log=log)
+    told = refusal(load(FLIGHT), {}, failure)
+    assert told is not None
+    assert told.endswith(": shared.dipole_max: allocator refuses it: expected less than 1, found 25")
 
 
 def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_and_manifest(tmp_path):
