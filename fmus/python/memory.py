@@ -61,7 +61,8 @@ class Layout:
         scalars, arrays = ([v for v in outputs if bool(v.shape) is shaped] for shaped in (False, True))
         self._get_scalars, self._get_arrays = (_all(attrgetter, [v.name for v in some]) for some in (scalars, arrays))
         self._scalar_places = [(v.value_references[0], _writer(v)) for v in scalars]
-        self._array_places = [(v.value_references[0], v.value_references[-1] + 1, _writer(v)) for v in arrays]
+        self._array_places = [(v.value_references[0], v.value_references[-1] + 1, v.shape, _writer(v)) for v in arrays]
+        self._outputs = outputs
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
         self._reals = _all(itemgetter, self._real_places)
 
@@ -77,19 +78,40 @@ class Layout:
         return self._asked[key]
 
     def store(self, outputs: Any, values: Values) -> Values:
-        """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite."""
+        """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite, and ContractError."""
         values = values.copy()
-        for (place, convert), value in zip(self._scalar_places, self._get_scalars(outputs), strict=True):
-            values[place] = convert(value)
-        for (first, after, write), value in zip(self._array_places, self._get_arrays(outputs), strict=True):
-            values[first:after] = write(value)
-        if not math.isfinite(sum(self._reals(values))):
+        try:
+            for (place, convert), value in zip(self._scalar_places, self._get_scalars(outputs), strict=True):
+                values[place] = convert(value)
+            for (first, after, shape, write), value in zip(self._array_places, self._get_arrays(outputs), strict=True):
+                if value.shape != shape:
+                    raise ContractError  # told below
+                values[first:after] = write(value)
+            finite = math.isfinite(sum(self._reals(values)))
+        except (AttributeError, TypeError, ValueError, OverflowError):
+            raise self._differs(outputs) from None
+        if not finite:
             for r in self._real_places:
                 if not math.isfinite(values[r]):
                     raise ValueError(f"output {self.names[r]} is {values[r]}; expected a finite number")
-        if len(values) != len(self.starts):
-            raise ContractError("an output of the block does not have the shape that its interface gives")
         return values
+
+    def _differs(self, outputs: Any) -> ContractError:
+        """The error that names the first of a block's outputs that is not as its interface says."""
+        for variable in self._outputs:
+            value = getattr(outputs, variable.name)
+            array = isinstance(value, np.ndarray) and value.dtype.kind in "biuf"
+            if variable.shape and not (array and value.shape == variable.shape):
+                found = f"one of shape {value.shape}, {value.dtype}" if isinstance(value, np.ndarray) else repr(value)
+                return ContractError(
+                    f"output {variable.name}: expected an array of shape {variable.shape}, found {found}"
+                )
+            try:
+                _writer(variable)(value)
+            except (TypeError, ValueError, OverflowError):
+                kind = f"one of {', '.join(variable.items)}" if variable.items else f"a scalar, {variable.type}"
+                return ContractError(f"output {variable.name}: expected {kind}, found {value!r}")
+        return ContractError("the outputs of the block are not as its interface says")
 
 
 def _all(getter: Callable[..., Any], names: Sequence[Any]) -> Callable[[Any], Sequence[Any]]:

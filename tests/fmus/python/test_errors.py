@@ -5,14 +5,21 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from dataclasses import make_dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import fmpy
+import numpy as np
 import pytest
 
 from fmus.build import ROOT, blocks_of
+from fmus.interface import parse
+from fmus.python.memory import ContractError, Layout
 
 from ..host import Host
+from ..toy import INTERFACE
 
 
 def test_an_exception_in_a_step_is_logged_with_its_traceback_and_ends_as_an_error(path: Path) -> None:
@@ -40,6 +47,38 @@ def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_saf
         host.fmu.reset()
         host.started().step(0)
         host.fmu.terminate()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"sum": np.zeros(3)}, "output sum: expected an array of shape (2,), found one of shape (3,), float64"),
+        (
+            {"sum": np.zeros(3), "first_rate": np.zeros(1)},
+            "output sum: expected an array of shape (2,), found one of shape (3,)",
+        ),
+        ({"sum": [0.0, 0.0]}, "output sum: expected an array of shape (2,), found [0.0, 0.0]"),
+        (
+            {"sum": np.array([None, 0.0])},
+            "output sum: expected an array of shape (2,), found one of shape (2,), object",
+        ),
+        ({"speed": None}, "output speed: expected a scalar, real, found None"),
+        ({"mode_used": "slow"}, "output mode_used: expected one of leaky, exact, found 'slow'"),
+    ],
+)
+def test_an_output_that_is_not_as_the_interface_says_is_named(wrong: dict[str, Any], message: str) -> None:
+    interface = parse(INTERFACE)
+    block: Any = ModuleType("block")
+    for causality in ("parameter", "input", "output"):
+        names = [v.name for v in interface.variables.values() if v.causality == causality]
+        setattr(block, f"{causality.title()}s", make_dataclass(causality, names))
+    layout = Layout(interface, block)
+    right: dict[str, Any] = {"sum": np.zeros(2), "first_rate": np.zeros(2), "speed": 0.0, "steps": 0}
+    right |= {"holding": False, "mode_used": "exact", "label_used": ""}
+    layout.store(block.Outputs(**right), layout.starts)
+    with pytest.raises(ContractError) as error:
+        layout.store(block.Outputs(**{**right, **wrong}), layout.starts)
+    assert str(error.value).startswith(message)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
