@@ -42,6 +42,7 @@ class Sight:
         conditions = [self.when, *(phase.signal for phase in self.during)]
         return [*self.nodes, *(node for node in conditions if node is not None)]
 
+    @np.errstate(over="ignore")
     def values(self, columns: Mapping[Node, Floats], factor: float = 1.0, offset: float = 0.0) -> Floats:
         """The signal (n, elements), or (n, 1) for a norm, in another unit by `factor` and `offset`."""
         values = np.column_stack([columns[node] for node in self.nodes])

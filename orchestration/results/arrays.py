@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 MARKS = 400
 """Spans and marks in a plot, about."""
-_LARGEST, _SMALLEST = 1e30, 1e-30
+LARGEST, _SMALLEST = 1e30, 1e-30
 """Beyond the one nothing is drawn; below the other all is zero."""
 
 
@@ -79,7 +79,7 @@ def _packed(values: NDArray[Any]) -> tuple[str, bytes]:
     if values.dtype == np.bool_:
         return "u1", values.astype(np.uint8).tobytes()
     values = np.asarray(values, np.float64)
-    finite = np.abs(values) <= _LARGEST
+    finite = np.abs(values) <= LARGEST
     magnitudes = np.abs(values[finite])
     largest = float(magnitudes.max()) if len(magnitudes) else 0.0
     clean = np.where(finite, values, np.nan)

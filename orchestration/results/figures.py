@@ -22,6 +22,7 @@ from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system.panels import unit_of
+from .arrays import LARGEST
 from .data import RunData
 from .phases import bands
 
@@ -142,11 +143,15 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         for name, values in drawn:
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else _plain(name)
-            axes.plot(time, values[shown_rows], color=next(colours), linewidth=1.2, label=shown)
+            axes.plot(time, _drawable(values[shown_rows], panel.scale), color=next(colours), linewidth=1.2, label=shown)
             legend = legend or position > 0
-    for line in panel.lines:
-        axes.axhline(value_in(line, unit), color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
     notes = []
+    if not any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
+        positive = "positive and " if panel.scale == "log" else ""
+        notes.append(f"no value is {positive}at most {LARGEST:g} in size")
+    levels = _drawable([value_in(line, unit) for line in panel.lines], panel.scale)
+    for level in levels[np.isfinite(levels)]:
+        axes.axhline(level, color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
     if entry.shade and (held := result[entry.shade].astype(bool)[shown_rows]).any():
         grey = {"color": "0.85", "linewidth": 1.5}  # the edge keeps the shortest hold visible
         axes.fill_between(time, 0, 1, where=_widened(held), transform=axes.get_xaxis_transform(), **grey)
@@ -179,6 +184,13 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         axes.legend(fontsize=8, frameon=False)
 
 
+def _drawable(values: Any, scale: str) -> Floats:
+    """The values, nan for those beyond what is drawn, on a logarithmic axis also for those that are not positive."""
+    numbers = np.asarray(values, np.float64)
+    shown = (np.abs(numbers) <= LARGEST) & ((numbers > 0.0) | (scale != "log"))
+    return np.where(shown, numbers, np.nan)
+
+
 def _draw_bands(axes: Any, result: RunData, low: float, high: float) -> None:
     """The phases of the run behind the curves, each with its name where there is room for it."""
     for band in bands(result):
@@ -206,6 +218,7 @@ def zero_crossings(time: Floats, values: Floats) -> list[float]:
     return (time[found] + share * (time[found + 1] - time[found])).tolist()
 
 
+@np.errstate(over="ignore")
 def curves(result: RunData, reference: str, panel: Panel) -> tuple[Unit, list[tuple[str, Floats]]]:
     """The unit of a panel's axis, and names and values of the curves that the panel draws of one signal."""
     variable = result.variable(reference)

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from ..quantities import with_unit
@@ -31,6 +32,7 @@ def write(result: RunData, path: Path) -> None:
     path.write_text(page(result, sorted(there, reverse=True)), "utf-8", errors="replace", newline="\n")
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def page(result: RunData, files: Sequence[str] = ()) -> str:
     """The page of a run; `files` are those beside it that it links to."""
     made = Page(result)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
 
-from orchestration.results import report
+from orchestration.results import figures, report
 
 from ..cli.test_cli import orchestrate
 from .test_endings import ENVIRONMENT, POSIX
@@ -87,3 +88,28 @@ def test_a_file_that_a_full_disk_does_not_take_ends_each_command_with_4(loop, ar
     told = orchestrate(*arguments)
     assert told.exit_code == 4, told.output
     assert told.stderr.splitlines()[-1].endswith(f"{file} cannot be written: the disk is full")
+
+
+@pytest.mark.parametrize(
+    ("scale", "speed"),
+    [("log", "2"), ("log", "1.7e308"), ("linear", "1.7e308"), ("linear", "-1e200")],
+)
+def test_values_that_cannot_be_drawn_give_a_figure_and_no_warning_of_python(loop, scale, speed, monkeypatch):
+    panel = f"{{signals: [regulator.voltage], measure: element, scale: {scale}, lines: [-1 V]}}"
+    loop.write_text(
+        loop.read_text() + f"figures:\n  - {{name: drawn, panels: [{panel}, {{signals: [motor.speed]}}]}}\n"
+    )
+    notes = []
+    drawn = figures.draw_panel
+    monkeypatch.setattr(
+        figures, "draw_panel", lambda axes, *rest: (drawn(axes, *rest), notes.append(axes.get_xlabel()))
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        told = orchestrate(loop.name, "--figures", "--set", f"motor.speed0={speed}")
+    assert told.exit_code == (1 if speed == "1.7e308" else 0), told.output
+    assert Path("results/loop/figures/drawn.png").stat().st_size > 10000
+    wanted = (
+        "time, s\nno value is positive and at most 1e+30 in size" if scale == "log" else "time, s\nno value is at most"
+    )
+    assert notes[0].startswith(wanted)
