@@ -269,7 +269,7 @@ def test_a_page_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypa
     page.write_text("the earlier page")
     monkeypatch.setattr(place, "_sync", full)
     done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(page)])
-    assert (done.exit_code, done.stderr.splitlines()[-1]) == (4, f"{page}: the disk is full")
+    assert (done.exit_code, done.stderr.splitlines()[-1]) == (4, f"{page} cannot be written: the disk is full")
     assert page.read_text() == "the earlier page"
     assert set(tmp_path.iterdir()) == {scenario, page}
 

@@ -74,22 +74,6 @@ def test_a_page_that_is_missing_is_told_also_by_a_quiet_run(loop, monkeypatch):
     assert told.stderr == f"note: {Path('results/loop/report.html')} cannot be written: the disk is full\n"
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
-@pytest.mark.parametrize(
-    ("arguments", "file"),
-    [
-        (("export", "loop.yaml", "--ssp", "loop.ssp"), "loop.ssp"),
-        (("export", "loop.yaml", "--container", "loop.fmu"), "loop.fmu"),
-        (("fmus", "--copy", "."), "allocator.fmu"),
-    ],
-)
-def test_a_file_that_a_full_disk_does_not_take_ends_each_command_with_4(loop, arguments, file):
-    Path(file).symlink_to("/dev/full")
-    told = orchestrate(*arguments)
-    assert told.exit_code == 4, told.output
-    assert told.stderr.splitlines()[-1].endswith(f"{file} cannot be written: the disk is full")
-
-
 @pytest.mark.parametrize(
     ("scale", "speed"),
     [("log", "2"), ("log", "1.7e308"), ("linear", "1.7e308"), ("linear", "-1e200")],
