@@ -137,7 +137,7 @@ def test_thinned_out_plots_say_so_and_keep_the_worst_runs(tmp_path):
     scatter = next(p for p in data["plots"] if "runs" in p)
     shown = {c["name"]: unpacked(data["arrays"][c["y"]]) for c in scatter["curves"]}
     assert np.nanmax(shown["requirement not met"]) == pytest.approx(
-        max(v for v in report.Rows(folder).numbers("settle") if np.isfinite(v)), rel=1e-6
+        max(v for v in Rows(folder).numbers("settle") if np.isfinite(v)), rel=1e-6
     )
 
 
@@ -152,7 +152,7 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
     chromium.settle()
     told = values(chromium, plot)
     run = int(re.search(r"run (\d+)$", told[0])[1])
-    rows = report.Rows(folder)
+    rows = Rows(folder)
     assert float(told[0].split(",")[0].replace("\u2212", "-")) == pytest.approx(
         rows.numbers("plant.Q0.q0")[run], rel=1e-3
     )
