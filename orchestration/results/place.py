@@ -224,18 +224,25 @@ def digests(folder: Path) -> dict[str, str]:
 
 def put(path: Path, text: str) -> None:
     """Writes a file as `putting` does."""
-    with putting(path) as part, part.open("x", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
+    with putting(path) as part, part.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
         file.write(text)
 
 
 @contextmanager
 def putting(path: Path) -> Iterator[Path]:
-    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises OSError."""
-    part = path.with_name(f"{_PART}{uuid4().hex}")
+    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises OSError.
+
+    A link stays, and its file is replaced; a device is written itself.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        yield target
+        return
+    part = target.with_name(f"{_PART}{uuid4().hex}")
     try:
         yield part
         _sync(part)
-        os.replace(part, path)
+        os.replace(part, target)
     except OSError as error:
         error.filename = str(path)
         raise

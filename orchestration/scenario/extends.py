@@ -92,7 +92,10 @@ def _anchor(part: Source, folder: Path) -> None:
     if part.folder == folder:
         return
     for holder, key in _paths(part.data):
-        path = part.folder / Path(holder[key]).expanduser()
+        try:
+            path = part.folder / Path(holder[key]).expanduser()
+        except RuntimeError:  # no such user: told where the file is opened
+            continue
         try:
             holder[key] = Path(os.path.relpath(path, folder)).as_posix()
         except ValueError:  # on another drive of Windows

@@ -60,5 +60,18 @@ def test_a_kit_on_a_full_disk_is_told_of_its_folder(tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="no such device")
+def test_a_link_stays_and_a_device_is_no_file_to_be_replaced(tmp_path):
+    file, link = tmp_path / "file", tmp_path / "link"
+    link.symlink_to(file)
+    for text in ("one", "two"):
+        place.put(link, text)
+        assert (link.is_symlink(), file.read_text()) == (True, text)
+    device = tmp_path / "device"
+    device.symlink_to("/dev/null")
+    place.put(device, "lost")
+    assert (Path("/dev/null").is_char_device(), device.is_symlink()) == (True, True)
+
+
 def full(path: Path) -> None:
     raise OSError(errno.ENOSPC, "No space left on device")
