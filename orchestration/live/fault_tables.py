@@ -1,0 +1,94 @@
+"""A scenario's faults as tables in C, for loop.c and changes.c."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+from ..fmu.model import Element
+from ..runner.plan import Plan
+from ..system.disturbances import Disturbance
+from ..system.faults import Faults, Setting
+from ..system.wiring import Node
+from .c_text import Text, fields
+
+
+class Places(Protocol):
+    """Where things lie in the tables that these join."""
+
+    c: Text
+
+    @property
+    def seats(self) -> Mapping[str, int]: ...
+
+    def place_of(self, node: Node) -> int: ...
+
+    def moves(self, verb: str, block: str, places: Mapping[Element, int], values: str) -> list[str]: ...
+
+
+def write_faults(plan: Plan, on: Places, faults: Sequence[Faults]) -> None:
+    """The tables of all faults; each with its number."""
+    disturbances = [(i, d) for i, each in enumerate(faults) for d in each.disturbances]
+    on.c.define("static Disturbance disturbances", [_disturbance(plan, on, d) for _, d in disturbances])
+    on.c.define("const size_t fault_of", [str(i) for i, _ in disturbances] or ["0"])
+    _changes(plan, on, [(i, setting) for i, each in enumerate(faults) for setting in each.settings])
+    on.c.lines.append(f"int32_t acting[{max(1, len(faults))}];")
+
+
+def _disturbance(plan: Plan, on: Places, fault: Disturbance) -> str:
+    first, last = fault.span
+    entries = {
+        "first": first,
+        "last": "INT64_MAX" if last == math.inf else int(last),
+        "behind": fault.behind(plan.scenario.exchange == "parallel", on.seats),
+        "value": float(fault.value),
+        "seat": on.seats[fault.target.block],
+        "place": on.place_of(fault.target),
+        "kind": f"FAULT_{fault.kind.upper()}",
+    }
+    return fields(entries)
+
+
+def _changes(plan: Plan, on: Places, settings: Sequence[tuple[int, Setting]]) -> None:
+    """The begins and ends of settings in the order of time, and the elements that they set; each with its fault's number."""
+    nodes = dict.fromkeys(Node(s.block, element) for _, s in settings for element, _ in s.values)
+    numbers = {node: number for number, node in enumerate(nodes)}
+    for name in ("before", "sound", "given"):
+        on.c.lines.append(f"double element_{name}[{max(1, len(numbers))}];")
+    moments = []
+    shared = []
+    for place, (fault, setting) in enumerate(settings):
+        block = setting.block
+        every = plan.scenario.blocks[block].every
+        begin, end = setting.span
+        moments.append((math.ceil(begin / every) * every, place, False))
+        if end < math.inf:
+            moments.append((math.ceil(end / every) * every, place, True))
+        mine = {element: numbers[Node(block, element)] for element, _ in setting.values}
+        shared.append(
+            {
+                "fault": fault,
+                "seat": on.seats[block],
+                "elements": on.c.array("size_t", mine.values()),
+                "values": on.c.array("double", (float(value) for _, value in setting.values)),
+                "count": len(mine),
+                **_listed(on.c, "get", on.moves("Get", block, mine, "element_before")),
+                **_listed(on.c, "set", on.moves("Set", block, mine, "element_given")),
+            }
+        )
+    moments.sort(key=lambda moment: moment[0])
+    ends = {place: number for number, (_, place, is_end) in enumerate(moments) if is_end}
+    changes = [
+        {"due": due, "end": 0 if is_end else ends.get(place, len(moments)), **shared[place]}
+        for due, place, is_end in moments
+    ]
+    on.c.define("const Change changes", [fields(change) for change in changes])
+    on.c.lines.append(f"const size_t change_count = {len(changes)};")
+
+
+def _listed(c: Text, kind: str, made: Sequence[str]) -> dict[str, Any]:
+    """The entries for an array of exchanges: its name, and how many there are."""
+    name = f"exchanges_{len(c.lines)}"
+    c.define(f"static const Exchange {name}", made)
+    return {f"{kind}s": name, f"{kind}_count": len(made)}
