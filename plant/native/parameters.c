@@ -43,7 +43,7 @@ static bool orbit_of(const PlantParameters *p, const Epoch *date, Orbit *orbit, 
         }
         return true;
     }
-    *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, plant_gmst(date) + p->node_longitude,
+    *orbit = plant_circular_orbit(p->orbit_radius, p->inclination, epoch_sidereal_angle(date) + p->node_longitude,
                                   p->argument_of_latitude, mu);
     orbit->node_rate = p->j2_node_drift ? plant_j2_node_rate(orbit, mu) : 0.0;
     return true;
@@ -187,9 +187,9 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
     (void)epoch_read(p->epoch, &date);
     (void)orbit_of(p, &date, &environment->orbit, &unused);
     environment->mu = p->gravitational_parameter;
-    environment->gmst0 = plant_gmst(&date);
+    environment->gmst0 = epoch_sidereal_angle(&date);
     environment->day0 = plant_day_of_year(&date);
-    environment->sun.days = plant_days_since_j2000(&date);
+    environment->sun.days = epoch_days_since_j2000(&date);
     const FieldModel *model = &plant_field_models[p->field_model - 1];
     environment->field = plant_field_of(model, plant_decimal_year(&date), p->field_degree);
     plant->field_extrapolated = !covers(model, plant_decimal_year(&date));

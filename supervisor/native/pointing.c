@@ -1,17 +1,7 @@
 #include "pointing.h"
 
-static const double PI = 3.14159265358979323846;
 static const double RADIUS = 6378137.0, FLATTENING = 1.0 / 298.257223563; /* m; WGS 84 */
 static const double OPPOSITE = 1e-12; /* 1 + cosine of two directions below which they are taken as opposite */
-
-double supervisor_sidereal_angle(const Epoch *date)
-{
-    const double T = (double)date->since_j2000 / (double)EPOCH_DAY / 36525.0;
-    const double seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6));
-    const double day = seconds / 86400.0;
-    const double turns = (double)(int64_t)day - (day < 0.0 ? 1.0 : 0.0);
-    return (seconds - turns * 86400.0) / 240.0 * (PI / 180.0);
-}
 
 Vector supervisor_point_on_earth(double latitude, double longitude, double height)
 {

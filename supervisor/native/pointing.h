@@ -12,9 +12,6 @@ typedef struct {
     Vector p, dp, ddp;
 } Moving;
 
-/* Of Greenwich at a date, rad in [0, 2 pi): mean sidereal time, IAU 1982. */
-double supervisor_sidereal_angle(const Epoch *date);
-
 /* Earth-fixed, m, of geodetic coordinates on WGS 84, rad, rad, m. */
 Vector supervisor_point_on_earth(double latitude, double longitude, double height);
 

@@ -53,7 +53,7 @@ void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law)
     Epoch epoch = {0, 0, 0, 0};
     law->p = *p;
     (void)epoch_read(p->epoch, &epoch);
-    law->sidereal_angle_0 = supervisor_sidereal_angle(&epoch);
+    law->sidereal_angle_0 = epoch_sidereal_angle(&epoch);
 }
 
 static bool inputs_fit(const SupervisorInputs *u, Fault *f)

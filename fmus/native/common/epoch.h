@@ -15,6 +15,22 @@ typedef struct {
     int64_t since_j2000, in_year, year_length;
 } Epoch;
 
+/* Days of 86400 s from 2000-01-01T12:00. */
+static inline double epoch_days_since_j2000(const Epoch *date)
+{
+    return (double)date->since_j2000 / (double)EPOCH_DAY;
+}
+
+/* Greenwich mean sidereal time, rad in [0, 2 pi): IAU 1982 (Aoki et al., A&A 105, 1982). UT1 is taken as UTC. */
+static inline double epoch_sidereal_angle(const Epoch *date)
+{
+    const double T = epoch_days_since_j2000(date) / 36525.0, degree = 3.14159265358979323846 / 180.0;
+    const double seconds = 67310.54841 + T * (876600.0 * 3600.0 + 8640184.812866 + T * (0.093104 - T * 6.2e-6));
+    const double day = seconds / 86400.0;
+    const double turns = (double)(int64_t)day - (day < 0.0 ? 1.0 : 0.0);
+    return (seconds - turns * 86400.0) / 240.0 * degree; /* the product is exact */
+}
+
 /* Reads exactly n digits at *text and moves on. */
 static inline bool epoch_digits(const char **text, int n, int *value)
 {
