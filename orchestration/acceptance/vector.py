@@ -91,8 +91,11 @@ def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
     return [v.name for v in (*fed(scenario, name, model.of("input")), *model.of("output")) if v.type != "string"]
 
 
-def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding]:
-    """How far an FMU's outputs are from those of a test vector, one finding an output."""
+def play(fmu: Path, fitted: Fit, interface: str, folder: Path, tolerance: float) -> list[Finding]:
+    """How far an FMU's outputs are from those of a test vector, one finding an output.
+
+    `interface`: the block of the project, or the FMU, in whose place it stands.
+    """
     if fitted.fed:
         names = ", ".join(f"{signal} for {name}" for name, signal in fitted.fed.items())
         text = f"not run, since a test vector holds the ports of {fitted.reference.name} only, and the mapping needs {names}"
@@ -111,7 +114,7 @@ def play(fmu: Path, fitted: Fit, folder: Path, tolerance: float) -> list[Finding
         raise InputError(f"{folder / 'vector.csv'}:1: expected a column of an output of {model.name}, found none")
     entry = {
         "fmu": str(fmu.resolve()),
-        "interface": fitted.reference.name,
+        "interface": interface,
         "start": parameters_of(model, folder, {*fitted.missing, *fitted.ignored}),
     }
     if fitted.mapping is not None:

@@ -81,7 +81,7 @@ def command(
     judged = load(read(scenario)) if scenario is not None else None
     findings, fitted = check(fmu, as_, map_, lenient, judged, tolerance if play_ else None)
     if vector is not None and fitted is not None and not _errors(findings):
-        findings += play(fmu, fitted, vector, tolerance)
+        findings += play(fmu, fitted, as_, vector, tolerance)
     fits = not _errors(findings)
     if suggest and fitted is not None:
         say(proposed(fitted).rstrip())

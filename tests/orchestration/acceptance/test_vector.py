@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestration import run
 from orchestration.acceptance.tables import parameters_of
 from orchestration.fmu.archive import open_fmu
 
@@ -83,3 +84,17 @@ def test_a_broken_list_of_parameters_is_refused_with_its_line(played, parameters
     told = played(parameters=parameters)
     assert (told.exit_code, told.stdout) == (2, "")
     assert told.stderr.startswith(f"v/parameters.csv{message}")
+
+
+def test_a_vector_is_played_against_an_fmu_that_is_no_block_of_the_project(loop):
+    """Its own outputs are as expected, others are not."""
+    Path("v").mkdir()
+    Path("v/parameters.csv").write_text("name,value\ngain,-1\n")
+    result = run(loop)
+    columns = [result.time, result["motor.speed"], result["regulator.voltage"]]
+    for off, status in ((0.0, 0), (0.1, 1)):
+        rows = [f"{t!r},{w!r},{u + off!r}" for t, w, u in zip(*(c.ravel().tolist() for c in columns), strict=True)]
+        Path("v/vector.csv").write_text("\n".join(["time,speed,voltage", *rows]) + "\n")
+        told = orchestrate("regulator.fmu", "--as", "regulator.fmu", "--vector", "v")
+        assert (told.exit_code, told.stderr) == (status, ""), told.output
+        assert ("voltage: differs by at most 0.1" in told.stdout) == bool(status)
