@@ -93,8 +93,8 @@ def test_a_vector_is_played_against_an_fmu_that_is_no_block_of_the_project(loop)
     result = run(loop)
     columns = [result.time, result["motor.speed"], result["regulator.voltage"]]
     for off, status in ((0.0, 0), (0.1, 1)):
-        rows = [f"{t!r},{w!r},{u + off!r}" for t, w, u in zip(*(c.ravel().tolist() for c in columns), strict=True)]
-        Path("v/vector.csv").write_text("\n".join(["time,speed,voltage", *rows]) + "\n")
+        rows = [f"{t!r},{w!r},1,{u + off!r}" for t, w, u in zip(*(c.ravel().tolist() for c in columns), strict=True)]
+        Path("v/vector.csv").write_text("\n".join(["time,speed,enabled,voltage", *rows]) + "\n")
         told = orchestrate("regulator.fmu", "--as", "regulator.fmu", "--vector", "v")
         assert (told.exit_code, told.stderr) == (status, ""), told.output
         assert ("voltage: differs by at most 0.1" in told.stdout) == bool(status)

@@ -142,7 +142,7 @@ def test_a_test_vector_is_not_run_where_the_mapping_needs_signals_that_it_does_n
     fed(tmp_path, monkeypatch)
     fitted = check(Path("vendor.fmu"), "regulator.fmu", Path("mapping.yaml"))[1]
     assert fitted is not None
-    (finding,) = play(Path("vendor.fmu"), fitted, Path("vector"), 1e-6)
+    (finding,) = play(Path("vendor.fmu"), fitted, "regulator.fmu", Path("vector"), 1e-6)
     assert (finding.level, "the mapping needs motor.speed for rate" in finding.text) == ("error", True)
 
 
