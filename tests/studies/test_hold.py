@@ -28,6 +28,7 @@ def test_where_the_field_turns_a_disturbance_of_a_hundredth_of_the_rods_is_held_
     assert found.largest < math.radians(0.1)
 
 
+@pytest.mark.thorough
 def test_a_motion_by_rods_alone_does_not_swing_out_between_the_ends_of_its_intervals(monkeypatch):
     """Intervals of twice the length give the same hold; an error that counted at their ends alone gave a tenth of it."""
     data = starts(tumbles("1U, no wheel", 4))[3]
@@ -58,6 +59,7 @@ class AlongTheNormal:
         return 3e-5 * self.normal
 
 
+@pytest.mark.thorough
 def test_across_a_steady_field_the_rods_undo_a_disturbance_and_along_it_only_turning_it_away_does(tumble, monkeypatch):
     """H.b grows by d.b: over a motion that ends as it began d.b is zero in the mean, so d is once at 90 deg or more from pitch."""
     monkeypatch.setattr("plant.parameters.Parameters.field", property(AlongTheNormal))
