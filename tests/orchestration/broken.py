@@ -333,9 +333,10 @@ def outcome(case: Case, folder: Path) -> Outcome:
     process.join(60.0)
     seconds = perf_counter() - begun
     process.kill()
+    status = folder / "status"
     signals = home / "results" / "run" / "signals.csv"
     return Outcome(
-        process.exitcode,
+        int(status.read_text()) if status.exists() else None,
         (folder / "errors").read_text("utf-8"),
         (folder / "table").read_text("utf-8"),
         len(signals.read_text().splitlines()) - 1 if signals.exists() else 0,
@@ -357,7 +358,10 @@ def _servant() -> Any:
 
 
 def _command(home: Path, temporary: Path) -> None:
-    """`orchestrate run.yaml` in the folder `home`."""
+    """`orchestrate run.yaml` in the folder `home`.
+
+    It writes its exit status into a file: `Process.exitcode` is 255 where a thread that starts another process reads it first.
+    """
     from orchestration.cli.main import main
 
     os.chdir(home)
@@ -366,6 +370,9 @@ def _command(home: Path, temporary: Path) -> None:
     sys.stderr = open(home.parent / "errors", "w", encoding="utf-8")  # noqa: SIM115
     try:
         main(["run.yaml"], prog_name="orchestrate")
+    except SystemExit as ended:
+        (home.parent / "status").write_text(str(ended.code or 0))
+        raise
     finally:
         sys.stdout.close()
         sys.stderr.close()
