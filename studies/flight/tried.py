@@ -169,6 +169,15 @@ TRIED = (
         _lost("allocator.dipole_ff", "allocator.wheel_torque_ff"),
         errors=True,
     ),
+    Tried(
+        "no feed-forward by demand errors",
+        "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, `wheel_weight` 0.02)",
+        lambda data: change(
+            without(data, "allocator.dipole_ff", "allocator.wheel_torque_ff"),
+            {"allocator.desaturation_time": 1e9, "allocator.wheel_weight": 0.02},
+        ),
+        errors=True,
+    ),
     Tried("no u_applied errors", "all errors, `u_applied` not connected", _lost("controller.u_applied"), errors=True),
     Tried("no h_w errors", "all errors, `h_w` of the controller not connected", _lost("controller.h_w"), errors=True),
     Tried(
