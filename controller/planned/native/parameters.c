@@ -31,14 +31,14 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
-/* The law [8] on its sampled errors is stable below both bounds: of z^2 + (d + s/2 - 2) z + 1 - d + s/2, d = L T/J and
- * s = K T^2/J, both roots lie within the unit circle where d < 2 and s < 2 d, so that s < 4. */
+/* About its equilibrium the law [8] on sampled errors is J a = -L v - S x, S = tr(K) I - K, held for T. An eigenvector q of its
+ * motion from sample to sample makes numbers of the matrices, d = T q*L q/q*J q and s = T^2 q*S q/q*J q, and its roots are those
+ * of z^2 + (d + s/2 - 2) z + 1 - d + s/2: within the unit circle exactly where d < 2 and s < 2 d. So the law is stable where
+ * T L < 2 J and T S < 2 L as matrices; where J, L and S have the same axes, nowhere else. */
 static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
 {
     const double T = p->control_period;
     const Matrix J = matrix(p->J_B), L = matrix(p->L0);
-    const Vector K = vector(p->K0);
-    const Matrix stiffness = {{K.y + K.z, 0.0, 0.0}, {0.0, K.z + K.x, 0.0}, {0.0, 0.0, K.x + K.y}};
     if (controller_planned_has_L0(p)) {
         if (!is_positive_definite(L, "L0", f)) {
             return false;
@@ -49,17 +49,29 @@ static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
                          "L0 control_period/J_B below 2 about each axis (this is the largest), or 0: computed");
         }
     }
-    if (controller_planned_has_K0(p)) {
-        if (!is_ascending(p->K0, f)) {
-            return false;
-        }
-        const double stiff = T * T * controller_planned_largest_of(J, stiffness);
-        if (!(stiff < 4.0)) {
-            return fault(f, "K0", stiff,
-                         "(K0[i] + K0[j]) control_period^2/J_B below 4 about each axis (this is the largest), or 0: computed");
-        }
+    return !controller_planned_has_K0(p) || is_ascending(p->K0, f);
+}
+
+bool controller_planned_gains_fit(ControllerPlannedLaw *law, const Scales *scales, Fault *f)
+{
+    const ControllerPlannedParameters *p = &law->p;
+    const bool has_K0 = controller_planned_has_K0(p), has_L0 = controller_planned_has_L0(p);
+    if (law->gains_fit) {
+        return true;
     }
-    return true;
+    const Vector K = has_K0 ? vector(p->K0) : scales->K;
+    const Matrix L = has_L0 ? matrix(p->L0) : scales->L;
+    const Matrix S = {{K.y + K.z, 0.0, 0.0}, {0.0, K.z + K.x, 0.0}, {0.0, 0.0, K.x + K.y}};
+    const double stiffness = p->control_period * controller_planned_largest_of(L, S);
+    law->gains_fit = stiffness < 2.0;
+    return law->gains_fit ||
+           fault(f,
+                 has_K0   ? "K0"
+                 : has_L0 ? "L0"
+                          : "control_period",
+                 stiffness,
+                 "(K0[i] + K0[j]) control_period/L0 below 2 about each axis, with the gains as given or computed (this is the "
+                 "largest): smaller K0, larger L0 or a shorter control_period");
 }
 
 /* A plan is renewed five times in T, and no oftener than the control samples. */
@@ -112,6 +124,7 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
 {
     Epoch epoch = {0, 0, 0, 0};
     law->p = *p;
+    law->gains_fit = false;
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
     law->wheel_axis = unit_vector(vector(p->wheel_axis));

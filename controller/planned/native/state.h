@@ -51,6 +51,7 @@ typedef struct {
 /* Parameters and what follows from them alone. */
 typedef struct {
     ControllerPlannedParameters p;
+    bool gains_fit;  /* the stiffness has been checked */
     Matrix R_d0;     /* projected onto SO(3) */
     Matrix rod_axes; /* rows, unit */
     Vector wheel_axis;
@@ -90,6 +91,15 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
 
 /* The satellite as it is estimated now. */
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
+
+/* Whether the stiffness, given or computed, is one that the damping makes stable: once for the parameters as they stand. */
+bool controller_planned_gains_fit(ControllerPlannedLaw *law, const Scales *scales, Fault *f);
+
+/* Whether the inputs have numbers, and what belongs together is connected together. */
+bool controller_planned_inputs_finite(const ControllerPlannedInputs *u, Fault *f);
+
+/* The same, and whether they are an attitude, a reference and a closed orbit about a body of mu, m3/s2. */
+bool controller_planned_inputs_fit(const ControllerPlannedInputs *u, double mu, Fault *f);
 
 /* Where a plan from x->t on takes its environment from. */
 Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
