@@ -31,12 +31,6 @@ def hat(x: Array) -> Array:
     return np.array(((0.0, -x3, x2), (x3, 0.0, -x1), (-x2, x1, 0.0)))
 
 
-def vee(X: Array) -> Array:
-    """x (3,) with x^ = X, of a skew X; of any X (3,3), that of its skew part (X - X^T)/2."""
-    (_, x12, x13), (x21, _, x23), (x31, x32, _) = X.tolist()
-    return np.array((0.5 * (x32 - x23), 0.5 * (x13 - x31), 0.5 * (x21 - x12)))
-
-
 def exp(x: Array) -> Array:
     """exp(x^) (3,3), the turn by |x| about x (Rodrigues), with nothing that cancels at a small angle."""
     half = 0.5 * norm(x)

@@ -28,7 +28,6 @@ __all__ = [
     "blocks_of",
     "build",
     "ensure",
-    "fmu_path",
     "is_current",
 ]
 
@@ -45,7 +44,7 @@ def blocks_of(flavour: str) -> list[str]:
 def build(
     blocks: Iterable[str | Block] | None = None, flavour: str = "native", out: Path | None = None
 ) -> dict[str, Path]:
-    """Builds FMUs into a folder, by default that of `fmu_path`, and returns their paths by block. Raises BuildError.
+    """Builds FMUs into a folder, by default out/fmus/<flavour>, and returns their paths by block. Raises BuildError.
 
     Without `blocks` these are all that have the flavour.
     """
@@ -66,11 +65,6 @@ def build(
         _write(path, data, stamp)
         paths[block.name] = path
     return paths
-
-
-def fmu_path(block: str, flavour: str = "native") -> Path:
-    """Where a block of this project is by default: where it is built, or ready-made in an installed wheel."""
-    return places.ready(f"{flavour}/{block}.fmu") or _path(block, flavour, None)
 
 
 def ensure(block: str | Block, flavour: str = "native", out: Path | None = None) -> Path:

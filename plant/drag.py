@@ -48,7 +48,7 @@ def octagonal_cylinder(width: float, length: float, axis: str) -> Plates:
 
 
 class Drag:
-    """Force and moment on plates about a centre of mass (3,), m from the geometric centre."""
+    """Moment on plates about a centre of mass (3,), m from the geometric centre."""
 
     def __init__(self, plates: Plates, center_of_mass_B: Array, coefficient: float) -> None:
         """coefficient: C_d, with any factor on the moment."""
@@ -56,12 +56,8 @@ class Drag:
         self._areas = 0.5 * coefficient * plates.areas
         self._arms = self._areas[:, None] * (plates.centres - center_of_mass_B)
 
-    def force(self, v_B: Array, density: float) -> Array:
-        """(3,) N in body axes; v_B (3,) m/s relative to the air, density kg/m3."""
-        return -density * float(np.maximum(self._normals @ v_B, 0.0) @ self._areas) * v_B
-
     def moment(self, v_B: Array, density: float) -> Array:
-        """(3,) N m in body axes about the centre of mass; arguments as in `force`."""
+        """(3,) N m in body axes about the centre of mass; v_B (3,) m/s relative to the air, density kg/m3."""
         a, b, c = np.maximum(self._normals.dot(v_B), 0.0).dot(self._arms).tolist()
         x, y, z = (-density * v_B).tolist()
         return np.array((b * z - c * y, c * x - a * z, a * y - b * x))

@@ -38,12 +38,12 @@ def _text(point: Point, words: str, colour: str = INK, size: int = 13, anchor: s
     return f'<text x="{x:.1f}" y="{y:.1f}" fill="{colour}" font-size="{size}" text-anchor="{anchor}">{escape(words)}</text>'
 
 
-def _arrow(start: Point, end: Point, colour: str, label: str, dashed: bool = False, beyond: float = 10.0) -> list[str]:
+def _arrow(start: Point, end: Point, colour: str, label: str, dashed: bool = False) -> list[str]:
     along = np.subtract(end, start) / np.hypot(*np.subtract(end, start))
     across = np.array([-along[1], along[0]])
     tip = [tuple(end), tuple(end - 9 * along + 4 * across), tuple(end - 9 * along - 4 * across)]
     head = "M" + " L".join(f"{x:.1f},{y:.1f}" for x, y in tip) + "Z"
-    x, y = end + beyond * along
+    x, y = end + 10.0 * along
     more = 'stroke-dasharray="5 3"' if dashed else ""
     return [
         _path([start, tuple(end - 7 * along)], colour, f'{more} style="stroke-width:2.2"'),

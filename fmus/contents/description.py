@@ -52,7 +52,6 @@ def model_description(
     capabilities: Capabilities,
     generation_tool: str,
     remark: str = "",
-    licence: str = "BSD-3-Clause",
 ) -> bytes:
     """The XML file; `remark` follows the description. No date stands in it, so the same arguments give the same bytes. Raises QuantityError."""
     root = ET.Element(
@@ -61,7 +60,7 @@ def model_description(
         modelName=interface.name,
         guid=guid,
         description=f"{interface.description}. {remark}" if remark else interface.description,
-        license=licence,
+        license="BSD-3-Clause",
         generationTool=generation_tool,
         variableNamingConvention="structured",
     )

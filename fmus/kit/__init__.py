@@ -96,13 +96,9 @@ def shell() -> dict[str, bytes]:
     return {f"{folders[path.parent]}{path.name}": path.read_bytes() for path in paths}
 
 
-def makefile(interface: Interface, shell_folder: str, common: str, tools: str, vector: bool = True) -> str:
-    """The Makefile, with the folders of the shell, its common headers and the tools; `make vector` where there is one."""
-    text = filled("Makefile.template", interface, shell=shell_folder, common=common, tools=tools)
-    if vector:
-        return text
-    parts = [part for part in text.split("\n\n") if part.startswith("#") or "vector" not in part]
-    return "\n\n".join("\n".join(line for line in part.split("\n") if "vector" not in line) for part in parts)
+def makefile(interface: Interface, shell_folder: str, common: str, tools: str) -> str:
+    """The Makefile, with the folders of the shell, its common headers and the tools."""
+    return filled("Makefile.template", interface, shell=shell_folder, common=common, tools=tools)
 
 
 def put(path: Path, data: bytes | str) -> Path:

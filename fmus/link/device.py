@@ -69,9 +69,9 @@ class Frame:
     payload: bytes
 
 
-def frame(type_: int, session: int, sequence: int, payload: bytes, version: int = VERSION) -> bytes:
+def frame(type_: int, session: int, sequence: int, payload: bytes) -> bytes:
     """The bytes of a frame."""
-    body = _HEAD.pack(MARK, version, type_, session, sequence, len(payload)) + payload
+    body = _HEAD.pack(MARK, VERSION, type_, session, sequence, len(payload)) + payload
     return body + struct.pack("<I", zlib.crc32(body[2:]))
 
 

@@ -138,7 +138,7 @@ def _flown(
     for look in statistics.looks(case.runs):
         _up_to(case, data, hands, look, begun, there, tell)
         met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
-        verdicts = _with_cause(data, look, statistics.verdicts(claims(case), met, look, case.runs, early=True))
+        verdicts = _with_cause(data, look, statistics.verdicts(claims(case), met, look, early=True))
         if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
             return "stopped early", verdicts
     return "completed", verdicts
@@ -177,7 +177,7 @@ def decided(case: Case, data: Any, extended: bool) -> list[Verdict]:
     there = case.runs if data.done.all() else int(data.done.argmin())
     met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
     early = extended or there < case.runs or case.campaign.stop == "decided"
-    return _with_cause(data, there, statistics.verdicts(claims(case), met, there, case.runs, early=early))
+    return _with_cause(data, there, statistics.verdicts(claims(case), met, there, early=early))
 
 
 def _with_cause(data: Any, there: int, verdicts: list[Verdict]) -> list[Verdict]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
 from ..fmu.model import Floats
 from .drawing.expression import Expression
-from .flying.crew import Batches, Crew, crew
+from .flying.crew import Batches, Crew
 from .flying.job import OK
 from .load import Case
 from .replay import scenario_text
@@ -60,15 +58,3 @@ class Evaluator:
     def scenario(self, unit: Floats) -> str:
         """A scenario in YAML that flies a point (dimension,)."""
         return scenario_text(self._case, self.values(unit), "a point of the campaign")
-
-
-@contextmanager
-def evaluator(
-    case: Case, workers: int | None = 0, scheduler: str | None = None, flying: Crew | None = None
-) -> Iterator[Evaluator]:
-    """The campaign as a function, on a crew of its own, or on one that is there. Raises InputError."""
-    if flying is not None:
-        yield Evaluator(case, flying)
-        return
-    with crew(case.job, workers, scheduler) as (own, _):
-        yield Evaluator(case, own)

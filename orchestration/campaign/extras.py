@@ -12,7 +12,7 @@ import pyarrow.dataset as ds
 from ..errors import InputError, writing
 from ..expectations.metrics import MetricError
 from ..results.place import put
-from .evaluate import evaluator
+from .evaluate import Evaluator
 from .flying.crew import Crew
 from .load import Case
 from .replay import replay
@@ -38,8 +38,7 @@ def analyse(
         key = hashlib.sha256(f"{case.fingerprint} {section.model_dump_json()}".encode()).hexdigest()
         if done.get(name) != key or name not in more:
             remark(f"{name}: flying its runs")
-            with evaluator(case, flying=hands()) as evaluate:
-                more[name] = module.run(section, evaluate, case.campaign.seed)
+            more[name] = module.run(section, Evaluator(case, hands()), case.campaign.seed)
             done[name] = key
     more["analyses"] = done
     if text := more.get("search", {}).get("scenario"):

@@ -115,8 +115,8 @@ def _wheel(parameter: str, value: float, at: float = 0.0) -> tuple[Data, ...]:
     return ({"at": at, "set": f"plant.wheel_{parameter} = {value}"},)
 
 
-def _drags(text: str, torque: float, at: float = 0.0, push: float = 1e-5) -> Row:
-    return Row(SENSORS, text, _wheel("coulomb_friction", torque, at), push, "wheel_failed")
+def _drags(text: str, torque: float, at: float = 0.0) -> Row:
+    return Row(SENSORS, text, _wheel("coulomb_friction", torque, at), 1e-5, "wheel_failed")
 
 
 def _stuck(text: str, push: float, *more: Data, at: float = 0.0, momentum: float = 0.0) -> Row:

@@ -22,6 +22,8 @@ from .equilibria import ORBITAL_RATE, SIGNS
 
 RATE_MAX = 0.1
 """Random rates are uniform in a ball of this radius, rad/s; the paper's manoeuvres start at 0.10 and 0.077."""
+OFF_EDGE, EACH = 1e-6, 20
+"""Starts near an unstable equilibrium: rad from it, and how many from each."""
 
 
 class Law:
@@ -98,7 +100,6 @@ class Flown:
     initial_angle: Array
     converged: Array
     """When the errors are below 2 deg and 1e-3 rad/s for good, s; NaN where they are not at the end."""
-    final_angle: Array
     largest_torque: Array
     """Largest |tau| demanded, N m."""
     steps_up: Array
@@ -180,7 +181,6 @@ def fly(
     return Flown(
         initial_angle=first.zeta,
         converged=converged,
-        final_angle=d.zeta,
         largest_torque=torque,
         steps_up=up,
         largest_rise=np.maximum(rise, 0.0),
@@ -192,7 +192,6 @@ def random_cases(
     law: controller.Parameters,
     schedule: str,
     n: int = 600,
-    seed: int = 1,
     duration: float = 600.0,
     J: Array | None = None,
 ) -> Flown:
@@ -207,17 +206,17 @@ def random_cases(
             kappa0=attitude_scale(p.kappa0, p.a1, p.a2, math.pi / 2, math.pi / 2),
             lambda0=rate_scale(p.lambda0, p.c1, p.c2, RATE_MAX, RATE_MAX),
         )
-    Q, Omega = start(np.random.default_rng(seed), n)
+    Q, Omega = start(np.random.default_rng(1), n)
     return fly(p, p.J_B if J is None else J, Q, Omega, duration)
 
 
-def from_the_edge(law: controller.Parameters, each: int = 20, seed: int = 3, off: float = 1e-6) -> Flown:
-    """Starts at rest `off`, rad, from each of the three unstable equilibria, in random directions; gains [10]."""
-    rng = np.random.default_rng(seed)
+def from_the_edge(law: controller.Parameters) -> Flown:
+    """Starts at rest OFF_EDGE from each of the three unstable equilibria, EACH in random directions; gains [10]."""
+    rng = np.random.default_rng(3)
     Q = []
     for which in (1, 2, 3):
-        for _ in range(each):
+        for _ in range(EACH):
             x = rng.standard_normal(3)
-            Q.append(np.diag(SIGNS[which]) @ so3.exp(off * x / np.linalg.norm(x)))
+            Q.append(np.diag(SIGNS[which]) @ so3.exp(OFF_EDGE * x / np.linalg.norm(x)))
     at = np.array(Q)
     return fly(law, law.J_B, at, -ORBITAL_RATE * at[:, 1], 1500.0)

@@ -6,7 +6,7 @@ from scipy.optimize import approx_fprime
 from scipy.spatial.transform import Rotation
 
 import controller
-from controller import law, morse, so3
+from controller import law, morse
 from tests.controller import loop
 
 SAMPLES = [
@@ -168,7 +168,8 @@ def test_gravity_gradient_is_that_of_its_potential():
         R = rotation.as_matrix()
         V = approx_fprime(R.ravel(), potential, 1e-7).reshape(3, 3)
         scale = mu / r**3
-        expected = so3.vee(V.T @ R - R.T @ V) * scale
+        skew = V.T @ R - R.T @ V
+        expected = np.array([skew[2, 1], skew[0, 2], skew[1, 0]]) * scale
         np.testing.assert_allclose(law.gravity_gradient(mu, loop.J, R, r_N), expected, rtol=0, atol=3e-6 * scale)
 
 

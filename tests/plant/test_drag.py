@@ -24,6 +24,12 @@ def flows(n=40, seed=11):
     return 7500.0 * directions / np.linalg.norm(directions, axis=1)[:, None]
 
 
+def force(plates, v_B, density):
+    """(3,) N: half density C_d area |v|^2 against the flow, of the area that each plate turns to it."""
+    exposed = np.maximum(plates.normals @ v_B, 0.0) @ plates.areas
+    return -0.5 * density * CD * exposed * v_B
+
+
 def vertices(axis):
     """The 16 corners of the octagonal prism."""
     radius = 0.5 * WIDTH / math.cos(math.pi / 8.0)
@@ -50,26 +56,27 @@ def test_a_plate_feels_half_rho_cd_area_speed_squared_at_its_pressure_centre():
     head_on = Drag(plate, centre, CD)
     q = 0.5 * DENSITY * CD * 0.4 * 7500.0**2
     v = np.array([7500.0, 0.0, 0.0])
-    np.testing.assert_allclose(head_on.force(v, DENSITY), [-q, 0.0, 0.0], rtol=1e-14)
+    np.testing.assert_allclose(force(plate, v, DENSITY), [-q, 0.0, 0.0], rtol=1e-14)
     np.testing.assert_allclose(head_on.moment(v, DENSITY), np.cross([0.28, 0.23, -0.15], [-q, 0.0, 0.0]), rtol=1e-13)
 
 
 def test_a_plate_at_an_angle_loses_its_cosine_and_one_turned_away_feels_nothing():
-    drag = Drag(Plates(np.array([[1.0, 0.0, 0.0]]), np.array([0.4]), np.array([[0.3, 0.0, 0.0]])), CENTRE, CD)
+    plate = Plates(np.array([[1.0, 0.0, 0.0]]), np.array([0.4]), np.array([[0.3, 0.0, 0.0]]))
+    drag = Drag(plate, np.array([0.0, 0.1, 0.0]), CD)
     v = 7500.0 * np.array([0.5, math.sqrt(0.75), 0.0])
     q = 0.5 * DENSITY * CD * 0.4 * 7500.0**2 * 0.5
-    np.testing.assert_allclose(drag.force(v, DENSITY), -q * v / 7500.0, rtol=1e-13)
-    assert not drag.force(-v, DENSITY).any()
+    expected = np.cross([0.3, -0.1, 0.0], -q * v / 7500.0)
+    np.testing.assert_allclose(drag.moment(v, DENSITY), expected, rtol=1e-12)
     assert not drag.moment(-v, DENSITY).any()
 
 
 @pytest.mark.parametrize("axis", AXES)
 def test_force_is_that_of_the_bodys_shadow(axis):
-    drag = Drag(octagonal_cylinder(WIDTH, LENGTH, axis), CENTRE, CD)
+    plates = octagonal_cylinder(WIDTH, LENGTH, axis)
     for v in (*flows(), *(7500.0 * np.eye(3))):
         area = projected_area(v / 7500.0, axis)
         np.testing.assert_allclose(
-            drag.force(v, DENSITY), -0.5 * DENSITY * CD * area * 7500.0 * v, rtol=1e-11, atol=1e-18
+            force(plates, v, DENSITY), -0.5 * DENSITY * CD * area * 7500.0 * v, rtol=1e-11, atol=1e-18
         )
 
 
@@ -88,18 +95,20 @@ def test_plates_close_the_body_and_enclose_its_volume():
 @pytest.mark.parametrize("axis", AXES)
 def test_about_its_geometric_centre_the_body_feels_no_moment_whatever_the_flow(axis):
     """By the divergence theorem and the body's symmetry about its centre."""
-    drag = Drag(octagonal_cylinder(WIDTH, LENGTH, axis), CENTRE, CD)
+    plates = octagonal_cylinder(WIDTH, LENGTH, axis)
+    drag = Drag(plates, CENTRE, CD)
     for v in flows():
-        arm = np.linalg.norm(drag.moment(v, DENSITY)) / np.linalg.norm(drag.force(v, DENSITY))
+        arm = np.linalg.norm(drag.moment(v, DENSITY)) / np.linalg.norm(force(plates, v, DENSITY))
         assert arm < 1e-15
 
 
 @pytest.mark.parametrize("axis", AXES)
 def test_moment_is_the_force_at_the_geometric_centre_about_the_centre_of_mass(axis):
     centre = np.array([0.02, -0.03, 0.05])
-    drag = Drag(octagonal_cylinder(WIDTH, LENGTH, axis), centre, CD)
+    plates = octagonal_cylinder(WIDTH, LENGTH, axis)
+    drag = Drag(plates, centre, CD)
     for v in flows():
-        expected = np.cross(-centre, drag.force(v, DENSITY))
+        expected = np.cross(-centre, force(plates, v, DENSITY))
         np.testing.assert_allclose(drag.moment(v, DENSITY), expected, rtol=1e-11, atol=1e-22)
 
 

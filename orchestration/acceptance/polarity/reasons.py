@@ -37,7 +37,7 @@ class Nominal:
         reals = [(block, v) for block, model in models.items() for v in model.of("output") if v.type == "real"]
         self.nodes = [Node(block, element) for block, variable in reals for element in variable.elements]
         self.time, self.values = loop.record(self.nodes)
-        self.peaks = _peaks(self.values, models)
+        self.peaks = _peaks(self.values)
 
     def why(self, port: Port, wrong: Wrong) -> Unobservable:
         """Why nothing shows it."""
@@ -80,7 +80,7 @@ class Nominal:
         return largest / self.peaks[node] if self.peaks[node] > 0.0 else float(largest > 0.0)
 
 
-def _peaks(values: Mapping[Node, Floats], models: Mapping[str, object]) -> dict[Node, float]:
+def _peaks(values: Mapping[Node, Floats]) -> dict[Node, float]:
     """The largest magnitude of the whole variable that an element belongs to."""
     whole: dict[tuple[str, str], float] = {}
     for node, column in values.items():

@@ -71,16 +71,15 @@ def turned(R: list[float], order: str, inverse: bool) -> list[float]:
 
 
 @cache
-def signed_permutations(n: int = 3) -> tuple[tuple[str, Floats], ...]:
-    """All of n axes with their names, the right one first: "-y +x +z" takes minus y for x, x for y, z for z."""
-    letters = AXES if n == 3 else [str(i + 1) for i in range(n)]
+def signed_permutations() -> tuple[tuple[str, Floats], ...]:
+    """All of three axes with their names, the right one first: "-y +x +z" takes minus y for x, x for y, z for z."""
     made = []
-    for order in permutations(range(n)):
-        for signs in product((1.0, -1.0), repeat=n):
-            matrix = np.zeros((n, n))
-            matrix[range(n), order] = signs
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.zeros((3, 3))
+            matrix[range(3), order] = signs
             made.append(
-                (" ".join(f"{'+' if s > 0 else '-'}{letters[j]}" for s, j in zip(signs, order, strict=True)), matrix)
+                (" ".join(f"{'+' if s > 0 else '-'}{AXES[j]}" for s, j in zip(signs, order, strict=True)), matrix)
             )
     return tuple(made)
 

@@ -243,7 +243,7 @@ def _expectations(runs: Rows) -> list[list[object]]:
     found: list[list[object]] = []
     for expectation in runs.manifest.get("expectations", ()):
         met, n = int(runs.true(expectation["column"]).sum()), len(runs)
-        interval = share(met, n)
+        interval = share(met, n, 0.95)
         ends = f"{probability(interval.low)} to {probability(interval.high, up=True)}"
         found.append([expectation["name"], f"{met:,} of {n:,}", f"{met / n:.5g}", ends])
     return found

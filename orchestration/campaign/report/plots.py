@@ -133,12 +133,12 @@ def _spread(left: NDArray[np.int64], n: int) -> NDArray[np.intp]:
     return np.unique(np.r_[np.linspace(0, n - 1, STEPS - len(far)).round().astype(int), far])
 
 
-def shown_runs(metrics: Sequence[Metric], failed: Booleans, seed: int = 0) -> NDArray[np.intp]:
+def shown_runs(metrics: Sequence[Metric], failed: Booleans) -> NDArray[np.intp]:
     """The rows that scatter plots show: all where they are few, else some at random, and the worst of each metric."""
     n = len(failed)
     if n <= DOTS:
         return np.arange(n)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     chosen = [rng.choice(n, DOTS, replace=False), rng.permutation(np.flatnonzero(failed))[:WORST]]
     for metric in metrics:
         chosen.append(rng.permutation(np.flatnonzero(np.isinf(metric.values)))[:WORST])

@@ -133,7 +133,7 @@ def _plain(values: Any) -> list[float | None]:
     return [float(v) if np.isfinite(v) else None for v in np.ma.filled(values, np.nan)]
 
 
-def ranks(columns: Iterable[Floats], metric: Floats, confidence: float = 0.95) -> list[dict[str, float] | None]:
+def ranks(columns: Iterable[Floats], metric: Floats) -> list[dict[str, float] | None]:
     """Spearman's rank correlation of a metric (n,) with each of the columns (n,), and the partial one.
 
     The partial one is what is left when the linear dependence of the ranks on all other columns is taken away. Bounds are
@@ -153,7 +153,7 @@ def ranks(columns: Iterable[Floats], metric: Floats, confidence: float = 0.95) -
     kept = np.r_[0, moving]
     correlation = np.corrcoef(ranked[:, kept], rowvar=False)
     inverse = np.linalg.pinv(correlation, hermitian=True)
-    z = float(ndtri(0.5 + 0.5 * confidence))
+    z = float(ndtri(0.975))  # 95%, two-sided
     found: list[dict[str, float] | None] = [None] * (k - 1)
     for i, place in enumerate(moving, start=1):
         rho = float(correlation[0, i])

@@ -68,19 +68,18 @@ class Verdict:
     """The verdict as a sentence."""
 
 
-def share(successes: int, runs: int, confidence: float = 0.95, method: Literal["exact", "wilson"] = "exact") -> Bounds:
+def share(successes: int, runs: int, confidence: float) -> Bounds:
     """The two-sided confidence interval of a probability, of which `successes` of `runs` independent runs are known.
 
-    "exact" is Clopper and Pearson's, which never covers less than its confidence; "wilson" (JASA 22, 1927) is narrower
-    and covers its confidence in the mean. Without runs it is all of [0, 1].
+    It is Clopper and Pearson's, which never covers less than its confidence. Without runs it is all of [0, 1].
     """
     if runs == 0:
         return Bounds(0.0, 1.0)
-    found = binomtest(successes, runs).proportion_ci(confidence, method)
+    found = binomtest(successes, runs).proportion_ci(confidence, "exact")
     return Bounds(float(found.low), float(found.high))
 
 
-def fixed(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
+def fixed(successes: int, runs: int, confidence: float) -> Bounds:
     """A lower and an upper bound of a probability, each for itself at the confidence, for runs fixed in number before."""
     misses = runs - successes
     low = float(betaincinv(successes, misses + 1, 1.0 - confidence)) if successes else 0.0
@@ -88,7 +87,7 @@ def fixed(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
     return Bounds(low, high)
 
 
-def sequence(successes: int, runs: int, confidence: float = 0.95) -> Bounds:
+def sequence(successes: int, runs: int, confidence: float) -> Bounds:
     """A lower and an upper bound of a probability, each for itself at the confidence after all numbers of runs at once."""
     if runs == 0:
         return Bounds(0.0, 1.0)
@@ -123,17 +122,15 @@ def looks(runs: int) -> list[int]:
     return [*counts, runs]
 
 
-def verdicts(
-    claims: Iterable[Claim], met: Mapping[str, int], flown: int, runs: int, early: bool = False
-) -> list[Verdict]:
-    """What the first `flown` of `runs` runs say of the claims; met[name] of them meet a claim's requirement.
+def verdicts(claims: Iterable[Claim], met: Mapping[str, int], flown: int, early: bool = False) -> list[Verdict]:
+    """What the first `flown` runs say of the claims; met[name] of them meet a claim's requirement.
 
     `early` where it is looked at more than once; else the number of runs was fixed before.
     """
-    return [_verdict(claim, met[claim.name], flown, runs, early) for claim in claims]
+    return [_verdict(claim, met[claim.name], flown, early) for claim in claims]
 
 
-def _verdict(claim: Claim, met: int, flown: int, runs: int, early: bool) -> Verdict:
+def _verdict(claim: Claim, met: int, flown: int, early: bool) -> Verdict:
     bounds = (sequence if early else fixed)(met, flown, claim.confidence)
     status: Literal["met", "not met", "undecided"] = "undecided"
     if bounds.low >= claim.probability:
@@ -206,7 +203,7 @@ def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
     return high
 
 
-def quantile(values: Floats, share: float, confidence: float = 0.95, repeated: bool = False) -> tuple[float, Bounds]:
+def quantile(values: Floats, share: float, confidence: float, repeated: bool = False) -> tuple[float, Bounds]:
     """A quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
 
     The bounds are order statistics and hold for whatever distribution (Wilks, Ann. Math. Stat. 12, 1941): the k-th value

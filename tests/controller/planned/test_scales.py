@@ -111,8 +111,7 @@ def test_of_full_matrices_what_is_accepted_is_stable_and_what_is_not_stable_is_r
         try:
             starts(J_B=J, K0=K, L0=0.5 * (L + L.T), control_period=1.0)
             accepted = True
-        except Refused as error:
-            assert "K0: expected" in str(error) or "L0: expected" in str(error)
+        except Refused:
             accepted = False
         found.append((accepted, bool(radius(J, K, L, 1.0) < 1.0)))
     assert (True, False) not in found

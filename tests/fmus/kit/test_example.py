@@ -51,9 +51,10 @@ def test_what_is_generated_is_that_of_its_interface():
         assert (EXAMPLE / "generated" / name).read_text("utf-8") == text, (
             "python -m fmus.kit examples/hardware_allocator"
         )
-    assert (EXAMPLE / "Makefile").read_text("utf-8") == kit.makefile(
-        interface, "../../fmus/native/shell", "../../fmus/native/common", "../../fmus/kit", vector=False
-    )
+    makefile = kit.makefile(interface, "../../fmus/native/shell", "../../fmus/native/common", "../../fmus/kit")
+    parts = [part for part in makefile.split("\n\n") if part.startswith("#") or "vector" not in part]
+    without_vector = ("\n".join(line for line in part.split("\n") if "vector" not in line) for part in parts)
+    assert (EXAMPLE / "Makefile").read_text("utf-8") == "\n\n".join(without_vector)
 
 
 def test_it_fits_with_its_mapping_and_not_without(fmu):

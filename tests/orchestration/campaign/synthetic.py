@@ -120,7 +120,7 @@ def write(
             for c in claims
         ],
         "expectations": [{"name": "the wheel stays within its limits", "column": "expect: the wheel stays within its limits"}],
-        "verdicts": [asdict(v) for v in verdicts(claims, {n: int(m.sum()) for n, m in met.items()}, runs, runs, early)],
+        "verdicts": [asdict(v) for v in verdicts(claims, {n: int(m.sum()) for n, m in met.items()}, runs, early)],
         "early": early,
         "scenario_file": "scenarios/paper_no_singularity.yaml",
         "campaign_file": "detumble_spread.yaml",

@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 from orchestration.campaign import engine
-from orchestration.campaign.evaluate import evaluator
+from orchestration.campaign.evaluate import Evaluator
 from orchestration.campaign.file.campaign import schema
 from orchestration.campaign.flying import crew
 from orchestration.campaign.load import read_campaign
@@ -569,7 +569,8 @@ def test_a_start_value_of_the_command_line_goes_beside_an_empty_set_and_leaves_t
 
 def test_points_of_the_unit_cube_give_their_metrics(toy):
     case = read_campaign(toy)
-    with evaluator(case) as evaluate:
+    with crew.crew(case.job, 0) as (here, _):
+        evaluate = Evaluator(case, here)
         unit = np.array([[0.0], [0.25], [1.0]])
         assert evaluate(unit)["final"] == pytest.approx(SHRINKS * np.array([1.0, 1.25, 2.0]))
         assert (evaluate.coordinates, evaluate.metrics) == (["motor.speed0"], {"final": "rad/s", "slow": "s"})

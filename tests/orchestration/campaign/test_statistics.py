@@ -22,17 +22,16 @@ from orchestration.campaign.statistics.verdicts import (
 
 
 def test_intervals_of_ten_of_a_hundred_are_those_of_the_tables():
-    # statsmodels 0.14, proportion_confint(10, 100, method="beta" and "wilson").
-    exact, wilson = share(10, 100), share(10, 100, method="wilson")
+    # statsmodels 0.14, proportion_confint(10, 100, method="beta").
+    exact = share(10, 100, 0.95)
     assert (exact.low, exact.high) == pytest.approx((0.04900469, 0.17622260), abs=1e-7)
-    assert (wilson.low, wilson.high) == pytest.approx((0.05522914, 0.17436566), abs=1e-7)
-    assert share(0, 0).low == 0.0
-    assert share(0, 0).high == 1.0
+    assert share(0, 0, 0.95).low == 0.0
+    assert share(0, 0, 0.95).high == 1.0
 
 
 def test_a_known_probability_lies_in_its_interval_at_least_95_of_100_times():
     counts = np.arange(121)
-    bounds = [share(int(k), 120) for k in counts]
+    bounds = [share(int(k), 120, 0.95) for k in counts]
     for p in (0.003, 0.05, 0.5, 0.97):
         covered = np.array([b.low <= p <= b.high for b in bounds])
         assert binom.pmf(counts, 120, p)[covered].sum() >= 0.95  # over all that can be drawn
@@ -49,11 +48,11 @@ def test_requirements_are_shown_by_as_many_runs_without_a_miss_as_the_standards_
 
 def test_the_largest_of_59_values_bounds_the_95_percent_quantile_and_of_58_none_does():
     values = np.random.default_rng(0).normal(size=59)
-    assert quantile(values, 0.95)[1].high == values.max()
-    assert quantile(values[:58], 0.95)[1].high == np.inf
+    assert quantile(values, 0.95, 0.95)[1].high == values.max()
+    assert quantile(values[:58], 0.95, 0.95)[1].high == np.inf
     # Two values may lie above where there are 93: Wilks' second order.
     more = np.random.default_rng(0).normal(size=93)
-    assert quantile(more, 0.95)[1].high == np.sort(more)[-2]
+    assert quantile(more, 0.95, 0.95)[1].high == np.sort(more)[-2]
 
 
 def test_bounds_of_a_quantile_are_scipys_and_those_of_a_sequence_are_wider():
@@ -75,23 +74,23 @@ def test_bounds_of_a_quantile_hold_for_a_skew_distribution_and_for_values_withou
         missed += bounds.low > np.log(10), bounds.high < np.log(10)
     assert (missed / 150 <= 0.05 + 0.03).all()
     assert (missed > 0).all()  # not just wide
-    value, bounds = quantile(np.r_[np.arange(90.0), np.full(10, np.inf)], 0.95)
+    value, bounds = quantile(np.r_[np.arange(90.0), np.full(10, np.inf)], 0.95, 0.95)
     assert (value, bounds.high) == (np.inf, np.inf)
-    assert np.isnan(quantile(np.empty(0), 0.5)[0])
+    assert np.isnan(quantile(np.empty(0), 0.5, 0.95)[0])
 
 
 def test_verdicts_are_met_not_met_and_undecided():
     claims = [Claim("a", 0.95, 0.95), Claim("b", 0.95, 0.95), Claim("c", 0.95, 0.95)]
-    met, failed, open_ = verdicts(claims, {"a": 59, "b": 50, "c": 58}, 59, 100)
+    met, failed, open_ = verdicts(claims, {"a": 59, "b": 50, "c": 58}, 59)
     assert (met.status, failed.status, open_.status) == ("met", "not met", "undecided")
     assert met.text == "59 of 59 runs meet it; probability at least 0.9504 at 95% confidence, required 0.95"
     assert failed.text == "50 of 59 runs meet it; probability at most 0.9181 at 95% confidence, required 0.95"
     assert open_.text == (
         "58 of 59 runs meet it; probability at least 0.9221, at most 0.999131, each at 95% confidence, required 0.95"
     )
-    few = verdicts(claims[:1], {"a": 10}, 10, 10)[0]
+    few = verdicts(claims[:1], {"a": 10}, 10)[0]
     assert few.text.endswith("; 59 runs are needed at least")
-    none = verdicts(claims[:1], {"a": 0}, 0, 10)[0]
+    none = verdicts(claims[:1], {"a": 0}, 0)[0]
     assert (none.status, none.low, none.high) == ("undecided", 0.0, 1.0)
     assert hints(claims[:1], 58) == [
         "a: 58 runs cannot show a probability of 0.95 at 95% confidence; 59 are needed at least"
@@ -142,18 +141,18 @@ def test_the_bounds_of_a_sequence_are_where_the_evidence_is_just_enough():
         assert (evidence(s, n, p)[0] >= enough) == (bounds.low >= p)
         assert (evidence(s, n, p)[1] >= enough) == (bounds.high <= p)
         assert bounds.low <= fixed(s, n, c).low <= fixed(s, n, c).high <= bounds.high
-    assert (sequence(0, 0).low, sequence(0, 0).high) == (0.0, 1.0)
+    assert (sequence(0, 0, 0.95).low, sequence(0, 0, 0.95).high) == (0.0, 1.0)
 
 
 def test_early_stopping_asks_for_half_as_many_runs_again_at_most():
     assert runs_needed(0.997, 0.95, repeated=True) == 1503
-    assert sequence(1503, 1503).low >= 0.997 > sequence(1502, 1502).low
+    assert sequence(1503, 1503, 0.95).low >= 0.997 > sequence(1502, 1502, 0.95).low
 
 
 def test_a_sure_thing_is_decided_at_one_of_the_first_looks():
     claim = [Claim("a", 0.9, 0.95)]
-    good = next(n for n in looks(10**6) if verdicts(claim, {"a": n}, n, 10**6, early=True)[0].status == "met")
-    bad = next(n for n in looks(10**6) if verdicts(claim, {"a": n // 2}, n, 10**6, early=True)[0].status == "not met")
+    good = next(n for n in looks(10**6) if verdicts(claim, {"a": n}, n, early=True)[0].status == "met")
+    bad = next(n for n in looks(10**6) if verdicts(claim, {"a": n // 2}, n, early=True)[0].status == "not met")
     assert good == 45  # 43 would be enough
     assert bad == 30
     assert looks(20) == [20]

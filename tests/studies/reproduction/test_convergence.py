@@ -122,7 +122,8 @@ def test_a_start_near_the_goal_settles_and_one_on_an_unstable_equilibrium_stays_
     Q = np.array([near, half_turn])
     flown = convergence.fly(LAW, LAW.J_B, Q, -equilibria.ORBITAL_RATE * Q[:, 1], 200.0, 0.5)
     assert 20.0 < flown.converged[0] < 200.0
-    assert flown.final_angle[1] == pytest.approx(np.pi, abs=1e-6)
+    assert np.isnan(flown.converged[1])
+    assert flown.largest_torque[1] < 1e-9 * flown.largest_torque[0]
 
 
 def test_wrong_inertias_are_those_of_bodies_and_as_wrong_as_asked():
