@@ -183,7 +183,7 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
     """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/satellites.md; one that was interrupted goes on."""
     if holds:
         _needs_casadi()
-        from .satellites.hold import make  # CasADi, a package of two studies alone  # noqa: PLC0415
+        from .satellites.hold_search import make  # CasADi, a package of two studies alone  # noqa: PLC0415
 
         for line in make(jobs, load(ROOT / "docs" / SATELLITES), ROOT / "docs" / HOLDS):
             say(line)

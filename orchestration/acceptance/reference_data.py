@@ -16,7 +16,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from ..errors import InputError, writing
-from ..export.ssp import parameter_set
+from ..export.ssp import parameter_set, xml_bytes
 from ..export.system import Value
 from ..fmu.archive import Fmu, open_fmu
 from ..fmu.head import ANNOTATION
@@ -149,7 +149,7 @@ def _experiment(model: Model, step: float, time: Floats, tolerances: Mapping[Ele
     for element, tolerance in tolerances.items():
         label = model.variables[element.variable].label(element.position).replace("][", ",")
         ET.SubElement(annotation, "Tolerance", name=label, absolute=f"{tolerance:g}")
-    return _bytes(root)
+    return xml_bytes(root)
 
 
 def _manifest(files: Mapping[str, bytes]) -> bytes:
@@ -164,9 +164,4 @@ def _manifest(files: Mapping[str, bytes]) -> bytes:
     ):
         checksum = hashlib.sha3_256(files[source]).hexdigest()
         ET.SubElement(root, "Related", type=kind, source=source, role=role, description=about, checksum=checksum)
-    return _bytes(root)
-
-
-def _bytes(root: ET.Element) -> bytes:
-    ET.indent(root)
-    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+    return xml_bytes(root)

@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from ..acceptance.polarity import page
-from ..acceptance.polarity.campaign import Campaign, run
 from ..acceptance.polarity.card import card
 from ..acceptance.polarity.fly import Loop
 from ..acceptance.polarity.mend import as_yaml
 from ..acceptance.polarity.swaps import Looked, look
+from ..acceptance.polarity.trials import Trials, run
 from ..errors import InputError
 from ..results.place import check_writable
 from ..runner.read import load, read
@@ -39,7 +39,7 @@ from .status import EXPECTATION_FAILED
 @click.option("--port", "chosen", multiple=True, metavar="BLOCK.PORT", help="Only this port; may be repeated.")
 @SET
 @DURATION
-@click.option("--processes", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
+@click.option("--workers", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
 @out_folder("Folder for the tables; default: results/NAME-polarity.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
 @click.pass_context
@@ -51,7 +51,7 @@ def command(
     chosen: tuple[str, ...],
     sets: tuple[str, ...],
     duration: str | None,
-    processes: int | None,
+    workers: int | None,
     out: Path | None,
     json_: bool,
 ) -> None:
@@ -74,20 +74,20 @@ def command(
         if not json_:
             _tell(looked, target)
         page.write_mappings(looked, target)
-    campaign = _flown(source, blocks, chosen, processes, json_)
-    if campaign.nominal is not None:
-        by, time = campaign.nominal.by, campaign.nominal.time
+    trials = _flown(source, blocks, chosen, workers, json_)
+    if trials.nominal is not None:
+        by, time = trials.nominal.by, trials.nominal.time
         complain(f"the loop as it is wired does not pass at {time:.5g} s: {by}; wrong wirings cannot be told from it")
         ctx.exit(EXPECTATION_FAILED)
-    if not campaign.rows:
+    if not trials.rows:
         raise InputError("no port of this name is connected" if chosen else "nothing is connected")
     made = card(Loop(source)) if not chosen else None
-    files = page.write(campaign, made, target, campaign.scenario, looked)
+    files = page.write(trials, made, target, trials.scenario, looked)
     if json_:
-        say_json(page.summary(campaign, looked))
+        say_json(page.summary(trials, looked))
     else:
-        _print(campaign, files)
-        if looked is not None and looked.mended and (unseen := page.unobservable(campaign)):
+        _print(trials, files)
+        if looked is not None and looked.mended and (unseen := page.unobservable(trials)):
             names = ", ".join(dict.fromkeys(name for name, *_ in unseen))
             complain(
                 f"the loop does not confirm all of the mapping: wrong wirings of {names} change nothing that it sees"
@@ -96,8 +96,8 @@ def command(
 
 
 def _flown(
-    source: Source, blocks: list[str] | None, chosen: tuple[str, ...], processes: int | None, quiet: bool
-) -> Campaign:
+    source: Source, blocks: list[str] | None, chosen: tuple[str, ...], workers: int | None, quiet: bool
+) -> Trials:
     progress = Progress(1.0, not quiet, "wirings")
 
     def tell(done: int, total: int) -> None:
@@ -105,7 +105,7 @@ def _flown(
         progress(done)
 
     try:
-        return run(source, blocks, chosen, processes, tell)
+        return run(source, blocks, chosen, workers, tell)
     finally:
         progress.close()
 
@@ -140,13 +140,13 @@ def _tell(looked: Looked, target: Path) -> None:
     say()
 
 
-def _print(campaign: Campaign, files: list[Path]) -> None:
-    notes(campaign.notes)
-    say(f"{campaign.scenario}: {page.verdict(campaign)}", bold=True)
+def _print(trials: Trials, files: list[Path]) -> None:
+    notes(trials.notes)
+    say(f"{trials.scenario}: {page.verdict(trials)}", bold=True)
     say()
-    for line in table(page.HEADER, page.table(campaign)):
+    for line in table(page.HEADER, page.table(trials)):
         say(line)
-    for name, wrongs, reason, remedy in page.unobservable(campaign):
+    for name, wrongs, reason, remedy in page.unobservable(trials):
         some = ", ".join(wrongs[:4]) + (f" and {len(wrongs) - 4} more" if len(wrongs) > 4 else "")
         say()
         say(folded(f"not observable: {name}: {some}: {reason}"), fg="yellow")

@@ -68,7 +68,7 @@ def _structure(system: System) -> bytes:
     _enumerations(root, "ssd", ((port.variable.name, port.variable.items) for port in ports))
     _units(root, "ssd", (port.variable.unit for port in ports))
     _element(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(scenario.duration)))
-    return _bytes(root)
+    return xml_bytes(root)
 
 
 def _annotations(top: ET.Element, system: System) -> None:
@@ -129,7 +129,7 @@ def parameter_set(values: Sequence[Value]) -> bytes:
     variables = [value.variable for value in values]
     _enumerations(root, "ssv", ((variable.name, variable.items) for variable in variables))
     _units(root, "ssv", (variable.unit for variable in variables))
-    return _bytes(root)
+    return xml_bytes(root)
 
 
 def _text(value: Value) -> str:
@@ -169,6 +169,7 @@ def _element(
     return ET.Element(full, all_attributes) if parent is None else ET.SubElement(parent, full, all_attributes)
 
 
-def _bytes(root: ET.Element) -> bytes:
+def xml_bytes(root: ET.Element) -> bytes:
+    """The document of this root, indented, which is done in place."""
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

@@ -91,6 +91,11 @@ class Variable:
         """Whether it is an array of FMI 3.0, which is exchanged in one piece."""
         return len(self.references) < self.size
 
+    @property
+    def items_text(self) -> str:
+        """An enumeration's items for a message."""
+        return ", ".join(f"{name} ({value})" for name, value in self.items) or "none"
+
     def at(self, positions: Sequence[int]) -> Variable:
         """The same with the unit of the elements at these positions."""
         if not self.units:

@@ -81,7 +81,7 @@ def _check_file(path: Path, what: str) -> None:
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{shown(path)} is a device, a pipe or a socket; expected a regular file")
     if status.st_size > ARCHIVE_MAX:
-        raise InputError(f"{shown(path)} holds {_size(status.st_size)}; expected at most {_size(ARCHIVE_MAX)}")
+        raise InputError(f"{shown(path)} holds {size_text(status.st_size)}; expected at most {size_text(ARCHIVE_MAX)}")
     with path.open("rb") as file:
         begins = file.read(2)
         file.seek(max(0, status.st_size - 2**16 - 200))
@@ -93,7 +93,7 @@ def _check_file(path: Path, what: str) -> None:
         raise InputError(f"{shown(path)} {'is a damaged or truncated zip archive' if truncated else no}")
     if directory > _DIRECTORY_MAX:
         raise InputError(
-            f"{shown(path)} lists its entries in {_size(directory)}; expected at most {_size(_DIRECTORY_MAX)}"
+            f"{shown(path)} lists its entries in {size_text(directory)}; expected at most {size_text(_DIRECTORY_MAX)}"
         )
 
 
@@ -114,7 +114,7 @@ def _check_entries(path: Path, entries: list[zipfile.ZipInfo]) -> None:
         raise InputError(f"{shown(path)} holds {len(entries)} entries; expected at most {ENTRIES_MAX}")
     size = sum(entry.file_size for entry in entries)
     if size > UNPACKED_MAX:
-        raise InputError(f"{shown(path)} would unpack to {_size(size)}; expected at most {_size(UNPACKED_MAX)}")
+        raise InputError(f"{shown(path)} would unpack to {size_text(size)}; expected at most {size_text(UNPACKED_MAX)}")
     for entry in entries:
         name = entry.filename
         if name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/"):
@@ -132,5 +132,6 @@ def _a(what: str) -> str:
     return f"{'an' if what[0] in 'FS' else 'a'} {what}"
 
 
-def _size(size: int) -> str:
+def size_text(size: int) -> str:
+    """So many bytes, for a message."""
     return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"

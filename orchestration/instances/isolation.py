@@ -22,6 +22,7 @@ from .. import interrupt
 from ..errors import BlockError, NoRoom
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Floats, Model
+from ..fmu.zipped import size_text
 from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send
 from .listener import Listener
 from .process import GRACE, Limits, Process
@@ -243,7 +244,7 @@ class IsolatedBlock:
         """Whether it had run out of memory."""
         limit = self._limits.memory
         return (
-            f"; it had used up the {_amount(limit)} that the block's 'memory' allows"
+            f"; it had used up the {size_text(limit)} that the block's 'memory' allows"
             if self._process.peak > 0.8 * limit
             else ""
         )
@@ -252,10 +253,6 @@ class IsolatedBlock:
         part = self._memory.part[0]
         verb = {SETTING: "Set", STEPPING: "DoStep", GETTING: "Get"}.get(part)
         return f"{self.model.prefix}{verb}" if verb else self._memory.call or "between two calls"
-
-
-def _amount(count: int) -> str:
-    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
 
 
 def _plain(value: Any) -> Any:

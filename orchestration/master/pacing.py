@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from ..errors import BlockError
 from ..system.clock import Clock
-from .pace import Late, Pace, milliseconds
+from .deadlines import Late, Pace, milliseconds
 
 _SPIN = 0.2e-3
 """Seconds before a deadline at which the sleep ends; the rest is waited for with the processor busy."""

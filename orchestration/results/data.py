@@ -16,7 +16,7 @@ from ..errors import BlockError, hint
 from ..expectations.holds import Hold
 from ..expectations.judge import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
-from ..master.pace import Pace
+from ..master.deadlines import Pace
 from ..quantities import Unit
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..fmu.model import Floats
-from ..master.pace import Pace, milliseconds
+from ..master.deadlines import Pace, milliseconds
 from .arrays import Arrays
 from .plots import ROWS, Curve, plot
 

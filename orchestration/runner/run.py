@@ -28,9 +28,9 @@ from ..system.wiring import Node
 from .flight import Seer
 from .manifest import manifest
 from .open import open_scenario
-from .pace import PYTHON_LOOP, pacer
 from .plan import Plan
 from .read import load
+from .realtime import PYTHON_LOOP, pacer
 from .refusal import refusal
 from .standby import Standby, standby
 

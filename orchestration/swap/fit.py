@@ -135,7 +135,7 @@ def _link(
             text = f"{label}: {variable.name} is {variable.type}, expected {ours.type}"
             return fitted.say("error", "type", text, "change the type in the FMU", key)
         if variable.items != ours.items:
-            text = f"{label}: the items differ, {_items(variable)}, expected {_items(ours)}"
+            text = f"{label}: the items differ, {variable.items_text}, expected {ours.items_text}"
             return fitted.say("error", "type", text, "give the enumeration of the FMU these items", key)
     if ours.causality != "output" and (twice := next((e for e in elements if e in taken), None)):
         label_twice = fitted.theirs.variables[twice.variable].label(twice.position)
@@ -165,7 +165,3 @@ def _link(
         text = f"{label}: optional in ours, but theirs does not say that it may stay unconnected"
         fitted.say("note", "optional", text, "connect it in the scenario, or give it a value under start there")
     return None
-
-
-def _items(variable: Variable) -> str:
-    return ", ".join(f"{name} ({value})" for name, value in variable.items) or "none"

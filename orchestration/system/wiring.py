@@ -120,7 +120,7 @@ def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, i
         raise Mismatch("text cannot be connected")
     if source.variable.items != target.variable.items:
         raise Mismatch(
-            f"the enumerations differ: {source.name} has {_items(source.variable)}, {target.name} has {_items(target.variable)}"
+            f"the enumerations differ: {source.name} has {source.variable.items_text}, {target.name} has {target.variable.items_text}"
         )
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
@@ -244,7 +244,3 @@ def _shape(end: _End) -> str:
     if len(end.positions) == end.variable.size:
         return f"{end.name} is {end.variable.kind}"
     return f"{end.block}.{end.variable.label(end.positions[0])} is one element"
-
-
-def _items(variable: Variable) -> str:
-    return ", ".join(f"{name} ({value})" for name, value in variable.items) or "none"

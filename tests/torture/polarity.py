@@ -15,9 +15,9 @@ from time import perf_counter
 import click
 
 from orchestration.acceptance.polarity import page
-from orchestration.acceptance.polarity.campaign import Campaign, run
 from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.swaps import Looked, look
+from orchestration.acceptance.polarity.trials import Trials, run
 from orchestration.runner.read import read
 from orchestration.swap.option import swapped
 
@@ -38,16 +38,16 @@ def command(page_: Path | None) -> None:
     parts: dict[str, str] = {}
     for name in FLOWN:
         begun = perf_counter()
-        campaign = run(_scenario(name))
+        trials = run(_scenario(name))
         seconds = perf_counter() - begun
-        print(f"{name}: {page.verdict(campaign)}, in {seconds:.0f} s")
+        print(f"{name}: {page.verdict(trials)}, in {seconds:.0f} s")
         bad += [
             f"{name}: {row.port.name} {row.wrong}: no reason"
-            for row in campaign.rows
+            for row in trials.rows
             if not (row.found or row.unobservable)
         ]
-        bad += [f"{name}: false alarm: {campaign.nominal}"] if campaign.nominal else []
-        parts[name] = _tables(campaign)
+        bad += [f"{name}: false alarm: {trials.nominal}"] if trials.nominal else []
+        parts[name] = _tables(trials)
     with tempfile.TemporaryDirectory() as folder:
         parts["teams"] = _teams(Path(folder), bad)
     for text in bad:
@@ -61,8 +61,8 @@ def _scenario(name: str):
     return read(ROOT / "scenarios" / f"{name}.yaml")
 
 
-def _tables(campaign: Campaign) -> str:
-    text = page.markdown(campaign, "")
+def _tables(trials: Trials) -> str:
+    text = page.markdown(trials, "")
     return text.partition("\n\n")[2].replace("## ", "#### ").strip()
 
 

@@ -13,11 +13,11 @@ from typing import Any
 
 from ...errors import writing
 from ...results.place import put
-from .campaign import Campaign, Row
 from .card import Card
 from .mend import as_yaml
 from .mend import summary as of_mended
 from .swaps import Looked
+from .trials import Row, Trials
 
 HEADER = ("port", "", "wrong", "found", "first", "last", "mostly by")
 _BY = 28
@@ -32,10 +32,10 @@ def ports(rows: Sequence[Row]) -> list[list[Row]]:
     return list(groups.values())
 
 
-def table(campaign: Campaign, wide: bool = False) -> list[tuple[str, ...]]:
+def table(trials: Trials, wide: bool = False) -> list[tuple[str, ...]]:
     """A line for each port: how many wrong wirings, how many are found, after how many seconds, and by what mostly."""
     lines = []
-    for rows in ports(campaign.rows):
+    for rows in ports(trials.rows):
         port, found = rows[0].port, [row.found for row in rows if row.found is not None]
         times = [f"{f(one.time for one in found):.5g} s" if found else "" for f in (min, max)]
         by = Counter(one.by.partition(":")[0] if one.how == "refused" else one.by for one in found).most_common(1)
@@ -47,10 +47,10 @@ def table(campaign: Campaign, wide: bool = False) -> list[tuple[str, ...]]:
     return lines
 
 
-def unobservable(campaign: Campaign) -> list[tuple[str, list[str], str, str]]:
+def unobservable(trials: Trials) -> list[tuple[str, list[str], str, str]]:
     """Port, wrong wirings, why nothing shows them, and what to add; those of one port that have one reason together."""
     groups: dict[tuple[str, str], list[Row]] = {}
-    for row in campaign.rows:
+    for row in trials.rows:
         if row.unobservable is not None:
             groups.setdefault((f"{row.port.causality} {row.port.name}", row.unobservable.reason), []).append(row)
     listed = []
@@ -60,11 +60,11 @@ def unobservable(campaign: Campaign) -> list[tuple[str, list[str], str, str]]:
     return listed
 
 
-def verdict(campaign: Campaign) -> str:
+def verdict(trials: Trials) -> str:
     """The counts in a sentence."""
-    found = sum(row.found is not None for row in campaign.rows)
-    left = len(campaign.rows) - found
-    text = f"{len(campaign.rows)} wrong wirings of {len(ports(campaign.rows))} ports: {found} found"
+    found = sum(row.found is not None for row in trials.rows)
+    left = len(trials.rows) - found
+    text = f"{len(trials.rows)} wrong wirings of {len(ports(trials.rows))} ports: {found} found"
     return text + (f", {left} not observable" if left else "")
 
 
@@ -74,10 +74,10 @@ def write_mappings(looked: Looked, folder: Path) -> None:
     _write(folder, files | {f"{m.block}.mapping.yaml": as_yaml(m.mapping) for m in looked.mended if m.behaves})
 
 
-def write(campaign: Campaign, card: Card | None, folder: Path, title: str, looked: Looked | None = None) -> list[Path]:
+def write(trials: Trials, card: Card | None, folder: Path, title: str, looked: Looked | None = None) -> list[Path]:
     """Writes polarity.md, .csv and .json, and the card, into a folder. Raises ResultsError."""
-    data = json.dumps(summary(campaign, looked), indent=2, ensure_ascii=False) + "\n"
-    files = {"polarity.md": markdown(campaign, title), "polarity.csv": _csv(campaign), "polarity.json": data}
+    data = json.dumps(summary(trials, looked), indent=2, ensure_ascii=False) + "\n"
+    files = {"polarity.md": markdown(trials, title), "polarity.csv": _csv(trials), "polarity.json": data}
     if card is not None:
         files |= {"card.md": card_markdown(card, title), "card.csv": card_csv(card)}
     return _write(folder, files)
@@ -91,25 +91,25 @@ def _write(folder: Path, files: Mapping[str, str]) -> list[Path]:
     return [folder / name for name in files]
 
 
-def markdown(campaign: Campaign, title: str) -> str:
+def markdown(trials: Trials, title: str) -> str:
     """The tables as a page."""
-    lines = [f"# Polarity of {title}", "", f"{verdict(campaign)}.", ""]
+    lines = [f"# Polarity of {title}", "", f"{verdict(trials)}.", ""]
     header = ("port", "direction", "wrong wirings", "found", "first after", "last after", "mostly by")
-    lines += _table(header, table(campaign, wide=True))
-    if left := unobservable(campaign):
+    lines += _table(header, table(trials, wide=True))
+    if left := unobservable(trials):
         lines += ["", "## Not observable", ""]
         lines += _table(
             ("port", "wrong wirings", "why nothing shows it", "what to add"),
             [(name, f"{len(wrongs)}: {', '.join(wrongs)}", reason, remedy) for name, wrongs, reason, remedy in left],
         )
-    if campaign.skipped:
-        names = ", ".join(f"{port.causality} {port.name}" for port in campaign.skipped)
+    if trials.skipped:
+        names = ", ".join(f"{port.causality} {port.name}" for port in trials.skipped)
         lines += ["", f"Without wrong wirings, since they are integers, enumerations or text: {names}."]
-    if campaign.margins:
+    if trials.margins:
         lines += ["", "## Consistency checks as wired", ""]
         lines += _table(
             ("check", "tolerance over the largest difference"),
-            [(name, f"{margin:.3g}" if margin < 1e9 else "above 1e9") for name, margin in campaign.margins.items()],
+            [(name, f"{margin:.3g}" if margin < 1e9 else "above 1e9") for name, margin in trials.margins.items()],
         )
     return "\n".join(lines) + "\n"
 
@@ -137,9 +137,9 @@ def card_csv(card: Card) -> str:
     )
 
 
-def _csv(campaign: Campaign) -> str:
+def _csv(trials: Trials) -> str:
     lines = []
-    for row in campaign.rows:
+    for row in trials.rows:
         found, left = row.found, row.unobservable
         lines.append(
             (
@@ -158,17 +158,17 @@ def _csv(campaign: Campaign) -> str:
     return _rows(header, lines)
 
 
-def summary(campaign: Campaign, looked: Looked | None = None) -> dict[str, Any]:
+def summary(trials: Trials, looked: Looked | None = None) -> dict[str, Any]:
     """All of it as plain data."""
     as_wired = None if looked is None or looked.wrong is None else asdict(looked.wrong)
     return {
-        "scenario": campaign.scenario,
-        "duration": campaign.duration,
-        "nominal": None if campaign.nominal is None else asdict(campaign.nominal),
+        "scenario": trials.scenario,
+        "duration": trials.duration,
+        "nominal": None if trials.nominal is None else asdict(trials.nominal),
         "swap_as_wired": as_wired,
         "mended": [of_mended(mended) for mended in looked.mended] if looked else [],
-        "found": sum(row.found is not None for row in campaign.rows),
-        "not_observable": sum(row.found is None for row in campaign.rows),
+        "found": sum(row.found is not None for row in trials.rows),
+        "not_observable": sum(row.found is None for row in trials.rows),
         "wirings": [
             {
                 "port": row.port.name,
@@ -178,10 +178,10 @@ def summary(campaign: Campaign, looked: Looked | None = None) -> dict[str, Any]:
                 "found": None if row.found is None else asdict(row.found),
                 "not_observable": None if row.unobservable is None else asdict(row.unobservable),
             }
-            for row in campaign.rows
+            for row in trials.rows
         ],
-        "margins": campaign.margins,
-        "notes": campaign.notes,
+        "margins": trials.margins,
+        "notes": trials.notes,
     }
 
 

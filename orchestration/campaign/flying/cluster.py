@@ -19,7 +19,7 @@ import numpy as np
 
 from ...errors import InputError
 from .crew import Batch, Batches, CrewLost, foreign, seconds
-from .job import Job, Rows, lost
+from .job import Job, RunRows, lost
 
 try:
     import dask
@@ -62,7 +62,7 @@ class Cluster:
             with suppress(KilledWorker):
                 self.anew = not self._client.submit(worker.resets, self._key, pure=False).result()
 
-    def fly(self, batches: Batches) -> Iterator[Rows]:
+    def fly(self, batches: Batches) -> Iterator[RunRows]:
         """See `Crew.fly`. Raises CrewLost."""
         pending: dict[Any, Batch] = {}
         suspects: list[Batch] = []
@@ -95,17 +95,17 @@ class Cluster:
     def _sent(self, batch: Batch) -> Any:
         return self._client.submit(worker.fly, self._key, batch, self.anew, pure=False)
 
-    def _rows(self, future: Any) -> Rows | BaseException:
+    def _rows(self, future: Any) -> RunRows | BaseException:
         """What a batch gave: its rows, or why there are none. Raises CrewLost."""
         try:
-            rows: Rows = future.result()
+            rows: RunRows = future.result()
         except CancelledError:
             raise CrewLost("the cluster gave up a batch; the same command goes on from what is written") from None
         except Exception as error:  # of a worker that died, or of its code
             return error
         return rows
 
-    def _alone(self, batch: Batch) -> Iterator[Rows]:
+    def _alone(self, batch: Batch) -> Iterator[RunRows]:
         """Flies a batch with nothing beside it, since Dask blames all that waits at a worker that dies; then run by run."""
         rows = self._rows(self._sent(batch))
         if not isinstance(rows, BaseException):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...fmu.interfaces import is_path
 from ...fmu.model import Floats
-from .job import Job, Pilot, Rows
+from .job import Job, Pilot, RunRows
 
 
 class CrewLost(RuntimeError):
@@ -67,7 +67,7 @@ class Crew(Protocol):
     def slots(self) -> int:
         """How many batches it flies at a time."""
 
-    def fly(self, batches: Batches) -> Iterator[Rows]:
+    def fly(self, batches: Batches) -> Iterator[RunRows]:
         """The rows of all batches, in any order; each run once."""
 
 
@@ -79,7 +79,7 @@ class Here:
     def __init__(self, job: Job, anew: bool) -> None:
         self._pilot = Pilot(job, anew)
 
-    def fly(self, batches: Batches) -> Iterator[Rows]:
+    def fly(self, batches: Batches) -> Iterator[RunRows]:
         """See `Crew.fly`."""
         while (batch := batches.next()) is not None:
             rows = fly(self._pilot, batch)
@@ -91,13 +91,13 @@ class Here:
         self._pilot.close()
 
 
-def fly(pilot: Pilot, batch: Batch) -> Rows:
+def fly(pilot: Pilot, batch: Batch) -> RunRows:
     """The rows of a batch."""
     points = pilot.job.design.points(batch.indices) if batch.points is None else batch.points
     return [pilot.fly(int(index), point) for index, point in zip(batch.indices, points, strict=True)]
 
 
-def seconds(rows: Rows) -> float:
+def seconds(rows: RunRows) -> float:
     """The wall time of the runs."""
     return sum(float(row[3] or 0.0) for row in rows)
 

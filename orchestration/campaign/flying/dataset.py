@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, ResultsError, reason
 from ...interrupt import held
-from .job import OK, Job, Rows
+from .job import OK, Job, RunRows
 
 _TYPES: dict[str, Any] = {"int64": pa.int64(), "string": pa.string(), "double": pa.float64(), "bool": pa.bool_()}
 _ROWS_MAX = 50_000
@@ -40,7 +40,7 @@ class Dataset:
         self.reason: str | None = None
         """Why the first run failed that did."""
         self._names = [name for name, _ in job.columns]
-        self._rows: Rows = []
+        self._rows: RunRows = []
         self._part = 0
         self._begun = self._written = monotonic()
         self._restore(runs)
@@ -86,7 +86,7 @@ class Dataset:
         for name, flags in zip(self.met, met, strict=True):
             self.met[name][index] = [bool(flag) for flag in flags]
 
-    def add(self, rows: Rows) -> None:
+    def add(self, rows: RunRows) -> None:
         """Takes in rows, and writes a part now and then. Raises ResultsError."""
         if not rows:
             return

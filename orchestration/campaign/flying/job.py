@@ -172,4 +172,4 @@ def _same(a: Sequence[Cell], b: Sequence[Cell]) -> bool:
     return all(x == y or (x != x and y != y) for i, (x, y) in enumerate(zip(a, b, strict=True)) if i != _WALL)
 
 
-Rows = list[list[Cell]]
+RunRows = list[list[Cell]]

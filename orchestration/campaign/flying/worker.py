@@ -19,7 +19,7 @@ from distributed import WorkerPlugin
 from ...errors import BlockError, InputError
 from .crew import Batch
 from .crew import fly as fly_batch
-from .job import Job, Pilot, Rows
+from .job import Job, Pilot, RunRows
 
 
 class Given:
@@ -115,7 +115,7 @@ def _of(key: str) -> Given:
     return _given[key]
 
 
-def fly(key: str, batch: Batch, anew: bool) -> Rows:
+def fly(key: str, batch: Batch, anew: bool) -> RunRows:
     """The rows of a batch of the job under this key."""
     with _of(key).pilot(anew) as pilot:
         return fly_batch(pilot, batch)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.acceptance.polarity.campaign import ports_of, run
 from orchestration.acceptance.polarity.card import card
 from orchestration.acceptance.polarity.fly import Loop
 from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.ports import Port, miswired
 from orchestration.acceptance.polarity.swaps import look
+from orchestration.acceptance.polarity.trials import ports_of, run
 from orchestration.acceptance.polarity.wrongs import wrongs
 from orchestration.quantities import parse_unit
 from orchestration.runner.read import read
@@ -112,7 +112,7 @@ def test_a_flipped_sign_in_a_small_loop_is_shown_by_its_expectation_and_all_is_w
     A tachometer with the opposite sign is not seen by an expectation that has an upper bound only.
     """
     monkeypatch.setenv("COLUMNS", "100")
-    result = orchestrate("polarity", loop, "--processes", 1, "--out", "out")
+    result = orchestrate("polarity", loop, "--workers", 1, "--out", "out")
     assert result.exit_code == 0, result.output
     data = json.loads(Path("out/polarity.json").read_text())
     flipped = {f"{w['direction']} {w['port']}": w for w in data["wirings"] if w["wrong"] == "opposite sign"}
@@ -142,7 +142,7 @@ def test_a_loop_that_does_not_meet_its_expectations_as_wired_is_told_apart(loop)
 
 def test_what_the_allocator_does_not_use_is_the_only_wrong_rate_that_nothing_shows():
     """Of the body rate the allocator uses the components across the wheel's axis, x; so a flip of x changes nothing."""
-    result = run(read(SCENARIOS / "paper_no_singularity.yaml"), chosen=["allocator.omega_B"], processes=1)
+    result = run(read(SCENARIOS / "paper_no_singularity.yaml"), chosen=["allocator.omega_B"], workers=1)
     left = [row for row in result.rows if row.found is None]
     assert [row.wrong for row in left] == ["-x +y +z"]
     assert "no output of allocator changes" in left[0].unobservable.reason

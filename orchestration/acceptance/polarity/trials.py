@@ -33,7 +33,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class Trials:
     """What became of all of them."""
 
     scenario: str
@@ -56,27 +56,27 @@ def run(
     source: Source,
     blocks: Iterable[str] | None = None,
     chosen: Sequence[str] = (),
-    processes: int | None = None,
+    workers: int | None = None,
     progress: Progress | None = None,
-) -> Campaign:
+) -> Trials:
     """Flies every wrong wiring of the ports of these blocks, or of the ports named. Raises InputError and BlockError."""
     loop = Loop(source)
     scenario = loop.plan.scenario
     nominal, _ = loop.fly()
     if nominal is not None:
-        return Campaign(scenario.name, scenario.duration, nominal, [], [], loop.notes, {})
+        return Trials(scenario.name, scenario.duration, nominal, [], [], loop.notes, {})
     found = [port for port in ports_of(loop, blocks) if not chosen or _named(port, chosen)]
     tasks = [(port, wrongs(port)) for port in found]
     parts = [(port, some[i : i + _PART]) for port, some in tasks for i in range(0, len(some), _PART)]
     total = sum(len(some) for _, some in tasks)
     rows: dict[tuple[str, str, str], Row] = {}
-    for done in _flown(source, loop, parts, processes or os.cpu_count() or 1):
+    for done in _flown(source, loop, parts, workers or os.cpu_count() or 1):
         rows.update(((row.port.causality, row.port.name, row.wrong), row) for row in done)
         if progress is not None:
             progress(len(rows), total)
     ordered = [rows[port.causality, port.name, wrong.name] for port, some in tasks for wrong in some]
     skipped = [port for port, some in tasks if not some]
-    return Campaign(scenario.name, scenario.duration, None, ordered, skipped, loop.notes, loop.margins)
+    return Trials(scenario.name, scenario.duration, None, ordered, skipped, loop.notes, loop.margins)
 
 
 def ports_of(loop: Loop, blocks: Iterable[str] | None = None) -> list[Port]:
@@ -90,14 +90,14 @@ def _named(port: Port, chosen: Sequence[str]) -> bool:
     return any(port.name == name or f"{port.block}.{port.variable}" == name for name in chosen)
 
 
-def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], processes: int) -> Iterator[list[Row]]:
-    if processes == 1 or len(parts) < 2:
+def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], workers: int) -> Iterator[list[Row]]:
+    if workers == 1 or len(parts) < 2:
         nominal = cache(lambda: Nominal(loop))
         for part in parts:
             yield _fly(loop, nominal, *part)
         return
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # threads of BLAS would only take the processes' cores
-    with ProcessPoolExecutor(min(processes, len(parts)), initializer=_open, initargs=(inside(source),)) as pool:
+    with ProcessPoolExecutor(min(workers, len(parts)), initializer=_open, initargs=(inside(source),)) as pool:
         try:
             for future in as_completed([pool.submit(_fly_here, *part) for part in parts]):
                 yield future.result()
