@@ -1,4 +1,5 @@
-# `make run`, `make check` and `make test` set up all they need in .venv; nothing but Python 3.11 (or later) and make is asked of the machine.
+# `make run` sets up all it needs in .venv and asks nothing of the machine but Python 3.11 (or later) and make. Some tests ask for more
+# (README.md, Installation); without it they are skipped.
 
 PYTHON ?= python3
 VENV := .venv

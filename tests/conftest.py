@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from fmus.build import blocks_of, ensure
+from tests.machine import require_c_compiler
 
 # Each of the hundreds of processes that the tests start would otherwise compile all that it imports.
 sys.dont_write_bytecode = False
@@ -96,6 +97,12 @@ def markers_of(path: Path) -> list[str]:
 def rng(request: pytest.FixtureRequest) -> np.random.Generator:
     """Random numbers of one test alone, the same whichever tests ran before it."""
     return np.random.default_rng(crc32(request.node.name.encode()))
+
+
+@pytest.fixture(scope="session")
+def c_compiler() -> None:
+    """For tests that build a C kit."""
+    require_c_compiler()
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,7 @@ from pathlib import Path
 from fmus import native
 from fmus.interface import load
 from tests.blocks import folder
+from tests.machine import C_COMPILERS
 from tests.once import built
 
 from .driver import GUID
@@ -26,7 +27,7 @@ def compiler(kind: str) -> list[str] | None:
     """The command of the compiler `zig` or `system` with its sanitizers; None where the system has no compiler."""
     if kind == "zig":
         return [sys.executable, "-m", "ziglang", "cc", *ZIG]
-    name = next((c for c in ("gcc", "clang", "cc") if shutil.which(c)), None)
+    name = next((c for c in C_COMPILERS if shutil.which(c)), None)
     return [name, *SYSTEM] if name else None
 
 

@@ -17,6 +17,7 @@ from fmus.interface import BLOCKS, load
 from fmus.native import toolchain
 from fmus.native.generate import ports_header, ports_path
 from tests.blocks import folder, some
+from tests.machine import lacking
 
 from .driver import ROOT
 
@@ -151,7 +152,7 @@ def test_without_ziglang_the_systems_compiler_builds_for_this_machine(
     try:
         toolchain._system_compiler()
     except native.CompilerError:
-        pytest.skip("there is no system compiler")
+        lacking("there is no system compiler")
     monkeypatch.setattr(toolchain, "find_spec", lambda name: None)
     built = native.package(load(block), folder(block))
     with zipfile.ZipFile(io.BytesIO(built)) as archive:

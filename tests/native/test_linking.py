@@ -13,6 +13,7 @@ from fmus.interface import BLOCKS, load
 from fmus.native.generate import camel_case
 from fmus.native.toolchain import FLAGS
 from tests.blocks import folder
+from tests.machine import require
 
 ZIG = [sys.executable, "-m", "ziglang"]
 FLIGHT = [flag for flag in FLAGS if not flag.startswith("-fvisibility")]
@@ -39,6 +40,7 @@ def _archive(block: str, made: Path) -> Path:
 
 def exported(archive: Path) -> dict[str, str]:
     """Symbols with external linkage that an archive defines, with nm's letter for each."""
+    require("nm")
     listed = subprocess.run(["nm", "-g", "--defined-only", str(archive)], capture_output=True, text=True, check=True)
     rows = [line.split() for line in listed.stdout.splitlines()]
     return {row[2].removeprefix("_") if sys.platform == "darwin" else row[2]: row[1] for row in rows if len(row) == 3}

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from tests.machine import lacking
 
 from . import fmus
 from .results import browser
@@ -26,8 +27,6 @@ def chromium() -> Iterator[browser.Tab]:
     """A browser with one page."""
     path = browser.executable()
     if path is None:
-        if os.environ.get("CI"):
-            pytest.fail("no Chromium; .ci/run installs it")
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+        lacking("no Chromium on this machine (Debian: apt-get install chromium)")
     with browser.launched(path) as tab:
         yield tab

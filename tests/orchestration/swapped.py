@@ -4,22 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from orchestration.cli.main import main
-
 from . import fmus, vendor
 from .wrong_inputs import SCENARIO
 
 STEP = "<ModelVariables>"
 """What follows a DefaultExperiment in their description."""
-
-
-def orchestrate(*arguments):
-    result = CliRunner().invoke(main, [str(a) for a in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
 
 
 def swapped(folder: Path, monkeypatch, *changes, scenario: str = SCENARIO, isolated: bool = False, **options) -> Path:

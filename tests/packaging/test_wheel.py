@@ -18,7 +18,6 @@ from fmpy.validation import validate_fmu
 from fmus.build import FLAVOURS, blocks_of, ensure
 from fmus.places import work
 from hatch_build import BUILT, renamed
-from tests.compilers import has_compiler
 from tests.once import once
 
 ROOT = Path(__file__).parents[2]
@@ -180,7 +179,7 @@ def test_a_python_kit_of_an_installed_copy_builds_a_valid_fmu_that_fits(installe
     assert call(installed, tmp_path, "check", "mine/allocator.fmu", "--as", "allocator").returncode == 0
 
 
-@pytest.mark.skipif(not has_compiler(), reason="a C kit needs make and a C compiler")
+@pytest.mark.usefixtures("c_compiler")
 def test_a_c_kit_of_an_installed_copy_builds_and_is_generated_anew(installed: Path, tmp_path: Path) -> None:
     made = call(installed, tmp_path, "new", "allocator", "mine", "--lang", "c")
     assert made.returncode == 0, made.stderr

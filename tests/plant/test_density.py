@@ -17,8 +17,6 @@ from plant.tables import density as table
 from plant.tables import density_fit
 from tests.blocks import parameters
 
-pytest.importorskip("pymsis")
-
 SOLAR = (70.0, 150.0, 230.0)
 HEIGHTS = (150e3, 180e3, 250e3, 400e3, 600e3, 1000e3, 2000e3)
 

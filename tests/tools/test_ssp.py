@@ -14,14 +14,13 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 from lxml import etree
 
 import orchestration
 from orchestration import load
-from orchestration.cli.main import main
 from orchestration.ssp import structure
+from tests.commands import orchestrate
 
 from ..orchestration import fmus
 from ..orchestration.wrong_inputs import SCENARIO
@@ -41,8 +40,9 @@ def loop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def orchestrate(*arguments: object, status: int = 0) -> str:
-    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+def printed(*arguments: object, status: int = 0) -> str:
+    """What a command prints that ends with this status."""
+    result = orchestrate(*arguments)
     assert result.exit_code == status, result.output
     return result.output
 
@@ -62,7 +62,7 @@ def validate(path: Path) -> etree._Element:
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda p: p.stem)
 def test_a_scenario_comes_back_from_its_archive_and_gives_the_same_bits(scenario: Path, tmp_path: Path) -> None:
     archive = tmp_path / "adcs.ssp"
-    orchestrate("export", scenario, "--ssp", archive)
+    printed("export", scenario, "--ssp", archive)
     validate(archive)
     direct, back = orchestration.run(scenario), orchestration.run(archive)
     assert back.labels == direct.labels
@@ -74,12 +74,12 @@ def test_a_scenario_comes_back_from_its_archive_and_gives_the_same_bits(scenario
 
 def test_the_same_scenario_gives_the_same_bytes(tmp_path: Path) -> None:
     for name in ("one.ssp", "two.ssp"):
-        orchestrate("export", SCENARIOS[0], "--ssp", tmp_path / name)
+        printed("export", SCENARIOS[0], "--ssp", tmp_path / name)
     assert (tmp_path / "one.ssp").read_bytes() == (tmp_path / "two.ssp").read_bytes()
 
 
 def test_every_connected_input_has_the_value_that_comes_to_it_at_the_start(tmp_path: Path) -> None:
-    orchestrate("export", SCENARIOS[0], "--ssp", tmp_path / "adcs.ssp")
+    printed("export", SCENARIOS[0], "--ssp", tmp_path / "adcs.ssp")
     result = orchestration.run(SCENARIOS[0], {"duration": 0.1})
     with zipfile.ZipFile(tmp_path / "adcs.ssp") as archive:
         values = etree.fromstring(archive.read("resources/controller.ssv"))
@@ -108,7 +108,7 @@ LOOPS: dict[str, Callable[[str], str]] = {
 @pytest.mark.parametrize("change", LOOPS)
 def test_a_loop_comes_back(loop: Path, change: str) -> None:
     loop.write_text(LOOPS[change](loop.read_text()))
-    orchestrate("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
+    printed("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
     validate(Path("loop.ssp"))
     direct, back = orchestration.run(loop.name), orchestration.run("loop.ssp")
     assert back.labels == direct.labels
@@ -121,20 +121,20 @@ def test_units_that_differ_are_converted_by_a_transformation_that_comes_back(loo
         '<ScalarVariable name="voltage" valueReference="2" causality="input"><Real unit="mV"',
     )
     fmus.write(Path("motor.fmu"), spoilt, fmus.library())
-    orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    printed("export", loop.name, "--ssp", "loop.ssp")
     root = validate(Path("loop.ssp"))
     (transformation,) = root.iter("{*}LinearTransformation")
     assert float(transformation.get("factor")) == 1000.0
     assert transformation.getparent().get("suppressUnitConversion") == "true"
     assert np.array_equal(orchestration.run("loop.ssp").samples, orchestration.run(loop.name).samples)
-    assert "a container passes values as they are, and these units differ" in orchestrate(
+    assert "a container passes values as they are, and these units differ" in printed(
         "export", loop.name, "--container", "loop.fmu", status=2
     )
 
 
 def test_options_change_an_archive_s_run_as_they_change_a_scenario_s(loop: Path) -> None:
-    orchestrate("export", loop.name, "--ssp", "loop.ssp", "--step", "20 ms")
-    orchestrate("loop.ssp", "--duration", 1, "--set", "motor.speed0=0.5", "--out", "there")
+    printed("export", loop.name, "--ssp", "loop.ssp", "--step", "20 ms")
+    printed("loop.ssp", "--duration", 1, "--set", "motor.speed0=0.5", "--out", "there")
     manifest = json.loads(Path("there/manifest.json").read_text())
     assert (manifest["steps"], manifest["scenario"]["step"]) == (50, 0.02)
     assert np.isclose(orchestration.run("loop.ssp", {"motor.speed0": 0.5})["motor.speed"][0], 0.5)
@@ -243,7 +243,7 @@ def test_an_input_that_nothing_feeds_keeps_the_fmu_s_start(loop: Path) -> None:
 )  # fmt: skip
 def test_what_cannot_be_run_is_refused_by_name(loop: Path, spoil: Callable[[], object], message: str) -> None:
     spoil()
-    output = orchestrate("foreign.ssp", status=2)
+    output = printed("foreign.ssp", status=2)
     assert output.startswith("foreign.ssp")
     assert message in output
     assert "Traceback" not in output
@@ -282,7 +282,7 @@ def test_what_is_misspelt_or_twice_is_refused_and_never_dropped(
     loop: Path, spoil: Callable[[], object], message: str
 ) -> None:
     spoil()
-    assert message in orchestrate("foreign.ssp", status=2)
+    assert message in printed("foreign.ssp", status=2)
 
 
 def _deep(levels: int) -> str:
@@ -308,7 +308,7 @@ def test_a_signal_that_is_fed_in_a_circle_is_refused(loop: Path) -> None:
     foreign(system=f"""<ssd:System name="all"><ssd:Elements>{_MOTOR}{circle}</ssd:Elements><ssd:Connections>
 <ssd:Connection startElement="c" startConnector="b" endElement="c" endConnector="a"/>
 <ssd:Connection startElement="c" startConnector="b" endElement="motor 1" endConnector="voltage"/></ssd:Connections></ssd:System>""")  # fmt: skip
-    assert "foreign.ssp: motor 1.voltage is fed in a circle" in orchestrate("foreign.ssp", status=2)
+    assert "foreign.ssp: motor 1.voltage is fed in a circle" in printed("foreign.ssp", status=2)
 
 
 def _annotated(data: object) -> str:
@@ -340,7 +340,7 @@ def _annotated(data: object) -> str:
 )  # fmt: skip
 def test_an_annotation_decides_neither_over_guards_nor_over_files(loop: Path, data: object, message: str) -> None:
     foreign(top=_annotated(data))
-    assert message in orchestrate("foreign.ssp", status=2)
+    assert message in printed("foreign.ssp", status=2)
 
 
 def test_an_archive_is_held_to_the_bounds_of_an_fmu(loop: Path) -> None:
@@ -349,15 +349,15 @@ def test_an_archive_is_held_to_the_bounds_of_an_fmu(loop: Path) -> None:
     at = data.rindex(b"PK\x01\x02")
     struct.pack_into("<H", data, at + 8, 1)
     Path("foreign.ssp").write_bytes(data)
-    assert "foreign.ssp is encrypted: resources/regulator.fmu" in orchestrate("foreign.ssp", status=2)
+    assert "foreign.ssp is encrypted: resources/regulator.fmu" in printed("foreign.ssp", status=2)
     struct.pack_into("<H", data, at + 8, 0)
     struct.pack_into("<I", data, at + 24, 3 * 10**9)
     Path("foreign.ssp").write_bytes(data)
-    assert "foreign.ssp would unpack to 3 GB; expected at most 2 GB" in orchestrate("foreign.ssp", status=2)
+    assert "foreign.ssp would unpack to 3 GB; expected at most 2 GB" in printed("foreign.ssp", status=2)
 
 
 def test_an_archive_that_is_not_there_is_told(loop: Path) -> None:
-    assert "nothing.ssp" in orchestrate("nothing.ssp", status=2)
+    assert "nothing.ssp" in printed("nothing.ssp", status=2)
 
 
 # ---------------------------------------------------------------- what others can do
@@ -373,11 +373,11 @@ ONLY_OURS: dict[str, tuple[Callable[[str], str], str]] = {
 def test_what_other_tools_would_pass_over_is_refused_and_kept_on_demand(loop: Path, change: str) -> None:
     changed, message = ONLY_OURS[change]
     loop.write_text(changed(loop.read_text()))
-    output = orchestrate("export", loop.name, "--ssp", "loop.ssp", status=2)
+    output = printed("export", loop.name, "--ssp", "loop.ssp", status=2)
     assert message in output
     assert "--for-orchestrate keeps it in an annotation, which no other tool reads" in output
     assert not Path("loop.ssp").exists()
-    orchestrate("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
+    printed("export", loop.name, "--ssp", "loop.ssp", "--for-orchestrate")
     direct, back = orchestration.run(loop.name), orchestration.run("loop.ssp")
     assert np.array_equal(back.samples, direct.samples)
     assert back.scenario.faults == direct.scenario.faults
@@ -386,11 +386,11 @@ def test_what_other_tools_would_pass_over_is_refused_and_kept_on_demand(loop: Pa
 @pytest.mark.parametrize("scenario", ["flight_tumble", "fault_lost_magnetometer"])
 def test_the_scenarios_with_rates_and_faults_are_refused(scenario: str, tmp_path: Path) -> None:
     for option, name in (("--ssp", "x.ssp"), ("--container", "x.fmu")):
-        orchestrate("export", ROOT / "scenarios" / f"{scenario}.yaml", option, tmp_path / name, status=2)
+        printed("export", ROOT / "scenarios" / f"{scenario}.yaml", option, tmp_path / name, status=2)
 
 
 def test_both_annotations_stand_in_the_system_openmodelica_s_first_and_none_at_the_root(loop: Path) -> None:
-    orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    printed("export", loop.name, "--ssp", "loop.ssp")
     root = validate(Path("loop.ssp"))
     assert root.find("{*}Annotations") is None
     types = [entry.get("type") for entry in root.iterfind("{*}System/{*}Annotations/{*}Annotation")]
@@ -401,7 +401,7 @@ def test_both_annotations_stand_in_the_system_openmodelica_s_first_and_none_at_t
 
 def test_an_export_says_whose_code_it_runs_and_what_the_archive_does_not_carry(loop: Path) -> None:
     loop.write_text(loop.read_text().replace("duration:", "isolation: process\nduration:"))
-    output = orchestrate("export", loop.name, "--ssp", "loop.ssp")
+    output = printed("export", loop.name, "--ssp", "loop.ssp")
     assert "note: runs the FMUs of others for one step, for the values at t = 0: motor, regulator" in output
     assert "note: the archive does not carry isolation: who runs it decides that" in output
     assert "isolation" not in load("loop.ssp").source.data
@@ -411,7 +411,7 @@ def test_an_export_says_whose_code_it_runs_and_what_the_archive_does_not_carry(l
 
 
 def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(loop: Path) -> None:
-    orchestrate("export", loop.name, "--container", "loop.fmu")
+    printed("export", loop.name, "--container", "loop.fmu")
     assert validate_fmu("loop.fmu") == []
     about = fmpy.read_model_description("loop.fmu")
     variables = {v.name: v for v in about.modelVariables}
@@ -439,14 +439,14 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
 )
 def test_what_a_container_cannot_do_is_refused(loop: Path, change: str, message: str) -> None:
     loop.write_text(LOOPS[change](loop.read_text()))
-    assert message in orchestrate("export", loop.name, "--container", "loop.fmu", status=2)
+    assert message in printed("export", loop.name, "--container", "loop.fmu", status=2)
 
 
 def test_without_the_toolbox_the_remedy_is_told(loop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
     monkeypatch.setitem(sys.modules, "fmu_manipulation_toolbox.assembly", None)
-    output = orchestrate("export", loop.name, "--container", "loop.fmu", status=2)
+    output = printed("export", loop.name, "--container", "loop.fmu", status=2)
     assert "pip install fmu-manipulation-toolbox" in output
 
 
@@ -460,10 +460,10 @@ def test_without_the_toolbox_the_remedy_is_told(loop: Path, monkeypatch: pytest.
     ],
 )
 def test_wrong_options_are_told(loop: Path, arguments: list[str], message: str) -> None:
-    assert message in orchestrate("export", loop.name, *arguments, status=2)
+    assert message in printed("export", loop.name, *arguments, status=2)
 
 
 def test_a_failing_block_cannot_be_exported(loop: Path) -> None:
     loop.write_text(loop.read_text().replace("inertia: 0.5", "inertia: 0.5\n      fault: 1"))
-    assert "motor: fmi2DoStep" in orchestrate("export", loop.name, "--ssp", "loop.ssp", status=3)
+    assert "motor: fmi2DoStep" in printed("export", loop.name, "--ssp", "loop.ssp", status=3)
     assert not Path("loop.ssp").exists()

@@ -156,10 +156,11 @@ def test_the_python_flavour_says_what_it_needs_where_a_user_looks(fmus: dict[str
 @pytest.mark.parametrize("name", sorted(p.name.removesuffix(".svg") for p in INTERFACES.glob("*.svg")))
 def test_an_icon_s_png_shows_what_its_svg_draws(name: str) -> None:
     data = png((INTERFACES / f"{name}.svg").read_bytes(), 20)
-    matplotlib = pytest.importorskip("matplotlib.image")
     import io
 
-    pixels = matplotlib.imread(io.BytesIO(data))
+    from matplotlib import image
+
+    pixels = image.imread(io.BytesIO(data))
     assert pixels.shape == (20, 20, 4)
     assert len({tuple(p) for row in pixels.tolist() for p in row}) > 2
     assert zlib.crc32(data[12:29]) == struct.unpack(">I", data[29:33])[0]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from fmus import kit, link
 from fmus.interface import load
@@ -17,13 +15,13 @@ from fmus.kit import linked
 from fmus.native.toolchain import FREESTANDING, PLATFORMS
 from orchestration.acceptance import binaries
 from orchestration.acceptance.vector import record
-from orchestration.cli.main import main
-from tests.compilers import has_compiler
+from tests.commands import orchestrate
 from tests.fmus.link import devices
+from tests.machine import require
 
 ROOT = Path(__file__).parents[3]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="the devices of these tests use POSIX")
-needs_compiler = pytest.mark.skipif(not has_compiler(), reason="a C kit needs make and a C compiler")
+needs_compiler = pytest.mark.usefixtures("c_compiler")
 
 
 def made(folder: Path, language: str) -> Path:
@@ -48,10 +46,6 @@ def python_kit(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def bench(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "bench.py", "vector", *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-
-def orchestrate(*arguments: object):
-    return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
 @posix
@@ -100,8 +94,7 @@ def _for_a_board(folder: Path, compiler: list[str], objects: Path) -> list[str]:
 
 @pytest.mark.parametrize("kind", ["zig", "gcc"])
 def test_the_firmware_compiles_for_a_bare_cortex_m7_and_needs_no_operating_system(kind, c_kit, tmp_path):
-    if kind == "gcc" and shutil.which("arm-none-eabi-gcc") is None:
-        pytest.skip("arm-none-eabi-gcc is not installed")
+    require("nm", *(["arm-none-eabi-gcc"] if kind == "gcc" else []))
     processor = ["-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-d16", "-mfloat-abi=hard"]
     command = ["arm-none-eabi-gcc", *processor]
     if kind == "zig":

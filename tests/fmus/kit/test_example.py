@@ -14,13 +14,13 @@ from orchestration import load, run
 from orchestration.acceptance.compare import compare
 from orchestration.runner.read import read
 from orchestration.swap.option import swapped
-from tests.compilers import has_compiler
+from tests.commands import orchestrate
 
-from .test_kit import ROOT, make, orchestrate
+from .test_kit import ROOT, make
 
 EXAMPLE = ROOT / "examples" / "hardware_allocator"
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
-pytestmark = pytest.mark.skipif(not has_compiler(), reason="the example needs make and a C compiler")
+pytestmark = pytest.mark.usefixtures("c_compiler")
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
 from fmus import kit
@@ -20,21 +19,13 @@ from fmus.interface import BLOCKS, load, parse
 from fmus.native import generated_sources
 from orchestration import load as load_scenario
 from orchestration.acceptance.vector import name_of
-from orchestration.cli.main import main
 from orchestration.fmu.interfaces import place
 from tests.blocks import folder as folder_of
 from tests.blocks import some
-from tests.compilers import has_compiler
+from tests.commands import orchestrate
 
 ROOT = Path(__file__).parents[3]
-needs_compiler = pytest.mark.skipif(not has_compiler(), reason="a C kit needs make and a C compiler")
-
-
-def orchestrate(*arguments):
-    result = CliRunner().invoke(main, [str(a) for a in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
+needs_compiler = pytest.mark.usefixtures("c_compiler")
 
 
 def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
-
 import numpy as np
-import pytest
 
 from studies.processor.emulator import Emulator
 from studies.processor.firmware import PACKAGES, build
+from tests.machine import require
 from tests.native.driver import Instance
 
 from .test_link import asked, flown
 
-pytestmark = pytest.mark.skipif(
-    any(shutil.which(program) is None for program in PACKAGES), reason=f"needs {' '.join(PACKAGES.values())} (Debian)"
-)
 STEPS = 10
 
 
 def test_the_controller_on_an_emulated_cortex_m7_has_the_bits_of_the_native_fmu(tmp_path):
+    require(*PACKAGES)
     with Instance("controller") as block:
         direct = flown(block, STEPS)
     with (

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 import zipfile
 from pathlib import Path
 
 import fmpy
 import pytest
-from click.testing import CliRunner
 
 from fmus.contents.description import Capabilities, model_description
 from fmus.interface import load, parse
 from orchestration.acceptance import binaries
 from orchestration.acceptance.check import check
-from orchestration.cli.main import main
+from tests.commands import orchestrate
+from tests.machine import require_elf_tools
 
 from .. import fmus, vendor
 
@@ -29,13 +28,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     fmus.write_pair(tmp_path, runnable=True)
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def orchestrate(*arguments):
-    result = CliRunner().invoke(main, ["check", *(str(a) for a in arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
 
 
 def findings(path: Path, map_: Path | None = None, as_: str = "regulator.fmu", topic: str = "", level: str = ""):
@@ -51,7 +43,7 @@ def texts(found) -> str:
 
 
 def test_an_fmu_fits_its_own_interface(here):
-    result = orchestrate("regulator.fmu", "--as", "regulator.fmu")
+    result = orchestrate("check", "regulator.fmu", "--as", "regulator.fmu")
     assert result.exit_code == 0
     assert re.search(r"^ok +port +input speed, a real scalar, rad/s$", result.stdout, re.M)
     assert result.stdout.endswith("\nfits: 1 warning\n"), "it says nothing of its step"
@@ -68,7 +60,7 @@ def test_the_project_s_own_blocks_fit_themselves_in_both_flavours(here):
 
 def test_a_mapping_makes_it_fit_and_the_factors_are_told(here):
     vendor.write(here, runnable=True)
-    result = orchestrate("vendor.fmu", "--as", "regulator.fmu", "--map", "mapping.yaml")
+    result = orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--map", "mapping.yaml")
     assert result.exit_code == 0
     assert "input speed = rate, a real scalar, rad/s to rpm: times 9.549296586" in result.stdout
     assert "output voltage = command, a real scalar, V to mV: times 1000" in result.stdout
@@ -76,7 +68,7 @@ def test_a_mapping_makes_it_fit_and_the_factors_are_told(here):
 
 def test_json_says_the_same(here):
     vendor.write(here, runnable=True)
-    result = orchestrate("vendor.fmu", "--as", "regulator.fmu", "--json")
+    result = orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--json")
     told = json.loads(result.stdout)
     assert (result.exit_code, told["fits"]) == (1, False)
     assert {f["level"] for f in told["findings"]} <= {"ok", "note", "warning", "error"}
@@ -93,7 +85,7 @@ def test_another_version_or_kind_does_not_fit(here):
         findings(here / "one.fmu")
     )
     assert "is for model exchange only; expected an FMU for co-simulation" in texts(findings(here / "exchange.fmu"))
-    assert orchestrate("one.fmu", "--as", "regulator.fmu").exit_code == 1
+    assert orchestrate("check", "one.fmu", "--as", "regulator.fmu").exit_code == 1
 
 
 @pytest.mark.skipif(fmpy.platform != "linux64", reason="names the other platform")
@@ -111,8 +103,8 @@ def test_what_is_no_library_is_told(here):
     assert "its tables are damaged" in texts(findings(here / "vendor.fmu", topic="binary", level="error"))
 
 
-@pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("cc"), reason="needs an ELF compiler")
 def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(here):
+    require_elf_tools("cc")
     folder = fmus.Path(__file__).parents[1]
     source = folder.joinpath("probe.c").read_text()
     source = source.replace('#include "small_fmu.h"', folder.joinpath("small_fmu.h").read_text())
@@ -139,8 +131,8 @@ def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(her
         assert message in texts(findings(here / "vendor.fmu", topic=topic, level="error"))
 
 
-@pytest.mark.skipif(fmpy.platform != "linux64" or not shutil.which("nm"), reason="nm is the witness")
 def test_the_symbols_of_a_library_are_those_that_nm_lists(here):
+    require_elf_tools("nm")
     (here / "p.so").write_bytes(fmus.library())
     library = binaries.read(fmus.library())
     listed = subprocess.run(["nm", "-D", "--defined-only", "p.so"], capture_output=True, text=True, check=True).stdout
@@ -312,7 +304,7 @@ def test_a_hostile_description_is_not_read(here):
         "<fmiModelDescription", '<!DOCTYPE x [<!ENTITY a "b">]>\n<fmiModelDescription', 1
     )
     fmus.write(here / "vendor.fmu", xml)
-    result = orchestrate("vendor.fmu", "--as", "regulator.fmu")
+    result = orchestrate("check", "vendor.fmu", "--as", "regulator.fmu")
     assert (result.exit_code, "has a DOCTYPE" in result.stderr) == (2, True)
 
 
@@ -323,6 +315,6 @@ def test_an_interface_is_one_of_the_project_s_or_an_fmu(here):
         (("regulator.fmu", "--as", "motr.fmu"), "there is no FMU motr.fmu; did you mean 'motor.fmu'?"),
         (("regulator.fmu", "--as", "motor.fmu", "--map", "no.yaml"), "no.yaml: there is no such file"),
     ):
-        result = orchestrate(*arguments)
+        result = orchestrate("check", *arguments)
         assert result.exit_code == 2
         assert message in result.stderr

@@ -14,9 +14,10 @@ from orchestration.acceptance.compare import compare
 from orchestration.acceptance.tolerances import tolerances
 from orchestration.runner.read import read
 from orchestration.swap import option as swap
+from tests.commands import orchestrate
 
 from .. import fmus, vendor
-from ..swapped import STEP, orchestrate, swapped
+from ..swapped import STEP, swapped
 from ..wrong_inputs import SCENARIO
 
 ARGUMENTS = ("compare", "loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 import orchestration
-from orchestration.cli.main import main
 from orchestration.errors import printable, printable_json
+from tests.commands import orchestrate
 
 from .. import fmus
 from ..wrong_inputs import SCENARIO
@@ -25,14 +25,15 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def orchestrate(*arguments: object) -> Result:
-    result = CliRunner().invoke(main, [str(argument) for argument in arguments], color=True)
+def coloured(*arguments: object) -> Result:
+    """As in a terminal: no code of a foreign text may reach it."""
+    result = orchestrate(*arguments, color=True)
     assert result.exit_code != 70, result.output
     return result
 
 
 def check(*options: str) -> Result:
-    return orchestrate("check", "regulator.fmu", "--as", "motor.fmu", *options)
+    return coloured("check", "regulator.fmu", "--as", "motor.fmu", *options)
 
 
 def rewritten(old: str, new: str) -> None:
@@ -91,7 +92,7 @@ def test_a_description_in_gbk_is_read(here: Path) -> None:
     with zipfile.ZipFile("motor.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", xml.encode("gbk"))
         archive.writestr(f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}", fmus.library())
-    assert orchestrate("check", "motor.fmu", "--as", "motor.fmu").exit_code == 0
+    assert coloured("check", "motor.fmu", "--as", "motor.fmu").exit_code == 0
 
 
 # ---------------------------------------------------------------- lenient
@@ -102,7 +103,7 @@ def test_a_formal_error_is_a_warning_where_the_block_says_so(here: Path) -> None
               '<ScalarVariable name="enabled" valueReference="5" causality="input">')  # fmt: skip
     path = Path("loop.yaml")
     path.write_text(SCENARIO)
-    refused = orchestrate(path)
+    refused = coloured(path)
     assert refused.exit_code == 2
     assert "must have variability" in refused.output
     there = "write 'validation: lenient' in the entry of regulator under blocks in the scenario, to run it all the same"
@@ -134,7 +135,7 @@ def test_no_escape_sequence_of_a_vendor_reaches_the_terminal(here: Path) -> None
         ("check", "motor.fmu", "--as", "regulator.fmu"),
         ("check", "motor.fmu", "--as", "regulator.fmu", "--json"),
     ):
-        output = orchestrate(*arguments).output
+        output = coloured(*arguments).output
         assert "2Jprobe" in output
         assert "\x9b" not in output
         assert "\x1b]" not in output

@@ -21,8 +21,8 @@ from orchestration.runner.read import read
 from orchestration.scenario.text import parse
 from orchestration.swap.option import swapped as with_swap
 from orchestration.system.wiring import Wiring
+from tests.commands import orchestrate
 
-from ..swapped import orchestrate
 from ..wrong_inputs import SCENARIO
 from . import teams
 

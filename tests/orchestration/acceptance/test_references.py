@@ -16,9 +16,9 @@ from fmus.contents.references import FOLDER
 from orchestration.acceptance import experiments, references
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
+from tests.commands import orchestrate
 
 from .. import fmus
-from ..swapped import orchestrate
 
 OURS = [(block, flavour) for flavour in FLAVOURS for block in blocks_of(flavour)]
 NAMESPACE = 'xmlns:l="http://fmi-standard.org/fmi-ls-manifest" l:fmi-ls-name="org.fmi-standard.fmi-ls-ref" l:fmi-ls-version="1.0.0-beta.1"'

@@ -12,9 +12,9 @@ from orchestration.acceptance.check import check
 from orchestration.acceptance.suggest import suggest
 from orchestration.quantities import parse_unit
 from orchestration.scenario.mapping import load
+from tests.commands import orchestrate
 
 from .. import fmus, vendor
-from ..swapped import orchestrate
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "hardware_allocator"
 

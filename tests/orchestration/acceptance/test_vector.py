@@ -9,8 +9,9 @@ import pytest
 from orchestration import run
 from orchestration.acceptance.tables import parameters_of
 from orchestration.fmu.archive import open_fmu
+from tests.commands import orchestrate
 
-from .test_check import here, orchestrate  # noqa: F401
+from .test_check import here  # noqa: F401
 
 VECTOR = "time,voltage,speed,steps\n0,1,0,0\n0.1,1,0.2,1\n0.2,2,0.6,2\n0.3,-1,0.4,3\n0.4,-1,0.2,4\n"
 PARAMETERS = 'name,value\ninertia,0.5\nmode,2\npoles,4\naxis[2],3\ncooled,1\nlabel,"a, b"\n'
@@ -23,7 +24,7 @@ def played(here):  # noqa: F811
         for name, content in (("vector.csv", table), ("parameters.csv", parameters)):
             if content is not None:
                 Path("v", name).write_bytes(content if isinstance(content, bytes) else content.encode())
-        return orchestrate("motor.fmu", "--as", "motor.fmu", "--vector", "v")
+        return orchestrate("check", "motor.fmu", "--as", "motor.fmu", "--vector", "v")
 
     return play
 
@@ -95,6 +96,6 @@ def test_a_vector_is_played_against_an_fmu_that_is_no_block_of_the_project(loop)
     for off, status in ((0.0, 0), (0.1, 1)):
         rows = [f"{t!r},{w!r},1,{u + off!r}" for t, w, u in zip(*(c.ravel().tolist() for c in columns), strict=True)]
         Path("v/vector.csv").write_text("\n".join(["time,speed,enabled,voltage", *rows]) + "\n")
-        told = orchestrate("regulator.fmu", "--as", "regulator.fmu", "--vector", "v")
+        told = orchestrate("check", "regulator.fmu", "--as", "regulator.fmu", "--vector", "v")
         assert (told.exit_code, told.stderr) == (status, ""), told.output
         assert ("voltage: differs by at most 0.1" in told.stdout) == bool(status)

@@ -14,8 +14,9 @@ from orchestration.acceptance.tolerances import tolerances
 from orchestration.acceptance.verdict import _cells, status
 from orchestration.fmu.model import Model, Variable
 from orchestration.quantities import parse_unit
+from tests.commands import orchestrate
 
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 from .test_compare import ARGUMENTS, of_gain
 
 TIME = np.array([0.0, 1.0, 2.0])

@@ -7,22 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jsonschema
 import pytest
-from click.testing import CliRunner
 
 from fmus.build import build
 from orchestration import load
-from orchestration.cli.main import main
 from orchestration.scenario import schema
+from tests.commands import orchestrate
 
 ROOT = Path(__file__).parents[3]
-
-
-def orchestrate(*arguments):
-    result = CliRunner().invoke(main, [str(a) for a in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
 
 
 def test_a_run_ends_with_a_table_and_says_where_the_results_are(loop):
@@ -176,7 +169,6 @@ def test_the_published_schema_is_that_of_the_models():
 @pytest.mark.parametrize("path", sorted((ROOT / "scenarios").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_scenarios_of_the_project_fit_the_schema(path):
     scenario = load(path)
-    jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(scenario.source.data, json.loads(schema.text()))
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from fmus.interface import BLOCKS, load
 from orchestration.quantities import parse_unit
+from tests.commands import orchestrate
 
 from .. import fmus
-from ..swapped import orchestrate
 
 EVIL = "\x1b[2Jgone [bold]x[/bold]"
 

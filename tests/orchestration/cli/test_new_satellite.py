@@ -8,8 +8,7 @@ import pytest
 
 import orchestration
 from orchestration.scenario import template
-
-from ..swapped import orchestrate
+from tests.commands import orchestrate
 
 GIVEN = {
     "inertia": {"diagonal": [0.0419, 0.0419, 0.0067]},

@@ -15,8 +15,7 @@ import pytest
 
 from orchestration import InputError, run
 from orchestration.cli.main import COMMANDS, main
-
-from ..swapped import orchestrate
+from tests.commands import orchestrate
 
 ROOT = Path(__file__).parents[3]
 

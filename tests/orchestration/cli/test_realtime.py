@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from orchestration import run
-
-from ..swapped import orchestrate
+from tests.commands import orchestrate
 
 
 def manifest(folder: str = "results/loop") -> dict:

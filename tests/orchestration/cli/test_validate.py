@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestration.instances.slave import Slave
-
-from ..swapped import orchestrate
+from tests.commands import orchestrate
 
 
 @pytest.fixture

@@ -14,9 +14,10 @@ import pytest
 
 from orchestration import InputError
 from orchestration.errors import BlockError
+from tests.commands import orchestrate
 
 from .. import broken, fmus
-from ..cli.test_cli import ROOT, orchestrate
+from ..cli.test_cli import ROOT
 from ..mocks import law
 from ..mocks import run as run_mocks
 

@@ -21,8 +21,8 @@ from orchestration.fmu.model import Element
 from orchestration.fmu.names import escaped, field, unescaped
 from orchestration.interrupt import Stopped, stoppable
 from orchestration.results import formats, place
+from tests.commands import orchestrate
 
-from ..cli.test_cli import orchestrate
 from ..mocks import Mock, model, real
 from ..mocks import run as run_mocks
 from .test_endings import POSIX, contents
@@ -277,7 +277,6 @@ def test_no_two_names_become_one_and_none_shifts_a_column(tmp_path, format):
         table = read_csv(tmp_path / "signals.csv")
         values = {name: table[f"time.{escaped(name)}"][0] for name in names}
     elif format == "parquet":
-        pytest.importorskip("pyarrow")
         from pyarrow.parquet import read_table
 
         table = read_table(tmp_path / "signals.parquet")

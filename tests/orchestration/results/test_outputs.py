@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from orchestration.results import figures, report
+from tests.commands import orchestrate
 
-from ..cli.test_cli import orchestrate
 from .test_endings import ENVIRONMENT, POSIX
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from orchestration import InputError, run
 from orchestration.instances import channel
+from tests.commands import orchestrate
 
-from ..cli.test_cli import orchestrate
 from ..mocks import model, real
 from .test_endings import POSIX, contents
 

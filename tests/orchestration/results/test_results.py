@@ -58,7 +58,8 @@ def test_csv_is_written_in_parts_without_a_seam(matrix, tmp_path, monkeypatch):
 
 
 def test_mat_holds_a_struct_for_each_block(matrix, tmp_path):
-    loadmat = pytest.importorskip("scipy.io").loadmat
+    from scipy.io import loadmat
+
     matrix.save(tmp_path, "mat")
     data = loadmat(tmp_path / "signals.mat", simplify_cells=True)
     np.testing.assert_array_equal(data["a"]["R"], matrix["a.R"])
@@ -66,7 +67,8 @@ def test_mat_holds_a_struct_for_each_block(matrix, tmp_path):
 
 
 def test_parquet_holds_the_same_columns(matrix, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     matrix.save(tmp_path, "parquet")
     table = parquet.read_table(tmp_path / "signals.parquet")
     assert table.column_names == ["time", *matrix.labels]
@@ -80,7 +82,6 @@ def test_a_missing_package_is_named_with_its_remedy(matrix, tmp_path, monkeypatc
 
 
 def test_a_later_run_replaces_the_files_of_an_earlier_one_and_no_others(matrix, tmp_path):
-    pytest.importorskip("scipy.io")
     (tmp_path / "notes.txt").write_text("mine")
     matrix.save(tmp_path, "csv")
     matrix.save(tmp_path, "mat")

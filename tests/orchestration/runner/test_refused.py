@@ -9,8 +9,7 @@ import pytest
 
 from orchestration import InputError, load, run
 from orchestration.quantities import QuantityError, parse, parse_unit
-
-from ..cli.test_cli import orchestrate
+from tests.commands import orchestrate
 
 
 def refused(loop, old, new):

@@ -16,10 +16,11 @@ from orchestration.master.master import Master
 from orchestration.runner.open import open_scenario
 from orchestration.runner.read import load
 from orchestration.runner.run import whole
+from tests.commands import orchestrate
 
 from ..campaign.test_campaign import changed, command, fly, toy  # noqa: F401  (a fixture)
 from ..cli.test_new_satellite import made
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 
 MINIMAL = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"
 

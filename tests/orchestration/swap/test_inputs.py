@@ -20,10 +20,11 @@ from orchestration.fmu.interfaces import Interface, reference
 from orchestration.scenario.mapping import Mapping
 from orchestration.swap.conversion import is_rate
 from orchestration.swap.fit import fit
+from tests.commands import orchestrate
 
 from .. import mocks
 from ..mocks import real
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 from ..vendor import MAPPING
 from ..wrong_inputs import SCENARIO
 from .behind import unit

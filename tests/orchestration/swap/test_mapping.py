@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from orchestration import InputError, run
+from tests.commands import orchestrate
 
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 from ..wrong_inputs import SCENARIO
 
 

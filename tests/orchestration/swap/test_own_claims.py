@@ -12,8 +12,7 @@ from fmus import kit
 from fmus.build import Block, build
 from fmus.interface import load, parse
 from orchestration.runner.read import load as load_scenario
-
-from .test_mapping import orchestrate
+from tests.commands import orchestrate
 
 pytestmark = [pytest.mark.compile, pytest.mark.isolate, pytest.mark.fly]
 

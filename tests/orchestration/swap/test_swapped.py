@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from orchestration import load, run
+from tests.commands import orchestrate
 
 from .. import vendor
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 from ..wrong_inputs import SCENARIO
 
 

@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import fmpy
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 import orchestration
@@ -20,11 +19,11 @@ from fmus import interface as fmus_interface
 from fmus.build import ensure
 from fmus.interface import load as load_interface
 from orchestration import InputError, load
-from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.interfaces import reference
 from orchestration.quantities import parse_unit
 from orchestration.results.figures import draw_panel
+from tests.commands import orchestrate
 
 from .. import mocks
 from ..mocks import Mock, real
@@ -62,10 +61,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copyfile(ensure("allocator"), tmp_path / "vendor.fmu")
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def orchestrate(*arguments: str) -> Any:
-    return CliRunner().invoke(main, arguments)
 
 
 def changed(source: Path, target: Path, *changes: tuple[str, str]) -> Path:
@@ -316,7 +311,6 @@ def test_compare_gives_theirs_what_was_connected(here):
 
 
 def test_a_loop_with_unconnected_optional_inputs_goes_to_other_tools_and_back(here):
-    pytest.importorskip("fmu_manipulation_toolbox")
     (here / "plain.yaml").write_text(PLAIN)
     ours = orchestration.run("plain.yaml")
     assert orchestrate("export", "plain.yaml", "--ssp", "loop.ssp", "--container", "loop.fmu").exit_code == 0

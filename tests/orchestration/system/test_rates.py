@@ -9,9 +9,10 @@ import pytest
 
 from orchestration import run
 from orchestration.instances.substeps import Substeps
+from tests.commands import orchestrate
 
 from .. import fmus, mocks
-from ..swapped import STEP, orchestrate, swapped
+from ..swapped import STEP, swapped
 from ..wrong_inputs import SCENARIO
 
 

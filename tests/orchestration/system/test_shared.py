@@ -17,9 +17,10 @@ from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
 from orchestration.runner.open import open_scenario
 from orchestration.runner.refusal import refusal
+from tests.commands import orchestrate
 
 from .. import vendor
-from ..swapped import orchestrate, swapped
+from ..swapped import swapped
 from ..wrong_inputs import SCENARIO
 
 ROOT = Path(__file__).parents[3]
