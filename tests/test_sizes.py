@@ -21,11 +21,12 @@ PACKAGES = (
     "supervisor",
 )
 LINES_MAX, HEAD = 250, 20
+SUFFIXES = (".py", ".c", ".h", ".js")
 LONG = {
     path.relative_to(ROOT).as_posix(): lines
     for package in PACKAGES
-    for path in sorted((ROOT / package).rglob("*.[pch]*"))
-    if path.suffix in (".py", ".c", ".h") and "build" not in path.parts
+    for path in sorted((ROOT / package).rglob("*"))
+    if path.suffix in SUFFIXES and "build" not in path.parts
     for lines in [path.read_text("utf-8").splitlines()]
     if len(lines) > LINES_MAX and "do not edit" not in "".join(lines[:2])
 }
@@ -43,8 +44,8 @@ def test_only_a_long_file_says_so() -> None:
     said = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES
-        for suffix in ("py", "c", "h")
-        for path in (ROOT / package).rglob(f"*.{suffix}")
+        for suffix in SUFFIXES
+        for path in (ROOT / package).rglob(f"*{suffix}")
         if "Longer than 250 lines: " in path.read_text("utf-8")
     }
     assert said <= set(LONG)

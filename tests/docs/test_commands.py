@@ -11,6 +11,7 @@ import click
 import pytest
 
 from orchestration.cli.main import main
+from studies.__main__ import main as studies
 
 from .commands import PAGES, ROOT, commands, run, workspace
 
@@ -58,7 +59,7 @@ def test_a_command_is_left_out_only_where_a_page_shows_it() -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_a_command_named_in_a_sentence_exists(page: str) -> None:
-    """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module."""
+    """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module, `studies` too."""
     text = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
     names = ("Makefile", "fmus/kit/Makefile.template", "fmus/kit/Makefile.device.template")
     makefiles = [(ROOT / name).read_text("utf-8") for name in names]
@@ -69,11 +70,22 @@ def test_a_command_named_in_a_sentence_exists(page: str) -> None:
         tool, *words = command.replace("python -m", "python").split()
         if tool == "make":
             assert words[0] in targets, command
+        elif words[0] == "studies" and words[1:]:
+            known = studies.get_command(click.Context(studies), words[1])
+            assert known, command
+            assert options(words) <= options_of(known), command
         elif tool == "python":
             assert find_spec(words[0].removeprefix("attitude_cosim.")), command
         else:
             context = click.Context(main)
             known = main.get_command(context, words[0]) or main.get_command(context, "run")
             assert known
-            options = {name for parameter in known.params for name in parameter.opts}
-            assert {word for word in words if word.startswith("--")} <= options | {"--help"}, command
+            assert options(words) <= options_of(known), command
+
+
+def options(words: list[str]) -> set[str]:
+    return {word.partition("=")[0] for word in words if word.startswith("--")}
+
+
+def options_of(command: click.Command) -> set[str]:
+    return {name for parameter in command.params for name in parameter.opts} | {"--help"}

@@ -1,5 +1,6 @@
 "use strict";
 // Draws the plots of a page from the JSON in its element #data.
+// Longer than 250 lines: all kinds of plots share the page's data, scales and cursor.
 
 // What plots and the three-dimensional view share: the instant that is looked at, and who wants to know of it.
 const timeline = {

@@ -1,6 +1,7 @@
 "use strict";
 // The three-dimensional view of a page: the camera, what is seen at an instant, and the controls.
 // The body and the Earth in the corner are seen by one camera, in one frame, so that a direction is the same in both.
+// Longer than 250 lines: camera, instant and controls work on one scene.
 (() => {
   const root = document.querySelector(".view");
   if (!root) return;
