@@ -21,6 +21,8 @@ INDEPENDENT_MIN = 1e-6
 
 @dataclass(frozen=True)
 class Parameters:
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator.toml."""
+
     rod_axes: Array
     dipole_max: float
     wheel_axis: Array
@@ -41,6 +43,8 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Inputs:
+    """Demand, field and rate (3,) in body axes, and the wheel's momentum. Units and frames are those of fmus/interfaces/allocator.toml."""
+
     tau_cmd_B: Array
     b_B: Array
     omega_B: Array
@@ -49,6 +53,8 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
+    """The commands that may be held."""
+
     t: float
     dipole: Array
     """Last commanded dipoles, A m2."""
@@ -60,6 +66,8 @@ class State:
 
 @dataclass  # not frozen, which takes three times as long
 class Outputs:
+    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of fmus/interfaces/allocator.toml."""
+
     dipole_cmd: Array
     wheel_torque_cmd: float
     holding: bool
@@ -70,28 +78,33 @@ class Outputs:
 
 def check(p: Parameters) -> None:
     """Raises ValueError for parameters that the allocation cannot work with."""
-    if not np.isfinite(p.rod_axes).all():
-        raise ValueError(f"rod_axes: expected finite numbers, found {p.rod_axes.tolist()}")
-    for i, length in enumerate(np.linalg.norm(p.rod_axes, axis=1).tolist(), start=1):
-        if abs(length - 1.0) > UNIT_TOLERANCE:
-            raise ValueError(
-                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, "
-                f"found |u{i}| = {length:.9g}: {p.rod_axes.tolist()}"
-            )
-    if not abs(volume := float(np.linalg.det(p.rod_axes))) > INDEPENDENT_MIN:
-        raise ValueError(
-            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
-            f"found {volume:.3g}: {p.rod_axes.tolist()}"
-        )
-    if not abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
-        raise ValueError(
-            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {p.wheel_axis.tolist()}"
-        )
+    _check_axes(p.rod_axes, p.wheel_axis)
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
     if not 0.0 < p.hold_fraction <= 1.0:
         raise ValueError(f"hold_fraction: expected a number above 0 and at most 1, found {p.hold_fraction!r}")
+
+
+def _check_axes(rod_axes: Array, wheel_axis: Array) -> None:
+    """Raises ValueError for axes that are not of unit length, or rods in one plane."""
+    if not np.isfinite(rod_axes).all():
+        raise ValueError(f"rod_axes: expected finite numbers, found {rod_axes.tolist()}")
+    for i, length in enumerate(np.linalg.norm(rod_axes, axis=1).tolist(), start=1):
+        if abs(length - 1.0) > UNIT_TOLERANCE:
+            raise ValueError(
+                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, "
+                f"found |u{i}| = {length:.9g}: {rod_axes.tolist()}"
+            )
+    if not abs(volume := float(np.linalg.det(rod_axes))) > INDEPENDENT_MIN:
+        raise ValueError(
+            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
+            f"found {volume:.3g}: {rod_axes.tolist()}"
+        )
+    if not abs((length := float(np.linalg.norm(wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
+        raise ValueError(
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {wheel_axis.tolist()}"
+        )
 
 
 def start(p: Parameters, u: Inputs) -> State:

@@ -11,19 +11,23 @@ import numpy as np
 from . import gains, law, morse, so3
 from .errors import Errors, errors
 from .reference import Reference, inertial, lvlh, rate
-from .so3 import Array
+from .so3 import Array, project
 
 REFERENCES = ("lvlh", "inertial", "rate")
 ATTITUDE_TOLERANCE = 1e-4
 """max |R^T R - I| of the input R_NB: a single-precision plant stays well below it."""
 REFERENCE_TOLERANCE = 1e-3
 """max |R^T R - I| of R_d0, which may be typed from four printed decimals."""
-ABSENT, ABSENT_MIN = 1e9, 0.999e9
-"""The start of an optional input, and from where on it is not connected, since a host may have rounded its start."""
+ABSENT = 1e9
+"""The start of an optional input."""
+ABSENT_MIN = 0.999e9
+"""An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
 
 
 @dataclass(frozen=True)
 class Parameters:
+    """J_B, L0, R_d0 (3, 3), K0, Omega_d0 (3,). Units, frames and limits are those of fmus/interfaces/controller.toml."""
+
     J_B: Array
     K0: Array
     L0: Array
@@ -45,7 +49,7 @@ class Parameters:
     @cached_property
     def desired_attitude_0(self) -> Array:
         """R_d0 projected onto SO(3)."""
-        return so3.project(self.R_d0)
+        return project(self.R_d0)
 
 
 @dataclass(frozen=True)
@@ -88,6 +92,8 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
+    """What the gains [10] have latched, and what a missing attitude means."""
+
     t: float
     attitude_error_0: float
     """|zeta(0)| of [10], rad, latched at the start."""
@@ -101,6 +107,8 @@ class State:
 
 @dataclass  # not frozen, which takes three times as long
 class Outputs:
+    """tau_cmd_B, rate_error_B (3,) in body axes. Units and frames are those of fmus/interfaces/controller.toml."""
+
     tau_cmd_B: Array
     attitude_error: float
     rate_error_B: Array

@@ -27,6 +27,8 @@ ABSENT_MIN = 0.999e9
 
 @dataclass(frozen=True)
 class Parameters:
+    """J_B (3, 3), axes (3,) in body axes. Limits are those of fmus/interfaces/supervisor.toml."""
+
     J_B: Array
     slew_rate_max: float
     slew_torque_max: float
@@ -58,6 +60,8 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Inputs:
+    """Matrices (3, 3), vectors (3,), the rest numbers; `command` counts the modes from 1, 0: first_mode."""
+
     R_NB: Array
     omega_B: Array
     r_N: Array
@@ -76,6 +80,8 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
+    """The time, s, the modes, how long conditions have lasted, and the slew that goes on."""
+
     t: float
     mode: int = SAFE
     destination: int = SAFE
@@ -114,6 +120,8 @@ class State:
 
 @dataclass(frozen=True)
 class Outputs:
+    """R_ref (3, 3), vectors (3,); of the reference to come times (16,), turns and rates (16, 3)."""
+
     R_ref: Array
     Omega_ref: Array
     dOmega_ref: Array

@@ -27,6 +27,8 @@ FRACTION_CAP = 1e6
 
 @dataclass(frozen=True)
 class Parameters:
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator_bounded.toml."""
+
     rod_axes: Array
     dipole_max: float
     wheel_axis: Array
@@ -45,12 +47,14 @@ class Parameters:
 
     @cached_property
     def axis(self) -> Array:
-        """wheel_axis of unit length."""
+        """wheel_axis of unit length: the paper's e1."""
         return self.wheel_axis / np.linalg.norm(self.wheel_axis)
 
 
 @dataclass(frozen=True)
 class Inputs:
+    """Vectors (3,), in body axes but for those along the rods. Units and frames are those of fmus/interfaces/allocator_bounded.toml."""
+
     tau_cmd_B: Array
     b_B: Array
     omega_B: Array
@@ -69,6 +73,8 @@ class State:
 
 @dataclass(frozen=True)
 class Outputs:
+    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of fmus/interfaces/allocator_bounded.toml."""
+
     dipole_cmd: Array
     wheel_torque_cmd: float
     holding: bool
@@ -79,29 +85,34 @@ class Outputs:
 
 def check(p: Parameters) -> None:
     """Raises ValueError for parameters that the allocation cannot work with."""
-    if not np.isfinite(p.rod_axes).all():
-        raise ValueError(f"rod_axes: expected finite numbers, found {p.rod_axes.tolist()}")
-    for i, length in enumerate(np.linalg.norm(p.rod_axes, axis=1).tolist(), start=1):
-        if abs(length - 1.0) > UNIT_TOLERANCE:
-            raise ValueError(
-                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, "
-                f"found |u{i}| = {length:.9g}: {p.rod_axes.tolist()}"
-            )
-    if not abs(volume := float(np.linalg.det(p.rod_axes))) > INDEPENDENT_MIN:
-        raise ValueError(
-            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
-            f"found {volume:.3g}: {p.rod_axes.tolist()}"
-        )
-    if not abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
-        raise ValueError(
-            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {p.wheel_axis.tolist()}"
-        )
+    _check_axes(p.rod_axes, p.wheel_axis)
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max", "command_period", "desaturation_time"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
     for name, least in (("rod_weight", ROD_WEIGHT_MIN), ("wheel_weight", 0.0), ("wheel_weight_ff", 0.0)):
         if not least <= (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number of at least {least:g}, found {value!r}")
+
+
+def _check_axes(rod_axes: Array, wheel_axis: Array) -> None:
+    """Raises ValueError for axes that are not of unit length, or rods in one plane."""
+    if not np.isfinite(rod_axes).all():
+        raise ValueError(f"rod_axes: expected finite numbers, found {rod_axes.tolist()}")
+    for i, length in enumerate(np.linalg.norm(rod_axes, axis=1).tolist(), start=1):
+        if abs(length - 1.0) > UNIT_TOLERANCE:
+            raise ValueError(
+                f"rod_axes: expected rows of unit length to {UNIT_TOLERANCE:g}, "
+                f"found |u{i}| = {length:.9g}: {rod_axes.tolist()}"
+            )
+    if not abs(volume := float(np.linalg.det(rod_axes))) > INDEPENDENT_MIN:
+        raise ValueError(
+            f"rod_axes: expected linearly independent axes, |det| above {INDEPENDENT_MIN:g}, "
+            f"found {volume:.3g}: {rod_axes.tolist()}"
+        )
+    if not abs((length := float(np.linalg.norm(wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
+        raise ValueError(
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {wheel_axis.tolist()}"
+        )
 
 
 def start(p: Parameters, u: Inputs) -> State:

@@ -12,7 +12,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import allocator.bounded
-from allocator.bounded.block import ABSENT_MIN as ABSENT_MIN_IN_PYTHON
 from fmus.interface import ABSENT_MIN, load
 from tests.blocks import inputs, module, parameters
 
@@ -422,10 +421,6 @@ def test_both_flavours_take_an_optional_input_for_unconnected_from_the_same_magn
             native.initialize()
             assert_same(native.outputs(), y, "allocator_bounded")
         assert np.array_equal(y.dipole_cmd, unconnected.dipole_cmd) == (share >= 1.0)
-
-
-def test_the_python_block_has_the_interfaces_threshold() -> None:
-    assert ABSENT_MIN_IN_PYTHON == ABSENT_MIN
 
 
 @pytest.mark.parametrize("block", [case for case in CASES if "," not in case])

@@ -10,8 +10,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import plant.judge as judge
-from fmus.interface import ABSENT_MIN as ABSENT_MIN_OF_THE_INTERFACE
-from plant.judge.block import ABSENT_MIN
 from tests.blocks import inputs, parameters
 from tests.native.driver import Instance, Refused
 
@@ -180,7 +178,3 @@ def test_an_input_that_is_not_finite_is_refused():
     }.items():
         with pytest.raises(ValueError, match=f"{name}: expected finite numbers"):
             python({}, 0, **{name: value})
-
-
-def test_the_python_block_has_the_interfaces_threshold():
-    assert ABSENT_MIN == ABSENT_MIN_OF_THE_INTERFACE
