@@ -123,6 +123,6 @@ def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
         if not size < 1e6:
             break
     raise ValueError(
-        "the attitude step does not converge: the body turns too far in one internal step; "
-        f"h J^-1 Pi = {(body.J_inverse @ difference).tolist()} rad, expected below about 1; reduce step_max"
+        "step_max: expected a turn below about 1 rad in an internal step, so that the attitude step converges, "
+        f"found h J^-1 Pi = {(body.J_inverse @ difference).tolist()} rad"
     )

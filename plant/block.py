@@ -96,10 +96,12 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
     ratio = h / p.step_max * (1.0 - 1e-12)
     if not ratio <= INTERNAL_STEPS_MAX:
-        raise ValueError(f"step_max is {p.step_max} s; expected at least a millionth of the communication step, {h} s")
+        raise ValueError(
+            f"step_max: expected at least a millionth of the communication step, {h} s, found {p.step_max} s"
+        )
     if p.rod_period > 0.0 and not h / p.rod_period <= INTERNAL_STEPS_MAX:
         raise ValueError(
-            f"rod_period is {p.rod_period} s; expected at least a millionth of the communication step, {h} s"
+            f"rod_period: expected at least a millionth of the communication step, {h} s, found {p.rod_period} s"
         )
     n = max(1, math.ceil(ratio))
     R, Pi, l_w, on_time = x.R, x.Pi, x.l_w, 0.0

@@ -55,58 +55,60 @@ def check(p: Parameters) -> None:
         value = getattr(p, field.name)
         if field.name not in unused and isinstance(value, float | np.ndarray) and not np.isfinite(value).all():
             found = value.tolist() if isinstance(value, np.ndarray) else value
-            raise ValueError(f"{field.name} is {found}; expected finite numbers")
+            raise ValueError(f"{field.name}: expected finite numbers, found {found}")
     for name, least, unit in AT_LEAST:
         if getattr(p, name) < least:
-            raise ValueError(f"{name} is {getattr(p, name)} {unit}; expected at least {least:g} {unit}")
+            raise ValueError(f"{name}: expected at least {least:g} {unit}, found {getattr(p, name)} {unit}")
     for name, choices in _CHOICES.items():
         if getattr(p, name) not in choices:
-            raise ValueError(f"{name} is {getattr(p, name)!r}; expected one of {', '.join(choices)}")
+            raise ValueError(f"{name}: expected one of {', '.join(choices)}, found {getattr(p, name)!r}")
     _check_inertia("J_B", p.J_B)
     _check_inertia("J_B + J_error_B", p.J_B + p.J_error_B)
     lengths = np.linalg.norm(p.rod_axes, axis=1)
     if np.abs(lengths - 1.0).max() > 1e-6:
-        raise ValueError(f"rod_axes has rows of length {lengths.tolist()}; expected unit vectors, to 1e-6")
+        raise ValueError(f"rod_axes: expected rows of unit length, to 1e-06, found rows of length {lengths.tolist()}")
     if abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) > 1e-6:
         raise ValueError(
-            f"wheel_axis is {p.wheel_axis.tolist()}, of length {length:.9g}; expected a unit vector, to 1e-6"
+            f"wheel_axis: expected a vector of unit length, to 1e-06, found {length:.9g}: {p.wheel_axis.tolist()}"
         )
     if not (np.abs(p.rod_gain) <= ROD_GAIN_MAX).all():
-        raise ValueError(f"rod_gain is {p.rod_gain.tolist()}; expected -{ROD_GAIN_MAX:g} to {ROD_GAIN_MAX:g}")
+        raise ValueError(f"rod_gain: expected -{ROD_GAIN_MAX:g} to {ROD_GAIN_MAX:g}, found {p.rod_gain.tolist()}")
     if not (p.rod_period == 0.0 or p.rod_period >= ROD_PERIOD_MIN):
-        raise ValueError(f"rod_period is {p.rod_period} s; expected 0 (always on) or at least {ROD_PERIOD_MIN:g} s")
+        raise ValueError(f"rod_period: expected 0 (always on) or at least {ROD_PERIOD_MIN:g} s, found {p.rod_period} s")
     if not 0.0 <= p.rod_duty <= 1.0:
-        raise ValueError(f"rod_duty is {p.rod_duty}; expected 0 to 1")
+        raise ValueError(f"rod_duty: expected 0 to 1, found {p.rod_duty}")
     if abs(p.h_w0) > p.wheel_momentum_max:
-        raise ValueError(f"h_w0 is {p.h_w0} N.m.s; expected within wheel_momentum_max, {p.wheel_momentum_max} N.m.s")
+        raise ValueError(
+            f"h_w0: expected within wheel_momentum_max, {p.wheel_momentum_max} N.m.s, found {p.h_w0} N.m.s"
+        )
     if p.integrator_order not in COMPOSITIONS:
         raise ValueError(
-            f"integrator_order is {p.integrator_order}; expected one of {', '.join(map(str, COMPOSITIONS))}"
+            f"integrator_order: expected one of {', '.join(map(str, COMPOSITIONS))}, found {p.integrator_order}"
         )
     if p.initial_attitude == "Q0":
         deviation = np.abs(p.Q0.T @ p.Q0 - np.eye(3)).max()
         if deviation > 1e-3 or np.linalg.det(p.Q0) < 0.0:
             raise ValueError(
-                f"Q0 is {p.Q0.tolist()}; expected a rotation: Q0^T Q0 is off the identity by {deviation:.2g} (at most 1e-3), "
-                f"determinant {np.linalg.det(p.Q0):.4f}"
+                "Q0: expected a rotation matrix, max |Q0^T Q0 - I| at most 0.001 and determinant +1, "
+                f"found {deviation:.2g} and {np.linalg.det(p.Q0):.4f}: {p.Q0.tolist()}"
             )
     else:
         length = math.sqrt(p.q_NB0 @ p.q_NB0)
         if abs(length - 1.0) > 1e-3:
             raise ValueError(
-                f"q_NB0 is {p.q_NB0.tolist()}, of length {length:.6g}; expected a unit quaternion, to 1e-3"
+                f"q_NB0: expected a quaternion of unit length, to 0.001, found {length:.6g}: {p.q_NB0.tolist()}"
             )
     perigee = p.orbit.semi_major_axis * (1.0 - p.orbit.eccentricity)
     if perigee < LOWEST_PERIGEE:
         name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0: the perigee"
         raise ValueError(
-            f"{name} is {perigee:.1f} m; expected at least {LOWEST_PERIGEE:.1f} m, 100 km above the equator"
+            f"{name}: expected at least {LOWEST_PERIGEE:.1f} m, 100 km above the equator, found {perigee:.1f} m"
         )
     if p.drag:
         _check_heights(p)
     limit = tables.field_model(p.field_model).g.shape[1] - 1
     if not 1 <= p.field_degree <= limit:
-        raise ValueError(f"field_degree is {p.field_degree}; expected 1 to {limit}")
+        raise ValueError(f"field_degree: expected 1 to {limit}, found {p.field_degree}")
     _ = p.field  # refuses a date that the model does not cover
 
 
@@ -114,14 +116,14 @@ def _check_drag(p: Parameters) -> None:
     for name, low, high, unit in DRAG_RANGES:
         value = getattr(p, name)
         if not low <= value <= high:
-            raise ValueError(f"{name} is {value}; expected {low:g} to {high:g}{unit}")
+            raise ValueError(f"{name}: expected {low:g} to {high:g}{unit}, found {value}")
     if p.body_axis not in AXES:
-        raise ValueError(f"body_axis is {p.body_axis!r}; expected one of {', '.join(AXES)}")
+        raise ValueError(f"body_axis: expected one of {', '.join(AXES)}, found {p.body_axis!r}")
     size = np.array([p.body_length if axis == p.body_axis else p.body_width for axis in AXES])
     if not (np.abs(p.center_of_mass_B) <= 0.5 * size).all():
         raise ValueError(
-            f"center_of_mass_B is {p.center_of_mass_B.tolist()} m from the geometric centre; expected inside the body, "
-            f"within {(0.5 * size).tolist()} m"
+            f"center_of_mass_B: expected inside the body, within {(0.5 * size).tolist()} m of its geometric centre, "
+            f"found {p.center_of_mass_B.tolist()} m"
         )
 
 
@@ -133,20 +135,21 @@ def _check_heights(p: Parameters) -> None:
         if not atmosphere.LOWEST <= height <= atmosphere.HIGHEST:
             name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0"
             raise ValueError(
-                f"{name}: the orbit's {end} height above the ellipsoid can be {height / 1e3:.1f} km; expected "
-                f"{atmosphere.LOWEST / 1e3:g} to {atmosphere.HIGHEST / 1e3:g} km, where the density is known, or drag false"
+                f"{name}: expected heights above the ellipsoid of {atmosphere.LOWEST / 1e3:g} to {atmosphere.HIGHEST / 1e3:g} km, "
+                f"where the density is known, or drag false, found {height / 1e3:.1f} km, the {end} of the orbit"
             )
 
 
 def _check_inertia(name: str, J: Array) -> None:
     if np.abs(J - J.T).max() > 1e-9 * np.abs(J).max():
-        raise ValueError(f"{name} is {J.tolist()} kg.m2; expected a symmetric matrix")
+        raise ValueError(f"{name}: expected a symmetric matrix, found {J.tolist()} kg.m2")
     moments = np.linalg.eigvalsh(J)
     if moments[0] <= 0.0:
         raise ValueError(
-            f"{name} has the principal moments {moments.tolist()} kg.m2; expected a positive definite matrix"
+            f"{name}: expected a positive definite matrix, found principal moments {moments.tolist()} kg.m2"
         )
     if moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-9):
         raise ValueError(
-            f"{name} has the principal moments {moments.tolist()} kg.m2, which no body has: the largest exceeds the sum of the others"
+            f"{name}: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"found principal moments {moments.tolist()} kg.m2"
         )

@@ -47,8 +47,8 @@ class FieldModel:
         first = self.epochs[0]
         if not (self.covers(year) or extrapolate):
             raise ValueError(
-                f"epoch {year:.3f} is outside field_model {self.name!r}, which covers {first:.1f} to {self.valid_until:.1f}; "
-                "choose a model that covers it, or set field_extrapolate"
+                f"epoch: expected {first:.1f} to {self.valid_until:.1f}, which field_model {self.name!r} covers "
+                f"(or another model, or field_extrapolate), found {year:.3f}"
             )
         last = len(self.epochs) - 1
         if year >= self.epochs[last] or last == 0:

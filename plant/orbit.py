@@ -88,11 +88,11 @@ def from_position_velocity(r: Array, v: Array, mu: float) -> Orbit:
     h = np.cross(r, v)
     momentum = math.sqrt(h @ h)
     if radius == 0.0 or momentum <= 1e-6 * radius * math.sqrt(v @ v):
-        raise ValueError(f"r_N0 {r.tolist()} m and v_N0 {v.tolist()} m/s are parallel or zero; expected an orbit")
+        raise ValueError(f"r_N0, v_N0: expected an orbit, found {r.tolist()} m and {v.tolist()} m/s, parallel or zero")
     energy = 0.5 * float(v @ v) - mu / radius
     if energy >= 0.0:
         raise ValueError(
-            f"v_N0 {v.tolist()} m/s is at or beyond escape speed at r_N0; expected below {math.sqrt(2 * mu / radius):.1f} m/s"
+            f"v_N0: expected below escape speed at r_N0, {math.sqrt(2 * mu / radius):.1f} m/s, found {v.tolist()} m/s"
         )
     a = -mu / (2.0 * energy)
     perigee = np.cross(v, h) / mu - r / radius

@@ -112,9 +112,13 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u is the truth at t + h."""
     if p.has_rod_coupling and _connected(u.dipole) is None:
-        raise ValueError("dipole is not connected; expected to be, since field_rod_coupling is not zero")
+        raise ValueError(
+            f"dipole: expected to be connected, since field_rod_coupling is not zero, found {ABSENT_MIN:g} or more"
+        )
     if p.attitude_sun_exclusion > 0.0 and _connected(u.sun_N) is None:
-        raise ValueError("sun_N is not connected; expected to be, since attitude_sun_exclusion is not zero")
+        raise ValueError(
+            f"sun_N: expected to be connected, since attitude_sun_exclusion is not zero, found {ABSENT_MIN:g} or more"
+        )
     memory = vars(x).copy()
     sample, since, before, spans = x.sample.tolist(), x.since.tolist(), x.before.tolist(), {}
     for i, T in enumerate(p.periods):
@@ -146,7 +150,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 def _due(since: float, T: float, h: float, name: str) -> tuple[int, float]:
     """How many measurements of the period T are due `since` s after the last one was, and s since the latest of them was."""
     if not since / T <= PERIODS_MAX:
-        raise ValueError(f"{name} is {T} s; expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s")
+        raise ValueError(f"{name}: expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s, found {T} s")
     periods = math.floor(since / T + SNAP)
     return periods, since - periods * T
 

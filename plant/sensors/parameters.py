@@ -147,27 +147,29 @@ def check(p: Parameters) -> None:
     """Raises ValueError with name, value and what is expected."""
     for name in _FINITE:
         if not np.isfinite(value := getattr(p, name)).all():
-            raise ValueError(f"{name} is {value.tolist()}; expected finite numbers")
+            raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
     for name in _NOT_NEGATIVE:
         if not 0.0 <= (value := getattr(p, name)) < math.inf:
-            raise ValueError(f"{name} is {value}; expected a finite number, at least 0")
+            raise ValueError(f"{name}: expected a finite number, at least 0, found {value}")
     for name in _TIMES:
         if not 0.0 < (value := getattr(p, name)) < math.inf:
-            raise ValueError(f"{name} is {value} s; expected a finite number above 0")
+            raise ValueError(f"{name}: expected a finite number above 0, found {value} s")
     for name, (low, high) in _BETWEEN.items():
         if not low <= (value := getattr(p, name)) <= high:
-            raise ValueError(f"{name} is {value}; expected {low:g} to {high:.7g}")
+            raise ValueError(f"{name}: expected {low:g} to {high:.7g}, found {value}")
     for name in ("sample_period", *_PERIODS):
         if not ((value := getattr(p, name)) == 0.0 or PERIOD_MIN <= value < math.inf):
             of_zero = "every step" if name == "sample_period" else "sample_period"
-            raise ValueError(f"{name} is {value} s; expected 0 ({of_zero}) or at least {PERIOD_MIN:g} s")
+            raise ValueError(f"{name}: expected 0 ({of_zero}) or at least {PERIOD_MIN:g} s, found {value} s")
     for name in ("attitude_boresight_B", "fine_sun_axis_B"):
         if abs((length := float(np.linalg.norm(getattr(p, name)))) - 1.0) > UNIT_TOLERANCE:
-            raise ValueError(f"{name} has the length {length}; expected a unit vector, to 1e-06")
+            raise ValueError(f"{name}: expected a unit vector, to 1e-06, found the length {length}")
     for length in np.linalg.norm(p.sun_sensor_axes, axis=1).tolist():
         if length != 0.0 and abs(length - 1.0) > UNIT_TOLERANCE:
-            raise ValueError(f"sun_sensor_axes has a row of length {length}; expected unit vectors, to 1e-06, or zeros")
+            raise ValueError(
+                f"sun_sensor_axes: expected rows of unit length, to 1e-06, or zeros, found a row of length {length}"
+            )
     if p.sun_sensor not in ("coarse", "fine"):
-        raise ValueError(f"sun_sensor is {p.sun_sensor!r}; expected coarse or fine")
+        raise ValueError(f"sun_sensor: expected coarse or fine, found {p.sun_sensor!r}")
     if not 0 <= p.seed < 2**31:
-        raise ValueError(f"seed is {p.seed}; expected 0 to {2**31 - 1}")
+        raise ValueError(f"seed: expected 0 to {2**31 - 1}, found {p.seed}")

@@ -22,7 +22,7 @@ def parse(data: bytes) -> DensityModel:
     """The model out of the file that `dump` wrote."""
     header, *rows = csv.reader(io.StringIO(data.decode("ascii")))
     if header != _HEADER:
-        raise ValueError(f"{FILE} has the columns {header}; expected {_HEADER}")
+        raise ValueError(f"{FILE}: expected the columns {_HEADER}, found {header}")
     shape = [row for row in rows if row[0] in _SHAPE_ROWS]
     terms = [row for row in rows if row[0] not in _SHAPE_ROWS]
     return DensityModel(

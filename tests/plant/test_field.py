@@ -121,7 +121,9 @@ def test_published_coefficients_are_read_as_published():
 )
 def test_a_date_that_the_model_does_not_cover_is_refused_with_the_covered_range(model, epoch, covered):
     degree = 13 if model == "igrf14" else 12
-    with pytest.raises(ValueError, match=f"outside field_model '{model}', which covers {covered}.*field_extrapolate"):
+    with pytest.raises(
+        ValueError, match=f"epoch: expected {covered}, which field_model '{model}' covers .*field_extrapolate.*, found "
+    ):
         checked(field_model=model, field_degree=degree, epoch=epoch)
     assert checked(field_model=model, field_degree=degree, epoch=epoch, field_extrapolate=True)
 

@@ -177,5 +177,5 @@ def test_steps_that_fit_the_turns_are_not_cut_by_rounding():
 
 def test_more_than_a_million_periods_in_a_step_are_refused():
     p = checked(rod_period=1e-3, rod_duty=0.5, step_max=1e4)
-    with pytest.raises(ValueError, match=r"rod_period is 0.001 s; expected at least a millionth .* 1001.0 s"):
+    with pytest.raises(ValueError, match=r"rod_period: expected at least a millionth .* 1001.0 s, found 0.001 s"):
         plant.step(plant.start(p, command()), command(), p, 1001.0)

@@ -365,7 +365,7 @@ def test_drift_and_drop_outs_agree_in_both_flavours_are_restored_with_the_state_
 )
 def test_a_model_that_needs_an_input_refuses_a_step_without_it(changes, missing, name):
     p, u = checked(**changes), truth(**{missing: [1e9] * 3})
-    with pytest.raises(ValueError, match=f"{missing} is not connected; expected to be, since {name} is not zero"):
+    with pytest.raises(ValueError, match=f"{missing}: expected to be connected, since {name} is not zero"):
         sensors.step(sensors.start(p, u), u, p, 0.1)
     with Instance("plant_sensors") as it:
         it.set_all(p)
