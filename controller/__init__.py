@@ -3,6 +3,7 @@
 "[n]" in a docstring is the paper's equation number.
 """
 
-from .block import Inputs, Outputs, Parameters, State, check, outputs, start, step
+from .block import Inputs, Outputs, Parameters, State, outputs, start, step
+from .checks import check
 
 __all__ = ["Inputs", "Outputs", "Parameters", "State", "check", "outputs", "start", "step"]
