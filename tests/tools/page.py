@@ -63,7 +63,9 @@ def text(folder: Path) -> str:
         for d in [difference(recipe, folder, step)]
     ]
     alone = ", ".join(f"{recipe.tool} {recipe.version}" for recipe in ONES)
-    single = f"Plant, controller and allocator, each by itself, in {alone}: no difference beyond rounding (1e-13 relative)."
+    single = (
+        f"Plant, controller and allocator, each by itself, in {alone}: no difference beyond rounding (1e-13 relative)."
+    )
     single += "\nAll three tools reproduce the reference data that these FMUs carry ([FMI-LS-REF](swap.md#reference-data)) within their tolerances."
     recipes = "\n".join(_section(recipe) for recipe in (*ONES, *LOOPS))
     words = (Path(__file__).parent / "words.md").read_text("utf-8")
