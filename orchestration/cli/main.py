@@ -1,6 +1,6 @@
 """The command `orchestrate`.
 
-Exit status: 0 all well; 1 an expectation failed; 2 the input is wrong, no step was run; 3 an FMU failed;
+Exit status: 0 all well; 1 an expectation failed or was not reached; 2 the input is wrong, no step was run; 3 an FMU failed;
 4 the results could not be written; 70 an error of this program; 128 + n ended by signal n, so 130 by Ctrl-C;
 141 the reader of its output closed the pipe before anything was read.
 """
@@ -103,8 +103,9 @@ eval "$(_ORCHESTRATE_COMPLETE=bash_source orchestrate)"
 def main(ctx: click.Context) -> None:
     """Runs co-simulation FMUs of FMI 2.0 and 3.0 from a scenario file: orchestrate SCENARIO.yaml
 
-    Exit status: 0 success, 1 an expectation failed, 2 wrong input, no step was run, 3 an FMU failed in its initialization
-    or in the run, 4 results not written, 128 + n ended by signal n.
+    Exit status: 0 success, 1 an expectation failed or was not reached, 2 wrong input, no step was run, 3 an FMU failed
+    in its initialization or in the run, or a step was late with --late stop, 4 results not written, 70 an error of this
+    program, 128 + n ended by signal n.
     """
     tell_builds(ctx)
 

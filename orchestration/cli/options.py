@@ -37,7 +37,7 @@ FORMAT = click.option(
     "--format", "format_", default="csv", show_default=True, metavar="csv|parquet|mat", help="Format of the signals."
 )
 FIGURES = click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
-OPEN = click.option("--open", "open_", is_flag=True, help="Open the report in the browser.")
+OPEN = click.option("--open", "open_", is_flag=True, help="Open the page in the browser.")
 
 
 def pacing(command: Callable[..., Any]) -> Callable[..., Any]:

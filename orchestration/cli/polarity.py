@@ -55,9 +55,9 @@ def command(
     out: Path | None,
     json_: bool,
 ) -> None:
-    """Show which wrong signs, axes and units at the ports are seen.
+    """Show which wrong signs, axes and units at the ports are detected.
 
-    Every port is wired wrongly in every usual way, attitudes transposed, too, and the loop is flown until an expectation or a consistency check of the
+    Every port is wired wrongly in every usual way, including transposed attitudes, and the loop is flown until an expectation or a consistency check of the
     scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
     as one that is wired wrongly, the mapping that corrects it is printed.
 
@@ -77,7 +77,9 @@ def command(
     trials = _flown(source, blocks, chosen, workers, json_)
     if trials.nominal is not None:
         by, time = trials.nominal.by, trials.nominal.time
-        complain(f"the loop as it is wired does not pass at {time:.5g} s: {by}; wrong wirings cannot be told from it")
+        complain(
+            f"the loop as it is wired does not pass at {time:.5g} s ({by}), so wrong wirings cannot be distinguished from it"
+        )
         ctx.exit(EXPECTATION_FAILED)
     if not trials.rows:
         raise InputError("no port of this name is connected" if chosen else "nothing is connected")

@@ -66,8 +66,8 @@ def command(
 ) -> None:
     """Check a scenario or campaign and say what would run.
 
-    Takes the options of run; with a campaign only --set. The FMUs are opened and held against the scenario, but none of their code runs: what an FMU
-    refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
+    Takes the options of run that change what would run (not --out, --open, --loop, --log); with a campaign only --set. The FMUs are opened and
+    compared with the scenario, but none of their code runs: what an FMU refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
     """
     formats.check(format_)
     if _is_campaign(scenario):

@@ -116,7 +116,7 @@ class Extending(Model):
 
     extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
     """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's values. Mappings
-    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, connections `{replace: [...]}` replace those to the same inputs, a null takes an entry out; later files go before earlier ones, this one before all."""
+    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, connections `{replace: [...]}` replace those to the same inputs, a null takes an entry out. A later file overrides an earlier one, this file overrides all of them."""
 
     @field_validator("extends")
     @classmethod

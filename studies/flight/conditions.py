@@ -68,7 +68,7 @@ def notable(flights: Flights) -> list[Mapping[str, str]]:
             coarse.append(t.text)
     lists = (
         ("Not all are settled at the end (how many are not)", lost),
-        ("Some were settled once and were not for good (how many)", back),
+        ("Some settled and were lost again (how many)", back),
         ("All settle, but half of them more than 1.5 times as late as nominally", slow),
         ("Held worse than 0.1° rms at the median of those that settle", coarse),
     )

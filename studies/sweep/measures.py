@@ -48,7 +48,7 @@ class Measure:
 
 MEASURES = {
     "settled": Measure(lambda _, flown: flown.settled, "not settled", "s"),
-    "found": Measure(_found, "not found", "s"),
+    "found": Measure(_found, "not detected", "s"),
     "sound": Measure(_sound, "with false alarms"),
     "hold": Measure(_hold, "lost", "°"),
 }

@@ -14,8 +14,9 @@ from .constants import CONSTANTS, NOT_SWEPT, Constant, of_group
 from .loop import value_of
 from .measures import FILE, MEASURES, Line, load
 
-WORDS = {"settled": "settles", "found": "found", "hold": "hold"}
+WORDS = {"settled": "settles", "found": "detected", "hold": "hold"}
 """Measures of which the page has ratios, as it says them."""
+OUTCOMES = {"settled": "settled", "found": "detected"}
 
 
 def publish(folder: Path = ROOT / "docs") -> Path:
@@ -68,8 +69,8 @@ def _as_they_are(chosen: list[Line]) -> str:
     parts = []
     for line in chosen:
         reached = f"{line.reached} of {line.runs}"
-        if line.measure in ("settled", "found"):
-            parts.append(f"{reached} {line.measure}, median {line.median:.0f} s, worst {_worst(line)}")
+        if line.measure in OUTCOMES:
+            parts.append(f"{reached} {OUTCOMES[line.measure]}, median {line.median:.0f} s, worst {_worst(line)}")
         elif line.measure == "hold":
             well = f"hold {_size('hold', line.median)} rms at the median, {_worst(line)} at worst"
             parts.append(well if math.isfinite(line.median) else _missed(line))

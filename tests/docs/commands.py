@@ -69,8 +69,9 @@ def workspace(folder: Path) -> dict[str, str]:
     (folder / ".venv").symlink_to(sys.prefix)
     path = f"{Path(sys.prefix) / 'bin'}{os.pathsep}{os.environ['PATH']}"
     os.utime(folder / "pyproject.toml", (0, 0))  # older than the environment, so make does not install it again
-    # Examples and kits are compiled without optimisation, which takes a third of the time.
-    return {**os.environ, "PATH": path, "COLUMNS": "200", "NO_COLOR": "1", "CFLAGS": "-O0"}
+    # Examples and kits are compiled without optimisation, which takes a third of the time. `python -m` runs what is installed,
+    # as `orchestrate` does, and not the part of it that is copied.
+    return {**os.environ, "PATH": path, "COLUMNS": "200", "NO_COLOR": "1", "CFLAGS": "-O0", "PYTHONSAFEPATH": "1"}
 
 
 def run(given: list[Command], folder: Path, environment: Mapping[str, str]) -> list[tuple[int, str]]:

@@ -24,6 +24,16 @@ NOT_RUN = {
     "orchestrate campaign scenarios/campaigns/paper_settling.yaml": "takes a minute; docs/campaigns.md has a smaller one",
     "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install -e '.[tools]'": "installs the environment that this test runs in",
+    "pip install casadi": "installs the environment that this test runs in",
+    "orchestrate campaign scenarios/campaigns/estimated.yaml": "flies 1000 runs; docs/campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; docs/campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; docs/campaigns.md has a smaller one",
+    "python -m studies estimator": "takes half a minute, needs ahrs and writes figures into docs/; tests/estimator flies fewer",
+    "python -m studies optimum --cases 50": "takes minutes, needs casadi and writes docs/optimum.md",
+    "python -m studies rival --cases 50": "takes minutes; tests/studies/flight/test_rival.py flies one",
+    "python -m studies sweep": "takes forty minutes, and writes docs/sweep.md",
+    "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
+    "make pil": "takes minutes, needs QEMU and writes docs/processor.md",
 }
 """Commands that are not run, each with the reason."""
 

@@ -63,8 +63,10 @@ def text(folder: Path) -> str:
         for d in [difference(recipe, folder, step)]
     ]
     alone = ", ".join(f"{recipe.tool} {recipe.version}" for recipe in ONES)
-    single = f"Each of the three FMUs by itself, in {alone}: no difference beyond rounding (1e-13 relative)."
-    single += "\nAll three reproduce the reference data that the FMUs carry ([FMI-LS-REF](swap.md#reference-data)) within their tolerances."
+    single = (
+        f"Plant, controller and allocator, each by itself, in {alone}: no difference beyond rounding (1e-13 relative)."
+    )
+    single += "\nAll three tools reproduce the reference data that these FMUs carry ([FMI-LS-REF](swap.md#reference-data)) within their tolerances."
     recipes = "\n".join(_section(recipe) for recipe in (*ONES, *LOOPS))
     words = (Path(__file__).parent / "words.md").read_text("utf-8")
     return f"{head}{chr(10).join(rows)}\n\n{single}\n\n## What to type\n\n{recipes}\n{words}"

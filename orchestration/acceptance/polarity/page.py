@@ -19,8 +19,8 @@ from .mend import summary as of_mended
 from .swaps import Looked
 from .trials import Row, Trials
 
-HEADER = ("port", "", "wrong", "found", "first", "last", "mostly by")
-_BY = 28
+HEADER = ("port", "", "wrong", "detected", "first", "last", "mostly by")
+_BY = 25
 """Characters of the last column, so that a line has at most 80."""
 
 
@@ -33,7 +33,7 @@ def ports(rows: Sequence[Row]) -> list[list[Row]]:
 
 
 def table(trials: Trials, wide: bool = False) -> list[tuple[str, ...]]:
-    """A line for each port: how many wrong wirings, how many are found, after how many seconds, and by what mostly."""
+    """A line for each port: how many wrong wirings, how many are detected, after how many seconds, and by what mostly."""
     lines = []
     for rows in ports(trials.rows):
         port, found = rows[0].port, [row.found for row in rows if row.found is not None]
@@ -64,7 +64,8 @@ def verdict(trials: Trials) -> str:
     """The counts in a sentence."""
     found = sum(row.found is not None for row in trials.rows)
     left = len(trials.rows) - found
-    text = f"{len(trials.rows)} wrong wirings of {len(ports(trials.rows))} ports: {found} found"
+    count = len(ports(trials.rows))
+    text = f"{len(trials.rows)} wrong wirings of {count} port{'' if count == 1 else 's'}: {found} detected"
     return text + (f", {left} not observable" if left else "")
 
 
@@ -94,7 +95,7 @@ def _write(folder: Path, files: Mapping[str, str]) -> list[Path]:
 def markdown(trials: Trials, title: str) -> str:
     """The tables as a page."""
     lines = [f"# Polarity of {title}", "", f"{verdict(trials)}.", ""]
-    header = ("port", "direction", "wrong wirings", "found", "first after", "last after", "mostly by")
+    header = ("port", "direction", "wrong wirings", "detected", "first after", "last after", "mostly by")
     lines += _table(header, table(trials, wide=True))
     if left := unobservable(trials):
         lines += ["", "## Not observable", ""]
