@@ -72,6 +72,10 @@ def _described(system: System, xml: bytes) -> bytes:
     root.set("license", "That of each FMU inside, see resources")
     root.attrib.pop("author", None)
     variables = {f"{c.name}.{p.name}": p.variable for c in system.components for p in (*c.ports, *c.free)}
+    experiment = root.find("DefaultExperiment")
+    if experiment is not None:  # that of the blocks, whose times are of other scenarios
+        experiment.set("startTime", "0.0")
+        experiment.set("stopTime", repr(float(scenario.duration)))
     units: dict[str, Unit] = {}
     for entry in root.iter("ScalarVariable"):
         variable = variables.get(entry.get("name", "").removeprefix("wire."))

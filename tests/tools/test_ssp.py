@@ -416,6 +416,8 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
     about = fmpy.read_model_description("loop.fmu")
     variables = {v.name: v for v in about.modelVariables}
     assert (about.modelName, about.author) == ("loop", None)
+    experiment = about.defaultExperiment
+    assert [float(x) for x in (experiment.startTime, experiment.stopTime, experiment.stepSize)] == [0.0, 2.0, 0.1]
     assert variables["motor.speed"].unit == "rad/s"
     assert variables["motor.mode"].description.endswith("(1: normal, 2: brake)")
     assert variables["motor.speed0"].start == "2.0"
