@@ -71,6 +71,7 @@ def test_a_truncated_normal_value_has_a_tail_where_probabilities_have_no_number_
 )
 def test_a_deviation_is_a_difference_which_the_offset_of_a_unit_does_not_change(normal, unit, mean, deviation):
     one, found = sampler(Varied.model_validate({"normal": normal}))
+    assert isinstance(one, samplers.Normal)
     assert found == unit
     np.testing.assert_allclose(one.mean, mean)
     np.testing.assert_allclose(one.deviation, deviation)
