@@ -16,6 +16,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..errors import InputError
+from ..fmu.archive import second
 from ..quantities import Unit
 from ..results.place import putting
 from .system import System
@@ -51,6 +52,13 @@ def _check(system: System) -> None:
         raise InputError(
             f"{'.'.join(converted.source)} -> {'.'.join(converted.target)}: a container passes values as they are, and these units differ"
         )
+
+    if pair := second({component.name: component.fmu for component in system.components}):
+        message = (
+            f"its FMU, which is that of {pair[0]}, too, can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), "
+            "and a container has all in one; cannot be exported"
+        )
+        raise InputError(system.scenario.error(("blocks", pair[1], "fmu"), message))
 
 
 def _finish(system: System, made: Path, path: Path) -> None:
