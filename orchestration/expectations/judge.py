@@ -191,8 +191,8 @@ class Judge:
         margin, value, time = self._worst
         limits = check.limits
         passed = margin > 0.0 if limits.strict else margin >= 0.0
-        items = {number: item for item, number in check.sight.variable.items}
-        found = items.get(round(value), value)
+        items = {float(number): item for item, number in check.sight.variable.items}
+        found = items.get(value, value)
         return _outcome(check, passed, found, margin if limits.low != limits.high else None, time, samples)
 
     @property

@@ -45,7 +45,7 @@ class RunData(Mapping[str, NDArray[Any]]):
     """Of those that a swapped block gives no signal for."""
     highlights: list[Highlight] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
-    seen: list[Flag] = field(default_factory=list)
+    booleans: list[Flag] = field(default_factory=list)
     """The boolean outputs, and when they were true."""
     warnings: list[str] = field(default_factory=list)
     steps: int = 0
@@ -83,12 +83,12 @@ class RunData(Mapping[str, NDArray[Any]]):
     @property
     def flags(self) -> dict[str, float | None]:
         """When each boolean output was true first, s; None for never. Every base step counts, recorded or not."""
-        return {flag.name: flag.first for flag in self.seen}
+        return {flag.name: flag.first for flag in self.booleans}
 
     @property
     def raised(self) -> list[str]:
         """The flags that were true at some time, when first and when last."""
-        return [flag.text for flag in self.seen if flag.first is not None]
+        return [flag.text for flag in self.booleans if flag.first is not None]
 
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]

@@ -130,9 +130,9 @@ def run_blocks(
     judges = [Judge(check) for check in ready.checks]
     watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
     looks: list[Check | Look] = [*ready.checks, *ready.holds]
-    booleans = signals.flags(ready.models)
-    raised = flags.Judge(booleans, ready.models)
-    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *booleans, *seers[0]]))
+    flagged = signals.flags(ready.models)
+    raised = flags.Judge(flagged, ready.models)
+    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *flagged, *seers[0]]))
 
     seeing: list[Seer] = [*judges, raised, *seers[1]]
 
@@ -177,7 +177,7 @@ def run_blocks(
         outcomes=[judge.outcome(not complete) for judge in judges],
         not_evaluated=[not_evaluated(*entry) for entry in ready.not_evaluated],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
-        seen=raised.flags,
+        booleans=raised.flags,
         highlights=highlights(judges),
         warnings=[*ready.notes, *([PYTHON_LOOP] if pacer is not None and compiled else [])],
         steps=recording.steps,
