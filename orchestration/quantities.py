@@ -10,7 +10,7 @@ from fmus.units import BASES, ONE, SECOND, Exponents, QuantityError, Unit, parse
 from .errors import as_written
 
 __all__ = ["BASES", "ONE", "SECOND", "Exponents", "QuantityError", "Unit"]
-__all__ += ["convert", "parse", "parse_unit", "real", "value_in", "with_unit"]
+__all__ += ["convert", "convert_difference", "parse", "parse_unit", "real", "value_in", "with_unit"]
 
 
 def convert(value: float, unit: Unit, to: Unit) -> float:
@@ -20,6 +20,13 @@ def convert(value: float, unit: Unit, to: Unit) -> float:
     if unit.factor == to.factor and unit.offset == to.offset:
         return value
     return (value * unit.factor + unit.offset - to.offset) / to.factor
+
+
+def convert_difference(value: float, unit: Unit, to: Unit) -> float:
+    """A difference of two values in another unit: the offset of a unit has no part in it. Raises QuantityError."""
+    if not unit.fits(to):
+        raise QuantityError(f"the unit {str(unit)!r} does not fit {str(to)!r}")
+    return value if unit.factor == to.factor else value * unit.factor / to.factor
 
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$", re.DOTALL)

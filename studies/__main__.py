@@ -37,7 +37,7 @@ from .sensors import make as sensor_figures
 from .sweep import make as swept
 
 
-@click.group(cls=Commands)
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 def main() -> None:
     """Studies of the loop."""
 

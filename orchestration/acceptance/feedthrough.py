@@ -20,7 +20,10 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
         if v.name in ours.variables and theirs.feedthrough.get(v.elements[0]) is None
     ]
     if silent:
-        text = f"it does not say on which inputs {', '.join(silent)} depend directly; what our interface says is taken"
+        depend = "depends" if len(silent) == 1 else "depend"
+        text = (
+            f"it does not say on which inputs {', '.join(silent)} {depend} directly; what our interface says is taken"
+        )
         findings.append(Finding("warning", "feedthrough", text, "list the dependencies in its ModelStructure"))
     fed = frozenset(element for name in fitted.feeding for element in theirs.variables[name].elements)
     direct: dict[Element, frozenset[Element]] = {}

@@ -41,7 +41,7 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
     if kind.needs_tool:
         text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
-    if description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+    if kind.alone:
         findings.append(Finding("note", "host", "one instance in a process only; in a process of its own it is alone"))
     if kind.steps_inside or not kind.variable_step:
         try:

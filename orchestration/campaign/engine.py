@@ -227,6 +227,10 @@ def _earlier(case: Case, folder: Path) -> dict[str, Any]:
         raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
     if found.get("fingerprint") != case.fingerprint:
         differ = [name for name, value in case.parts.items() if parts.get(name) != value]
+        if "sampling" in differ and found.get("sampling") == case.campaign.sampling:
+            wanted = found.get("runs", {}).get("wanted")
+            runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
+            differ[differ.index("sampling")] = runs
         raise InputError(
             f"{folder} holds the campaign {str(found.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
             "remedy: another folder (--out), or remove it"

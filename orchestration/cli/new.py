@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -93,14 +94,15 @@ def command(
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
+    there = shlex.quote(str(target))
     if link_:
-        say(f"\n  cd {target}")
+        say(f"\n  cd {there}")
         say("  make vector" if lang == "c" else f"  python bench.py vector run {block}_device.py")
         say(f"  {'build/device' if lang == 'c' else f'python {block}_device.py'} udp 5020 &")
         say(f"  orchestrate check {block}_link.fmu --as {block} --vector vector")
         return
     build = "make" if lang == "c" else "python build.py"
-    say(f"\n  cd {target} && {build}")
+    say(f"\n  cd {there} && {build}")
     if lang == "c":
         say("  make vector")
     say(f"  orchestrate check {block}.fmu --as {block} --vector vector")

@@ -25,8 +25,11 @@ class Outcome:
     signal: str
     expected: str
     passed: bool
-    found: float | None
-    """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample."""
+    found: float | str | None
+    """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample.
+
+    That of an enumeration is the name of its item, where it has one of that number.
+    """
     unit: str
     margin: float | None
     time: float | None
@@ -46,8 +49,12 @@ class Outcome:
         """The value that decides, and when it occurred."""
         if self.found is None:
             return self.note
-        boolean = self.expected.endswith((" true", " false"))
-        value = str(bool(self.found)).lower() if boolean else with_unit(self.found, self.unit)
+        if isinstance(self.found, str):
+            value = self.found
+        elif self.expected.endswith((" true", " false")):
+            value = str(bool(self.found)).lower()
+        else:
+            value = with_unit(self.found, self.unit)
         if self.expected.startswith("always") and self.passed and self.margin is None:
             return value  # at all times
         return value if self.time is None else f"{value} at {self.time:.5g} s"
@@ -184,7 +191,9 @@ class Judge:
         margin, value, time = self._worst
         limits = check.limits
         passed = margin > 0.0 if limits.strict else margin >= 0.0
-        return _outcome(check, passed, value, margin if limits.low != limits.high else None, time, samples)
+        items = {float(number): item for item, number in check.sight.variable.items}
+        found = items.get(value, value)
+        return _outcome(check, passed, found, margin if limits.low != limits.high else None, time, samples)
 
     @property
     def highlight(self) -> Highlight | None:
@@ -198,7 +207,7 @@ class Judge:
 def _outcome(
     check: Check,
     passed: bool,
-    value: float | None,
+    value: float | str | None,
     margin: float | None,
     time: float | None,
     samples: int,

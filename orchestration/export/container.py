@@ -16,6 +16,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..errors import InputError
+from ..fmu.archive import second
 from ..quantities import Unit
 from ..results.place import putting
 from .system import System
@@ -52,6 +53,13 @@ def _check(system: System) -> None:
             f"{'.'.join(converted.source)} -> {'.'.join(converted.target)}: a container passes values as they are, and these units differ"
         )
 
+    if pair := second({component.name: component.fmu for component in system.components}):
+        message = (
+            f"its FMU, which is that of {pair[0]}, too, can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), "
+            "and a container has all in one; cannot be exported"
+        )
+        raise InputError(system.scenario.error(("blocks", pair[1], "fmu"), message))
+
 
 def _finish(system: System, made: Path, path: Path) -> None:
     """Copies the container with what the toolbox leaves out of its description: units, names of items, what it is."""
@@ -72,6 +80,10 @@ def _described(system: System, xml: bytes) -> bytes:
     root.set("license", "That of each FMU inside, see resources")
     root.attrib.pop("author", None)
     variables = {f"{c.name}.{p.name}": p.variable for c in system.components for p in (*c.ports, *c.free)}
+    experiment = root.find("DefaultExperiment")
+    if experiment is not None:  # that of the blocks, whose times are of other scenarios
+        experiment.set("startTime", "0.0")
+        experiment.set("stopTime", repr(float(scenario.duration)))
     units: dict[str, Unit] = {}
     for entry in root.iter("ScalarVariable"):
         variable = variables.get(entry.get("name", "").removeprefix("wire."))

@@ -9,7 +9,7 @@ import hashlib
 import re
 import stat
 import time
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -40,6 +40,7 @@ __all__ = [
     "open_fmu",
     "platforms",
     "read_head",
+    "second",
     "shown",
 ]
 
@@ -73,6 +74,15 @@ class Fmu:
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
         """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""
         zipped.unpack(self.path, folder, "FMU", names)
+
+
+def second(fmus: Mapping[str, Fmu]) -> tuple[str, str] | None:
+    """The names of two instances of one FMU that declares itself able to have one only in a process; None without such a pair."""
+    first: dict[str, str] = {}
+    for name, fmu in fmus.items():
+        if fmu.kind.alone and first.setdefault(fmu.sha256, name) != name:
+            return first[fmu.sha256], name
+    return None
 
 
 class Unsupported(InputError):

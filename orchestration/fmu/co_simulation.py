@@ -25,6 +25,8 @@ class CoSimulation:
     """fixedInternalStepSize, s, of FMI 3.0: it divides each step into steps of this length."""
     step: str | None
     """DefaultExperiment.stepSize, s."""
+    alone: bool = False
+    """canBeInstantiatedOnlyOncePerProcess."""
 
     @classmethod
     def of(cls, description: Any) -> CoSimulation:
@@ -36,6 +38,7 @@ class CoSimulation:
             bool(flags.canHandleVariableCommunicationStepSize),
             flags.fixedInternalStepSize,
             experiment.stepSize if experiment is not None else None,
+            bool(flags.canBeInstantiatedOnlyOncePerProcess),
         )
 
     @property

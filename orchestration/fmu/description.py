@@ -48,7 +48,7 @@ def describe(description: Any, optional: Collection[str] = (), quantities: Mappi
     return Model(
         name=description.modelName,
         variables=variables,
-        feedthrough=_dependencies(description.outputs, elements),
+        feedthrough=_feedthrough(description, elements),
         initial=_initial(description, elements),
         guid=description.guid,
         tool=description.generationTool or "",
@@ -203,9 +203,17 @@ def _dependencies(unknowns: list[Any], elements: dict[str, list[Element]]) -> di
     return dependencies
 
 
+def _feedthrough(description: Any, elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:
+    """What its outputs depend on directly, as it declares; on nothing where it has no input, whatever it declares."""
+    if any(variable.causality == "input" for variable in description.modelVariables):
+        return _dependencies(description.outputs, elements)
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    return {element: frozenset() for name in outputs for element in elements.get(name, ())}
+
+
 def _initial(description: Any, elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:
     dependencies = _dependencies(description.initialUnknowns, elements)
-    direct = _dependencies(description.outputs, elements)
+    direct = _feedthrough(description, elements)
     for variable in description.modelVariables:
         for element in elements.get(variable.name, ()) if variable.causality == "output" else ():
             exact = frozenset[Element]() if variable.initial == "exact" else direct.get(element)

@@ -169,11 +169,12 @@ class Stepper:
 def strider(
     setters: Sequence[Exchange], getters: Sequence[Exchange], stepper: Stepper, component: Any, failed: Failed
 ) -> Stride | None:
-    """A whole step in one function, where it sets and gets doubles only, as mostly; None where it does not."""
+    """A whole step in one function, where it sets doubles only and gets doubles first, as mostly; None where it does not."""
     getters = [e for e in getters if e.live.references]
-    if len(setters) != 1 or len(getters) != 1 or not setters[0].direct or not getters[0].direct:
+    if len(setters) != 1 or not getters or not setters[0].direct or not getters[0].direct:
         return None
     setter, getter = setters[0], getters[0]
+    others = [e.call(component, e.live, failed) for e in getters[1:]]
     put, advance, fetch = setter.bound(component, setter.all), stepper.invoke, getter.bound(component, getter.live)
     at, length, asked, last = stepper.time, stepper.step, stepper.asked, 0.0
 
@@ -191,5 +192,7 @@ def strider(
         status = fetch()
         if status > WARNING:
             raise failed(getter.name, status)
+        for other in others:
+            other()
 
     return one

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import BlockError, hint
+from ..expectations.flags import Flag
 from ..expectations.holds import Hold
 from ..expectations.judge import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
@@ -44,6 +45,8 @@ class RunData(Mapping[str, NDArray[Any]]):
     """Of those that a swapped block gives no signal for."""
     highlights: list[Highlight] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
+    booleans: list[Flag] = field(default_factory=list)
+    """The boolean outputs, and when they were true."""
     warnings: list[str] = field(default_factory=list)
     steps: int = 0
     reached: float = 0.0
@@ -79,27 +82,13 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @property
     def flags(self) -> dict[str, float | None]:
-        """When each boolean output was true first, s; None for never. They are recorded whatever was asked for."""
-        return {name: float(when[0]) if len(when) else None for name, when in self._true.items()}
+        """When each boolean output was true first, s; None for never. Every base step counts, recorded or not."""
+        return {flag.name: flag.first for flag in self.booleans}
 
     @property
     def raised(self) -> list[str]:
         """The flags that were true at some time, when first and when last."""
-        return [
-            f"{name} from {when[0]:.5g} s to {'the end' if when[-1] == self.time[-1] else f'{when[-1]:.5g} s'}"
-            for name, when in self._true.items()
-            if len(when)
-        ]
-
-    @property
-    def _true(self) -> dict[str, Floats]:
-        """The times, s, at which each boolean output was true."""
-        found: dict[str, Floats] = {}
-        for node in self.columns if len(self.time) else ():
-            variable = self.models[node.block].variables[node.element.variable]
-            if variable.type == "boolean" and variable.causality == "output":
-                found[signals.label(node, self.models)] = self.time[np.flatnonzero(self.column(node))]
-        return found
+        return [flag.text for flag in self.booleans if flag.first is not None]
 
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]

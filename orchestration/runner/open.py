@@ -18,7 +18,7 @@ from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
 from ..errors import BlockError, InputError, NoRoom, hint, reason
-from ..fmu.archive import Fmu, open_fmu, shown
+from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
 from ..instances.isolation import IsolatedBlock
@@ -144,6 +144,7 @@ def open_scenario(scenario: Scenario) -> Opened:
         fmus = _open_fmus(scenario)
     if _latest is not None and _latest[0] == scenario and all(_latest[1].fmus.get(n) is fmu for n, fmu in fmus.items()):
         return _latest[1]
+    _refuse_second(scenario, fmus)
     prepared = prepare(scenario, fmus)
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
@@ -177,6 +178,20 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     if errors:
         raise InputError(*errors)
     return fmus
+
+
+def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
+    """Raises InputError for two instances in this process of an FMU that can have one only.
+
+    Each would have a copy of its library, loaded from a folder of its own. That may do, but nobody else knows what it shares
+    beyond its library (files, a license, another library), and FMI forbids it.
+    """
+    if pair := second({name: fmu for name, fmu in fmus.items() if limits(scenario, name) is None}):
+        message = (
+            f"{shown(fmus[pair[1]].path)} can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), and "
+            f"{pair[0]} is one in this process, too; remedy: isolation: process"
+        )
+        raise InputError(scenario.error(("blocks", pair[1], "fmu"), message))
 
 
 def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:

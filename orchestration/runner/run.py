@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..expectations import holds
+from ..expectations import flags, holds
 from ..expectations.checks import Check
 from ..expectations.holds import Look
 from ..expectations.judge import Judge, highlights, not_evaluated
@@ -24,6 +24,7 @@ from ..results.place import refuse_foreign, reserved
 from ..results.result import Result, target
 from ..scenario.realtime import with_pace
 from ..scenario.scenario import Scenario
+from ..system import signals
 from ..system.wiring import Node
 from .flight import Seer
 from .manifest import manifest
@@ -129,12 +130,16 @@ def run_blocks(
     judges = [Judge(check) for check in ready.checks]
     watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
     looks: list[Check | Look] = [*ready.checks, *ready.holds]
-    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *seers[0]]))
+    flagged = signals.flags(ready.models)
+    raised = flags.Judge(flagged, ready.models)
+    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *flagged, *seers[0]]))
+
+    seeing: list[Seer] = [*judges, raised, *seers[1]]
 
     def see(time: Floats, values: Floats) -> None:
         columns = {node: values[:, i] for i, node in enumerate(watched)}
-        for judge in (*judges, *seers[1]):
-            judge.see(time, columns)
+        for seer in seeing:
+            seer.see(time, columns)
         for look, watcher in watchers:
             holds.see(look, watcher, time, columns)
 
@@ -172,6 +177,7 @@ def run_blocks(
         outcomes=[judge.outcome(not complete) for judge in judges],
         not_evaluated=[not_evaluated(*entry) for entry in ready.not_evaluated],
         holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
+        booleans=raised.flags,
         highlights=highlights(judges),
         warnings=[*ready.notes, *([PYTHON_LOOP] if pacer is not None and compiled else [])],
         steps=recording.steps,

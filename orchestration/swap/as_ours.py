@@ -20,9 +20,22 @@ def held(theirs: Model, fitted: Fit) -> Model:
     alike = {n: replace(v, quantity=ours[n].quantity if n in ours else v.quantity) for n, v in theirs.variables.items()}
     seen = replace(theirs, variables=alike)
     if not fitted.identical:
-        seen = replace(model(fitted), starts=_starts(theirs, fitted))
+        seen = replace(model(fitted), starts=_starts(theirs, fitted), left_out=_left_out(fitted))
     lacks = frozenset(name for name, variable in fitted.missing.items() if variable.causality == "parameter")
     return replace(seen, helpers=helpers(fitted.reference.name), lacks=lacks)
+
+
+def _left_out(fitted: Fit) -> dict[str, str]:
+    """Outputs of ours that it does not have, each with the reason as a message goes on after its name."""
+    outputs = [(name, v) for name, v in {**fitted.missing, **fitted.ignored}.items() if v.causality == "output"]
+    known = {*fitted.theirs.variables, *fitted.links}
+    return {
+        name: "under 'ignore' in the mapping, so there is no such output; remedy: map it"
+        if name in fitted.ignored
+        else "an output that its FMU lacks; remedy: map it"
+        for name, _ in outputs
+        if name not in known
+    }
 
 
 def _starts(theirs: Model, fitted: Fit) -> dict[Element, Any]:

@@ -167,9 +167,10 @@ def _hook(prepared: Prepared, interfaces: Mapping[str, Interface]) -> Hook:
             for v in prepared.models[name].of("output")
             if v.name in interface.model.variables and v.elements[0] not in declared
         }
-        if silent | absent:
+        if unknown := sorted(silent | absent):
             prepared.notes.append(
-                f"{name}: its FMU does not say on which inputs {', '.join(sorted(silent | absent))} depend directly; "
+                f"{name}: its FMU does not say on which inputs {', '.join(unknown)} "
+                f"{'depends' if len(unknown) == 1 else 'depend'} directly; "
                 f"what the interface {interface.name} says is taken"
             )
 

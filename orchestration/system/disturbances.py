@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import InputError, as_written, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
-from ..quantities import QuantityError, parse
+from ..quantities import QuantityError, convert_difference, parse
 from ..scenario.faults import Fault, sentence
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -153,9 +153,11 @@ def _difference(variable: Variable, value: Any) -> float:
     number, own = parse(value) if isinstance(value, str) else (value, None)
     if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
         raise QuantityError(f"by: expected a number or text with a unit, found {as_written(value)}")
+    if variable.type == "integer" and number != int(number):
+        raise QuantityError(f"by: expected a whole number, found {as_written(value)}")
     unit = unit_of(variable)
     if own is None:
         return float(number)
     if not own.fits(unit):
         raise QuantityError(f"by: the unit {str(own)!r} does not fit that of {variable.name}, {unit}")
-    return number * own.factor / unit.factor
+    return convert_difference(number, own, unit)

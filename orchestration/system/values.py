@@ -133,7 +133,15 @@ def _limited(variable: Variable, position: int, number: float, value: Any) -> fl
     if low <= number <= high:
         return number
     unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
-    given = "" if str(value) == f"{number}" or not isinstance(value, str) else f" ({value})"
+    given = f" ({value})" if isinstance(value, str) and not _is(value, number, unit) else ""
     element = f"{variable.label(position)}: " if variable.shape else ""
     side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"
     raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}")
+
+
+def _is(text: str, number: float, unit: str) -> bool:
+    """Whether a text gives this number in this unit, or in none."""
+    try:
+        return float(text.strip().removesuffix(unit.strip())) == number
+    except ValueError:
+        return False

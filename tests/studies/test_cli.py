@@ -13,6 +13,12 @@ def ask(*arguments):
     return CliRunner().invoke(main, ["momentum-bound", *arguments])
 
 
+@pytest.mark.parametrize("command", [[], *([name] for name in sorted(main.commands))])
+def test_every_command_has_a_short_option_for_its_help(command):
+    short, long = (CliRunner().invoke(main, [*command, option]) for option in ("-h", "--help"))
+    assert (short.exit_code, short.output) == (0, long.output)
+
+
 def test_what_breaks_the_balance_is_called_impossible_with_what_is_short():
     found = ask(SCENARIO, *SI, "--time", "193 s", "--dipole-max", "15 A.m2")
     assert found.exit_code == 1

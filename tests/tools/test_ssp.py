@@ -416,6 +416,8 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
     about = fmpy.read_model_description("loop.fmu")
     variables = {v.name: v for v in about.modelVariables}
     assert (about.modelName, about.author) == ("loop", None)
+    experiment = about.defaultExperiment
+    assert [float(x) for x in (experiment.startTime, experiment.stopTime, experiment.stepSize)] == [0.0, 2.0, 0.1]
     assert variables["motor.speed"].unit == "rad/s"
     assert variables["motor.mode"].description.endswith("(1: normal, 2: brake)")
     assert variables["motor.speed0"].start == "2.0"
@@ -440,6 +442,17 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
 def test_what_a_container_cannot_do_is_refused(loop: Path, change: str, message: str) -> None:
     loop.write_text(LOOPS[change](loop.read_text()))
     assert message in printed("export", loop.name, "--container", "loop.fmu", status=2)
+
+
+def test_a_container_holds_no_two_instances_of_an_fmu_that_can_have_one_in_a_process(loop: Path) -> None:
+    xml = fmus.description("motor").replace("<CoSimulation", '<CoSimulation canBeInstantiatedOnlyOncePerProcess="true"')
+    fmus.write(loop.with_name("motor.fmu"), xml, fmus.library())
+    orchestrate("export", loop.name, "--container", "loop.fmu")
+    loop.write_text(
+        loop.read_text().replace("connections:", "  twin: {fmu: motor.fmu, start: {voltage: 0}}\nconnections:")
+    )
+    told = orchestrate("export", loop.name, "--container", "loop.fmu", status=2)
+    assert "blocks.twin.fmu: its FMU, which is that of motor, too, can have one instance in a process" in told
 
 
 def test_without_the_toolbox_the_remedy_is_told(loop: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...errors import as_written
 from ...fmu.model import Floats
-from ...quantities import QuantityError, Unit, convert, parse, real
+from ...quantities import QuantityError, Unit, convert, convert_difference, parse, parse_unit, real
 from ..file.distributions import Steps, Varied
 from . import samplers
 
@@ -50,13 +51,20 @@ def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
         inner, unit = sampler(entry.sphere)
         if wrong := [value for value in examples(inner) if isinstance(value, list) or not numbers_only(value)]:
             raise QuantityError(f"sphere: expected one number as its length, found {as_written(wrong[0])}")
-        return samplers.Sphere(inner), unit
+        return samplers.Sphere(inner), _length(unit)
     if entry.sphere is not None:
         (length,), unit = _measured(entry.sphere)
         if length.shape or length < 0.0:
             raise QuantityError(f"sphere: expected one length, zero or more, found {as_written(entry.sphere)}")
-        return samplers.Sphere(float(length)), unit
+        return samplers.Sphere(float(length)), _length(unit)
     return _pick(entry)
+
+
+def _length(unit: str) -> str:
+    """The unit of a length. Raises QuantityError for one with an offset, which each element would be given."""
+    if unit and parse_unit(unit).offset:
+        raise QuantityError(f"sphere: expected a unit without an offset, found {unit}")
+    return unit
 
 
 def _normal(entry: Varied) -> tuple[samplers.Sampler, str]:
@@ -74,7 +82,7 @@ def _normal(entry: Varied) -> tuple[samplers.Sampler, str]:
             return samplers.Correlated(mean, samplers.root_of(covariance)), unit
         except ValueError as error:
             raise QuantityError(f"covariance: {error}") from None
-    (mean, deviation, *limits), unit = _measured(normal.mean, normal.deviation, *ends)
+    (mean, deviation, *limits), unit = _measured(normal.mean, normal.deviation, *ends, differences=(1,))
     if deviation.shape not in ((), mean.shape):
         raise QuantityError("expected a deviation for each element of the mean, or one for all")
     if not (deviation > 0.0).all():
@@ -107,12 +115,16 @@ def _pick(entry: Varied) -> tuple[samplers.Sampler, str]:
     return samplers.Pick(tuple(given), (*ends[:-1].tolist(), 1.0), entry.grid is not None), unit
 
 
-def _measured(*quantities: Any) -> tuple[list[Floats], str]:
-    """Numbers of quantities, or of lists of them, in one unit: the first that is given. Raises QuantityError."""
+def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[Floats], str]:
+    """Numbers of quantities, or of lists of them, in one unit: the first that is given. Raises QuantityError.
+
+    Those at the places `differences` are of two values, as a deviation is, so that the offset of a unit has no part in them.
+    """
     unit: Unit | None = None
     bare = False
     arrays = []
-    for given in quantities:
+    for place, given in enumerate(quantities):
+        into = convert_difference if place in differences else convert
         numbers = []
         for item in given if isinstance(given, list) else [given]:
             if isinstance(item, bool) or not isinstance(item, int | float | str):
@@ -122,7 +134,7 @@ def _measured(*quantities: Any) -> tuple[list[Floats], str]:
                 bare = bare or number != 0.0
             else:
                 unit = unit or own
-                number = convert(number, own, unit)
+                number = into(number, own, unit)
             numbers.append(number)
         arrays.append(np.array(numbers) if isinstance(given, list) else np.array(numbers[0]))
     if unit is not None and bare:

@@ -6,6 +6,7 @@ However many the runs, the page keeps some thousand numbers of each plot, so it 
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -199,7 +200,7 @@ def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dic
 
 
 def _replay(manifest: dict[str, Any], run: str) -> str:
-    return f"orchestrate campaign {manifest['campaign_file'] or 'CAMPAIGN.yaml'} --replay {run}"
+    return f"orchestrate campaign {shlex.quote(manifest['campaign_file'] or 'CAMPAIGN.yaml')} --replay {run}"
 
 
 def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -116,6 +117,14 @@ def test_a_kit_packs_reference_data_that_are_played_and_tell_a_later_change(tmp_
     assert make(folder).returncode == 0
     wrong = orchestrate("check", fmu, "--as", "allocator")
     assert (wrong.exit_code, "smoke-test: holding differs by 1" in wrong.stdout) == (1, True), wrong.stdout
+
+
+@pytest.mark.parametrize("options", [[], ["--lang", "python"], ["--link"], ["--link", "--lang", "python"]])
+def test_the_commands_it_prints_hold_in_a_folder_whose_name_has_a_space(tmp_path, options):
+    folder = tmp_path / "my kit"
+    told = orchestrate("new", "allocator", folder, *options).stdout
+    (line,) = (line for line in told.splitlines() if line.startswith("  cd "))
+    assert shlex.split(line)[:2] == ["cd", str(folder)]
 
 
 def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):

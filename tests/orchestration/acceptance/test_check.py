@@ -242,7 +242,7 @@ def test_what_the_validator_finds_is_told(here):
             ('<Unknown index="5" dependencies="3"/>', '<Unknown index="5"/>'),
             "feedthrough",
             "warning",
-            "does not say on which inputs voltage depend directly",
+            "does not say on which inputs voltage depends directly",
         ),
         (
             ('<Unknown index="7" dependencies=""/>', '<Unknown index="7" dependencies="3"/>'),
@@ -255,6 +255,15 @@ def test_what_the_validator_finds_is_told(here):
 def test_what_differs_is_told_by_name(here, change, topic, level, message):
     path = vendor.write(here, change, own_names=False)
     assert message in texts(findings(path, topic=topic, level=level))
+
+
+def test_outputs_of_an_fmu_without_inputs_depend_on_none(here):
+    speed = 'name="speed" valueReference="2" causality="input"'
+    enabled = 'valueReference="5" causality="input"'
+    none = [(text, text.replace("input", "local")) for text in (speed, enabled)]
+    undeclared = ('<Unknown index="5" dependencies="3"/>', '<Unknown index="5"/>')
+    path = vendor.write(here, *none, undeclared, own_names=False)
+    assert texts(findings(path, topic="feedthrough")) == "closes no algebraic loop"
 
 
 @pytest.mark.parametrize("step", ["0", "-1", "INF", "NaN"])

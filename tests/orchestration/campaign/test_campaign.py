@@ -28,6 +28,8 @@ from orchestration.errors import InputError, ResultsError
 from orchestration.runner.read import read
 from orchestration.runner.run import run
 
+from .. import vendor
+
 ROOT = Path(__file__).parents[3]
 SHRINKS = 0.9**20
 FILE = """\
@@ -237,6 +239,36 @@ def test_a_damaged_manifest_in_the_folder_is_refused_by_name(toy, spoilt):
     path.write_text(json.dumps({**json.loads(path.read_text("utf-8")), **spoilt}), "utf-8")
     with pytest.raises(InputError, match=r"campaign.json is no manifest of a campaign; remedy"):
         fly(toy, runs=5)
+
+
+@pytest.mark.parametrize(("sampling", "runs"), [("grid", (4, 6)), ("sobol", (4, 8)), ("latin hypercube", (4, 5))])
+def test_another_number_of_runs_is_said_where_it_moves_the_points(toy, sampling, runs):
+    changed(toy, ("runs: 60", f"sampling: {sampling}"), ("{uniform: [1 rad/s, 2 rad/s]}", "{grid: [1 rad/s, 2 rad/s]}"))
+    fly(toy, runs=runs[0])
+    told = (
+        f"differs in the number of runs ({runs[0]} there, {runs[1]} here), on which the points of {sampling} depend; "
+    )
+    with pytest.raises(InputError, match=re.escape(told)):
+        fly(toy, runs=runs[1])
+
+
+def test_a_metric_of_an_output_that_the_mapping_ignores_is_refused_with_the_reason(toy):
+    vendor.write(
+        toy.parent, ('name="samples[1]"', 'name="first"'), ('name="samples[2]"', 'name="second"'), runnable=True
+    )
+    swap = "swap: {regulator: vendor.fmu}\nmap: {regulator: mapping.yaml}"
+    changed(
+        toy,
+        ("runs: 60", f"runs: 60\n{swap}"),
+        ("signal: motor.speed, statistic", "signal: regulator.samples, statistic"),
+    )
+    with pytest.raises(InputError, match="regulator.samples is an output that its FMU lacks; remedy: map it"):
+        fly(toy, runs=1)
+    path = toy.with_name("mapping.yaml")
+    path.write_text(path.read_text() + "ignore: [samples]\n")
+    told = "regulator.samples is under 'ignore' in the mapping, so there is no such output; remedy: map it"
+    with pytest.raises(InputError, match=told):
+        fly(toy, runs=1)
 
 
 def test_another_campaign_in_the_folder_is_refused_by_name(toy):

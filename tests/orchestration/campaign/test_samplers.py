@@ -59,6 +59,32 @@ def test_a_truncated_normal_value_has_a_tail_where_probabilities_have_no_number_
     assert made(normal={"mean": 0, "deviation": 1, "low": 1e200}).value([0.5]) == 1e200
 
 
+@pytest.mark.parametrize(
+    ("normal", "unit", "mean", "deviation"),
+    [
+        ({"mean": "293.15 K", "deviation": "2 degC"}, "K", 293.15, 2.0),
+        ({"mean": "20 degC", "deviation": "2 K"}, "degC", 20.0, 2.0),
+        ({"mean": ["20 degC", "300 K"], "deviation": ["9 K", "1 degC"]}, "degC", [20.0, 26.85], [9.0, 1.0]),
+        ({"mean": "20 degC", "deviation": "1 K", "low": "292 K", "high": "295 K"}, "degC", 20.0, 1.0),
+        ({"mean": "1 m", "deviation": "5 cm"}, "m", 1.0, 0.05),
+    ],
+)
+def test_a_deviation_is_a_difference_which_the_offset_of_a_unit_does_not_change(normal, unit, mean, deviation):
+    one, found = sampler(Varied.model_validate({"normal": normal}))
+    assert isinstance(one, samplers.Normal)
+    assert found == unit
+    np.testing.assert_allclose(one.mean, mean)
+    np.testing.assert_allclose(one.deviation, deviation)
+    if "low" in normal:
+        np.testing.assert_allclose([one.low, one.high], [18.85, 21.85])
+
+
+@pytest.mark.parametrize("length", ["2 degC", {"uniform": ["1 degC", "2 degC"]}])
+def test_the_length_of_a_vector_has_no_unit_with_an_offset(length):
+    with pytest.raises(QuantityError, match="sphere: expected a unit without an offset, found degC"):
+        made(sphere=length)
+
+
 def test_a_normal_value_at_zero_is_finite():
     assert math.isfinite(made(normal={"mean": 0, "deviation": 1}).value([0.0]))
 

@@ -43,6 +43,28 @@ def outcome(values, bound, time=None, **more):
 
 
 @pytest.mark.parametrize(
+    ("values", "bound", "found", "text"),
+    [
+        ([1, 2, 3], {"always": {"equals": "off"}}, "wild", "wild at 2 s"),
+        ([1, 1, 1], {"always": {"equals": "off"}}, "off", "off"),
+        ([1, 2, 3], {"ever": {"equals": "on"}}, "on", "on at 1 s"),
+        ([1, 2, 2], {"always": {"below": 1.5}}, "on", "on at 1 s"),
+        ([1, 7, 1], {"always": {"equals": "off"}}, 7, "7 at 1 s"),
+        ([1, 3, 1], {"zeros": 0}, 0, "0"),
+    ],
+)
+def test_what_an_enumeration_is_found_at_is_said_by_its_name(values, bound, found, text):
+    items = (("off", 1), ("on", 2), ("wild", 3))
+    models = {"a": model("a", real("mode", "output", type="enumeration", items=items))}
+    expectation = {"name": "it", "signal": "a.mode", **bound}
+    scenario = load({"name": "s", "step": 1, "duration": 2, "blocks": {"a": {"fmu": "a"}}, "expect": [expectation]})
+    ((check,), _) = prepare(scenario, models)
+    judge = Judge(check)
+    judge.see(np.arange(3.0), {check.sight.nodes[0]: np.array(values, float)})
+    assert (judge.outcome().found, judge.outcome().text) == (found, text)
+
+
+@pytest.mark.parametrize(
     ("values", "bound", "passed", "found", "margin", "at"),
     [
         ([1, 3, 2], {"always": {"below": 3.5}}, True, 3, 0.5, 1),

@@ -43,12 +43,28 @@ def test_a_longer_recording_interval_hides_nothing_from_expectations_and_holds(r
     assert coarse.outcomes == fine.outcomes
     assert coarse.holds == fine.holds
     assert coarse.highlights == fine.highlights
+    assert coarse.flags == fine.flags == {"a.on": 0.7}
+    assert coarse.raised == fine.raised == ["a.on from 0.7 s to 0.7 s"]
     assert [(o.passed, o.samples, o.time) for o in coarse.outcomes] == [
         (False, 21, 0.7),
         (True, 1, 0.7),
         (True, 21, 0.7),
     ]
     assert coarse.holds[0].spans == [(0.7, 0.8)]
+
+
+def test_a_flag_needs_no_expectation_to_be_seen_at_every_step():
+    result = run_mocks([spiky()], {"step": 0.1, "duration": 2, "record": {"interval": 0.5}})
+    assert not result["a.on"].any()
+    assert result.flags == {"a.on": 0.7}
+
+
+@pytest.mark.parametrize(("last", "raised"), [(0.7, "a.on from 0.7 s to the end"), (0.8, "a.on from 0.7 s to 0.7 s")])
+def test_a_flag_stands_to_the_end_where_the_last_step_has_it(last, raised):
+    result = run_mocks([spiky()], {"step": 0.1, "duration": last, "record": {"interval": 0.1}})
+    assert result.raised == [raised]
+    coarse = run_mocks([spiky()], {"step": 0.1, "duration": last, "record": {"interval": 0.5}})
+    assert coarse.raised == [raised]
 
 
 def test_what_was_seen_up_to_a_failure_counts():
@@ -77,7 +93,7 @@ def test_both_loops_judge_alike_where_little_is_recorded(loop, fault, monkeypatc
             result = run(loop, overrides, compiled=compiled)
         except RuntimeError as error:
             result = error.result  # type: ignore[attr-defined]
-        told.append((result.outcomes, result.holds, result.highlights, result.samples.tobytes()))
+        told.append((result.outcomes, result.holds, result.highlights, result.flags, result.samples.tobytes()))
     assert told[0] == told[1]
     assert told[0][0][0].samples == (13 if fault else 21)
     fine = loop.with_name("fine.yaml")

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
 from orchestration import InputError, load
 from orchestration.instances.process import Limits
 from orchestration.runner.limits import MEMORY, TIMEOUT, limits
+from orchestration.runner.open import open_scenario
+
+from .. import fmus
 
 
 def test_only_fmus_given_by_a_path_are_isolated_unless_the_scenario_says_so():
@@ -41,3 +46,32 @@ def test_wrong_limits_are_refused(entry, message):
     with pytest.raises(InputError) as info:
         limits(load(data), "a")
     assert message in str(info.value)
+
+
+def test_an_fmu_that_can_have_one_instance_in_a_process_has_no_second_there(tmp_path, monkeypatch):
+    """Nor has a copy of it under another name; in a process of its own, or beside another FMU, it may run."""
+    monkeypatch.chdir(tmp_path)
+    for name, inside in (("lone", "lone"), ("copy", "lone"), ("other", "other")):
+        xml = fmus.description("motor").replace(
+            "modelIdentifier", 'canBeInstantiatedOnlyOncePerProcess="true" modelIdentifier'
+        )
+        fmus.write(tmp_path / f"{name}.fmu", xml.replace('modelName="motor"', f'modelName="{inside}"'), fmus.library())
+    shutil.copy("lone.fmu", "copy.fmu")
+
+    fed = {"voltage": 0}
+
+    def opened(fmu, isolation="none"):
+        blocks = {
+            "a": {"fmu": "lone.fmu", "isolation": "none", "start": fed},
+            "b": {"fmu": fmu, "isolation": isolation, "start": fed},
+        }
+        return open_scenario(load({"name": "x", "step": 0.1, "duration": 1, "blocks": blocks}))
+
+    for fmu in ("lone.fmu", "copy.fmu"):
+        with pytest.raises(InputError) as info:
+            opened(fmu)
+        assert str(info.value).endswith(
+            f"blocks.b.fmu: {fmu} can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), and a is one "
+            "in this process, too; remedy: isolation: process"
+        )
+    assert set(opened("lone.fmu", "process").fmus) == set(opened("other.fmu").fmus) == {"a", "b"}

@@ -169,7 +169,7 @@ def test_where_theirs_declares_no_feedthrough_that_of_the_interface_is_taken(tmp
     result = orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml")
     assert result.exit_code == 0
     assert (
-        "does not say on which inputs voltage depend directly; what the interface regulator says is taken"
+        "does not say on which inputs voltage depends directly; what the interface regulator says is taken"
         in result.stderr
     )
     assert "would close a loop" not in result.stderr

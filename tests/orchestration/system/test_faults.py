@@ -338,6 +338,34 @@ def test_a_wrong_fault_of_a_signal_is_refused(fault, message):
     assert message in str(info.value)
 
 
+def whole(**fault):
+    """A whole number that a block gives to another whose input is at most 5, with a fault from the start."""
+
+    def give(block):
+        block["o"] = 1.0
+
+    def take(block):
+        block["seen"] = block["i"]
+
+    giver = Mock("a", model("a", Variable("o", "output", type="integer")), give)
+    ports = Variable("i", "input", type="integer", maxima=(5.0,)), Variable("seen", "output", type="integer")
+    taker = Mock("b", model("b", *ports, feedthrough={"seen": ["i"]}), take)
+    scenario = {"step": 1, "duration": 2, "connections": ["a.o -> b.i"], "faults": [{"at": 0, **fault}]}
+    return run([giver, taker], scenario)["b.seen"].tolist()
+
+
+@pytest.mark.parametrize("name", ["a.o", "b.i"])
+@pytest.mark.parametrize("by", [1.5, "1.5", "1.5 m"])
+def test_a_bias_of_a_whole_number_is_one_too(name, by):
+    with pytest.raises(InputError, match=f"by: expected a whole number, found '?{by}"):
+        whole(bias=name, by=by)
+    assert whole(bias=name, by=2) == [3, 3, 3]
+
+
+def test_a_fault_may_lie_beyond_the_limits_of_its_receiver():
+    assert whole(cut="b.i", to=9) == [9, 9, 9]
+
+
 def test_a_time_between_two_steps_is_taken_as_the_next_with_a_note():
     result = chain({"at": 0.42, "until": "0.55 s", "cut": "plant.y"})
     assert result["law.y"][[4, 5, 6]] == pytest.approx([0.4, 0.0, 0.6])

@@ -1,0 +1,53 @@
+"""Boolean outputs of a run: when each was true, at every base step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..fmu.model import Floats, Model
+from ..system import signals
+from ..system.wiring import Node
+
+
+@dataclass
+class Flag:
+    """A boolean output. Times in s."""
+
+    name: str
+    first: float | None = None
+    """When it was true first; None for never."""
+    last: float | None = None
+    standing: bool = False
+    """Whether it is true at the end of the run."""
+
+    @property
+    def text(self) -> str:
+        """When it was true first and last; it was true at some time."""
+        return f"{self.name} from {self.first:.5g} s to {'the end' if self.standing else f'{self.last:.5g} s'}"
+
+
+class Judge:
+    """Takes in the flags piece by piece, and has their times in the end."""
+
+    def __init__(self, nodes: Sequence[Node], models: Mapping[str, Model]) -> None:
+        self._flags = {node: Flag(signals.label(node, models)) for node in nodes}
+        self._begun = False
+
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before."""
+        if not len(time):
+            return
+        self._begun = True
+        for node, flag in self._flags.items():
+            raised = columns[node] != 0.0
+            first = int(raised.argmax())
+            if raised[first]:
+                flag.first = float(time[first]) if flag.first is None else flag.first
+                flag.last = float(time[len(time) - 1 - int(raised[::-1].argmax())])
+            flag.standing = bool(raised[-1])
+
+    @property
+    def flags(self) -> list[Flag]:
+        """All flags; none of a run that ended before its first sample."""
+        return list(self._flags.values()) if self._begun else []
