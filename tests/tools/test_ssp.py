@@ -447,11 +447,11 @@ def test_what_a_container_cannot_do_is_refused(loop: Path, change: str, message:
 def test_a_container_holds_no_two_instances_of_an_fmu_that_can_have_one_in_a_process(loop: Path) -> None:
     xml = fmus.description("motor").replace("<CoSimulation", '<CoSimulation canBeInstantiatedOnlyOncePerProcess="true"')
     fmus.write(loop.with_name("motor.fmu"), xml, fmus.library())
-    orchestrate("export", loop.name, "--container", "loop.fmu")
+    printed("export", loop.name, "--container", "loop.fmu")
     loop.write_text(
         loop.read_text().replace("connections:", "  twin: {fmu: motor.fmu, start: {voltage: 0}}\nconnections:")
     )
-    told = orchestrate("export", loop.name, "--container", "loop.fmu", status=2)
+    told = printed("export", loop.name, "--container", "loop.fmu", status=2)
     assert "blocks.twin.fmu: its FMU, which is that of motor, too, can have one instance in a process" in told
 
 
