@@ -32,6 +32,7 @@ def _internal(random: Random, folder: Path) -> list[str]:
     return ["schema"]
 
 
+@pytest.mark.isolate
 @pytest.mark.skipif(os.name != "posix", reason="the replaced command reaches the process by fork")
 @pytest.mark.parametrize(("make", "end"), [(_crash, "crash, -11: 3"), (_hang, "hang: 3"), (_internal, "status 70: 3")])
 def test_a_campaign_counts_what_must_not_happen_and_fails(make, end, monkeypatch, capsys) -> None:

@@ -97,6 +97,7 @@ def test_closed_loop_obeys_the_error_dynamics(reference, rng):
         np.testing.assert_allclose(loop.J @ domega, -L @ omega + restoring + turning, rtol=0, atol=1e-8)
 
 
+@pytest.mark.fly
 @pytest.mark.parametrize(
     ("reference", "rotation", "Omega"),
     [("lvlh", SAMPLES[3], [1.2, -0.9, 0.7]), ("rate", SAMPLES[6], [-2.0, 1.0, 1.5])],

@@ -157,6 +157,7 @@ CHECKED = sorted(path.stem for path in SCENARIOS.glob("*.yaml") if read(path).da
 LONG = ["flight_hold"]
 
 
+@pytest.mark.fly
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.thorough) if name in LONG else name for name in CHECKED]
 )

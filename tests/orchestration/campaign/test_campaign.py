@@ -216,6 +216,7 @@ def test_a_stopped_campaign_goes_on_where_it_was(toy):
     assert sum(pq.read_metadata(part).num_rows for part in Path("two/runs").glob("*.parquet")) == 60, "no run twice"
 
 
+@pytest.mark.isolate
 def test_a_killed_client_goes_on_where_it_was(toy):
     fly(toy)
     code = (

@@ -141,6 +141,7 @@ def test_thinned_out_plots_say_so_and_keep_the_worst_runs(tmp_path):
     )
 
 
+@pytest.mark.isolate
 def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
     chromium.open(folder / "campaign.html")
     assert pixels(chromium, "#0072b2", 0) > 500
