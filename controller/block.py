@@ -10,7 +10,7 @@ import numpy as np
 
 from . import gains, law, morse, so3
 from .errors import Errors, errors
-from .reference import Reference, inertial, lvlh, rate
+from .reference import Reference, inertial, lvlh, rate, relative
 from .so3 import Array, project
 
 REFERENCES = ("lvlh", "inertial", "rate")
@@ -205,7 +205,7 @@ def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
         so3.require_rotation("R_ref", u.R_ref, ATTITUDE_TOLERANCE)
         return Reference(u.R_ref, u.Omega_ref, u.dOmega_ref)
     if p.reference == "lvlh":
-        return lvlh(u.r_N, u.v_N)
+        return relative(lvlh(u.r_N, u.v_N), p.desired_attitude_0)
     if p.reference == "inertial":
         return inertial(p.desired_attitude_0)
     return rate(p.desired_attitude_0, p.Omega_d0, t)

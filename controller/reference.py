@@ -56,6 +56,11 @@ def lvlh(r_N: Array, v_N: Array) -> Reference:
     )
 
 
+def relative(frame: Reference, R_d0: Array) -> Reference:
+    """Hold of the attitude R_d0 (3,3) relative to a frame that moves: frame from desired body."""
+    return Reference(frame.R_d @ R_d0, frame.Omega_d @ R_d0, frame.dOmega_d @ R_d0)
+
+
 def inertial(R_d0: Array) -> Reference:
     """Hold of the attitude R_d0 in N."""
     return Reference(R_d0, _ZERO, _ZERO)

@@ -55,11 +55,11 @@ typedef struct {
     double c1;
     /* rad/s; c2 [10] */
     double c2;
-    /* 'lvlh': hold LVLH, from r_N and v_N; 'inertial': hold R_d0; 'rate': start at R_d0 and turn with the
-     * body rate Omega_d0 [3] */
+    /* 'lvlh': hold R_d0 relative to LVLH, from r_N and v_N; 'inertial': hold R_d0 in N; 'rate': start at R_d0
+     * and turn with the body rate Omega_d0 [3] */
     int32_t reference;
-    /* frame N from desired body; Desired attitude at t = 0 for 'inertial' and 'rate'; orthonormal to 1e-3,
-     * projected onto SO(3) */
+    /* frame LVLH or N from desired body; Desired attitude: relative to LVLH for 'lvlh', in N for 'inertial',
+     * in N at t = 0 for 'rate'; orthonormal to 1e-3, projected onto SO(3) */
     double R_d0[3][3];
     /* rad/s; frame desired body; Desired body rate, constant, for 'rate' [3] */
     double Omega_d0[3];

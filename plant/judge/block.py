@@ -127,7 +127,8 @@ def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
         require_rotation("R_d", u.R_d, ATTITUDE_TOLERANCE)
         return Reference(u.R_d, u.Omega_d)
     if p.reference == "lvlh":
-        return lvlh(u.r_N, u.v_N)
+        frame = lvlh(u.r_N, u.v_N)
+        return Reference(frame.R_d @ p.desired_attitude_0, frame.Omega_d @ p.desired_attitude_0)
     if p.reference == "inertial":
         return Reference(p.desired_attitude_0, np.zeros(3))
     return Reference(p.desired_attitude_0 @ exp(t * p.Omega_d0), p.Omega_d0)

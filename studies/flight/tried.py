@@ -115,6 +115,12 @@ TRIED = (
         vary=lambda: {"plant.argument_of_latitude": "along"},
     ),
     Tried(
+        "beside LVLH",
+        "a target that is turned from LVLH by a rotation drawn at random (`R_d0`)",
+        draw={"beside": {"rotation": "uniform"}},
+        vary=lambda: {"controller.R_d0": "beside", "judge.R_d0": "beside"},
+    ),
+    Tried(
         "eccentric",
         "orbit of eccentricity 0.02, start at its perigee, anywhere",
         _start(plant__orbit_start="position_velocity"),
@@ -152,6 +158,11 @@ TRIED = (
             f"rod {i} failed", f"rod {i} gives nothing, not known", _fail({"at": 0.0, "cut": f"plant.dipole_cmd[{i}]"})
         )
         for i in (1, 2, 3)
+    ),
+    Tried(
+        "rod 1 known",
+        "rod 1 gives nothing, known before the flight (`rod_gains0`)",
+        lambda data: change(_fail({"at": 0.0, "cut": "plant.dipole_cmd[1]"})(data) or data, {"controller.rod_gains0": [0, 1, 1]}),
     ),
     Tried("wheel stuck", "the wheel does not turn, not known", _start(plant__wheel_torque_max=0.0)),
     Tried("no u_applied", "`u_applied` not connected", _lost("controller.u_applied")),

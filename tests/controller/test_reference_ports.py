@@ -23,16 +23,17 @@ R_NB = Rotation.from_rotvec([0.4, -0.3, 0.8]).as_matrix()
 GIVEN = {"R_ref": np.eye(3), "Omega_ref": np.array([0.01, 0.02, -0.01]), "dOmega_ref": np.array([1e-4, -2e-4, 3e-4])}
 
 
-def test_the_values_of_lvlh_by_the_ports_give_what_the_parameter_gives() -> None:
-    p = parameters("controller", reference="lvlh")
+@pytest.mark.parametrize("Q", [np.eye(3), Rotation.from_rotvec([0.3, -1.2, 0.5]).as_matrix()])
+def test_the_values_of_an_attitude_at_rest_in_lvlh_by_the_ports_give_what_the_parameters_give(Q) -> None:
+    p = parameters("controller", reference="lvlh", R_d0=Q)
     u = inputs("controller", R_NB=R_NB, omega_B=[0.01, 0.02, 0.03])
     R_d, Omega_d, dOmega_d = lvlh(u.r_N, u.v_N)
-    by_ports = replace(u, R_ref=R_d, Omega_ref=Omega_d, dOmega_ref=dOmega_d)
+    by_ports = replace(u, R_ref=R_d @ p.desired_attitude_0, Omega_ref=Q.T @ Omega_d, dOmega_ref=Q.T @ dOmega_d)
     x = controller.start(p, u)
-    assert x == controller.start(p, by_ports)
+    assert vars(x) == pytest.approx(vars(controller.start(p, by_ports)))
     y, of_ports = controller.outputs(x, u, p), controller.outputs(x, by_ports, p)
     for name, value in vars(y).items():
-        np.testing.assert_array_equal(getattr(of_ports, name), value)
+        np.testing.assert_allclose(getattr(of_ports, name), value, rtol=1e-13, atol=1e-17)
 
 
 AT_REST = {"R_ref": ZEROS, "Omega_ref": np.zeros(3)}

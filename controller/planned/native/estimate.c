@@ -84,7 +84,7 @@ static void extrapolate(const ControllerPlannedInputs *u, double period, Ahead *
     const Target lvlh = controller_planned_lvlh(r, v);
     const Matrix Q = multiply(transposed(lvlh.R), last.target.R);
     const bool still = norm(subtract(last.target.Omega, apply_transposed(Q, lvlh.Omega))) < STILL;
-    ahead->target_kind = still ? ONBOARD_TARGET_WITH_LVLH : ONBOARD_TARGET_TURNING;
+    ahead->target_kind = still ? ONBOARD_TARGET_LVLH : ONBOARD_TARGET_TURNING;
     ahead->R_d0 = still ? Q : last.target.R;
     ahead->Omega_d0 = last.target.Omega;
     ahead->dOmega_d0 = ahead->knots > 0 ? (Vector){0.0, 0.0, 0.0} : vector(u->dOmega_ref);
@@ -151,10 +151,12 @@ static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, c
     nominal.disturbance_B = model.disturbance_B;
     nominal.residual_B = model.residual_B;
     x->predicted = controller_planned_advanced(&model, &then, &x->estimate, given, dt);
+    Vector rods[3];
+    for (int i = 0; i < 3; ++i) {
+        rods[i] = scale(given[i], nominal.rods[i]);
+        nominal.rods[i] = scale(law->p.rod_gains0[i], nominal.rods[i]);
+    }
     const Motion by_start = controller_planned_advanced(&nominal, &then, &x->estimate, given, dt);
-
-    const Vector rods[3] = {scale(given[0], nominal.rods[0]), scale(given[1], nominal.rods[1]),
-                            scale(given[2], nominal.rods[2])};
     const Passed passed = {dt, &model, &then, x->estimate, x->predicted, scale(0.5, add(x->B_B, B_B)), rods};
     controller_planned_propagate(&passed, &x->identification);
     const Vector Omega = subtract(measured->Omega, vector(x->identification.p + BIAS));

@@ -73,7 +73,7 @@ static bool keep_all_within(Identification *id)
     bool beyond = false;
     for (int i = INERTIA; i < TORQUE; ++i) {
         const bool product = i >= INERTIA + 3 && i < GAINS;
-        const double room = product ? id->limit[3] : (i < GAINS ? TRUST : of_gains) * id->start[i];
+        const double room = product ? id->limit[3] : i < GAINS ? TRUST * id->start[i] : of_gains;
         beyond = beyond || (i >= GAINS && fabs(id->p[i] - id->start[i]) > room);
         id->p[i] = clip(id->p[i], id->start[i] - room, id->start[i] + room);
     }

@@ -25,7 +25,7 @@ typedef struct {
     double evidence;             /* that `start` predicts better than p: half the sum of the squares' differences */
     int32_t rejected;            /* samples in turn that were not believed */
     RodsWatch watch;             /* for a rod that fails */
-    double spread;               /* of the gains before the flight */
+    double spread;               /* of the gains before the flight, relative */
     double inertia_spread[6];    /* kg m2, of the inertia */
     double limit[4];             /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
     double variance[2];          /* rad2, rad2/s2, of a measurement */
@@ -71,7 +71,7 @@ Matrix controller_planned_inertia_sigma(const Identification *id);
 /* The mean magnitude of the rods' gains. */
 double controller_planned_rods_gain(const Identification *id);
 
-/* The rod, 1 to 3, whose gain is known to be farthest from that of a sound rod; 0: none. */
+/* The rod, 1 to 3, whose gain is known to be farthest from that of before the flight, where it has failed; 0: none. */
 int32_t controller_planned_failed_rod(const Identification *id);
 
 /* The covariance after the sample. */

@@ -36,7 +36,9 @@ void controller_planned_begin_properties(Identification *id)
     for (int i = 0; i < 6; ++i) {
         forget(id, INERTIA + i, 1, id->inertia_spread[i]);
     }
-    forget(id, GAINS, 3, id->spread);
+    for (int i = 0; i < 3; ++i) {
+        forget(id, GAINS + i, 1, id->spread * fabs(id->start[GAINS + i]));
+    }
     id->evidence = 0.0;
     id->watch.wide = false;
 }
@@ -103,7 +105,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     memset(id, 0, sizeof *id);
     store_symmetric(matrix(p->J_B), id->start + INERTIA);
     store_symmetric(controller_planned_sigma_before(p), id->inertia_spread);
-    store((Vector){1.0, 1.0, 1.0}, id->start + GAINS);
+    store(vector(p->rod_gains0), id->start + GAINS);
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
     id->limit[1] = scales->disturbance_max;

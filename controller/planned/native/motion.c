@@ -56,10 +56,7 @@ Target controller_planned_target_at(const Ahead *ahead, double t)
     Vector r_N, v_N;
     two_body_at(&ahead->orbit, t, &r_N, &v_N);
     const Target lvlh = controller_planned_lvlh(r_N, v_N);
-    if (ahead->target_kind == ONBOARD_TARGET_WITH_LVLH) {
-        return (Target){multiply(lvlh.R, ahead->R_d0), apply_transposed(ahead->R_d0, lvlh.Omega)};
-    }
-    return lvlh;
+    return (Target){multiply(lvlh.R, ahead->R_d0), apply_transposed(ahead->R_d0, lvlh.Omega)};
 }
 
 /* Of the rods and of the satellite itself. */

@@ -58,7 +58,7 @@ typedef struct {
     int target_kind;
     int knots; /* after knot[0], which is now; 0: the target is known for now only */
     Knot knot[AHEAD_TIMES + 1];
-    Matrix R_d0;     /* at rest; or, from given_t on, relative to LVLH or turning with Omega_d0 */
+    Matrix R_d0;     /* at rest or relative to LVLH; of a given target from given_t on, then also turning with Omega_d0 */
     Vector Omega_d0; /* rad/s, and its derivative, rad/s2 */
     Vector dOmega_d0;
     double given_t; /* s, until which the target is known */

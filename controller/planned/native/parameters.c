@@ -96,6 +96,12 @@ static double left_out(const GaussModel *model, int degree)
     return 1e-9 * sqrt(square);
 }
 
+static bool check_rods(const ControllerPlannedParameters *p, Fault *f)
+{
+    const Vector gains = vector(p->rod_gains0);
+    return norm(gains) > 0.0 || fault(f, "rod_gains0", 0.0, "at least one rod that is not dead");
+}
+
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
     const Named positive[] = {
@@ -109,10 +115,10 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
         {"momentum_weight", p->momentum_weight},
     };
     const Named bounds[] = {{"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max}};
-    const NamedVector field_error = {"field_error", vector(p->field_error)};
+    const NamedVector vectors[] = {{"field_error", vector(p->field_error)}, {"rod_gains0", vector(p->rod_gains0)}};
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
-           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(&field_error, 1, f) && check_choices(p, f) &&
+           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(vectors, COUNT(vectors), f) && check_choices(p, f) && check_rods(p, f) &&
            is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) && check_period(p, f) &&
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&

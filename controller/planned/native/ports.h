@@ -36,6 +36,9 @@ typedef struct {
     /* frame B; Rows: the rods' unit axes u1, u2, u3 that the plan assumes [16]; of unit length to 1e-6,
      * linearly independent */
     double rod_axes[3][3];
+    /* What each rod is known to give of its command before the flight: 1 sound, 0 dead, negative reversed. A
+     * gain of 0 is kept as it is; the others are identified from these values */
+    double rod_gains0[3];
     /* A.m2; Largest dipole of each rod */
     double dipole_max;
     /* frame B; Unit axis of the wheel; of unit length to 1e-6 (normalised on use) */
@@ -86,11 +89,11 @@ typedef struct {
     int32_t field_degree;
     /* T; Deliberate error for tests, added to g10, g11, h11 of the onboard field model */
     double field_error[3];
-    /* 'lvlh': hold LVLH, from r_N and v_N; 'inertial': hold R_d0; 'rate' belongs to the block controller and
-     * is refused here */
+    /* 'lvlh': hold R_d0 relative to LVLH, from r_N and v_N; 'inertial': hold R_d0 in N; 'rate' belongs to the
+     * block controller and is refused here */
     int32_t reference;
-    /* frame N from desired body; Desired attitude for 'inertial'; orthonormal to 1e-3, projected onto SO(3)
-     * */
+    /* frame LVLH or N from desired body; Desired attitude: relative to LVLH for 'lvlh', in N for 'inertial';
+     * orthonormal to 1e-3, projected onto SO(3) */
     double R_d0[3][3];
 } ControllerPlannedParameters;
 

@@ -71,14 +71,19 @@ static inline bool reference_lvlh(Vector r_N, Vector v_N, Reference *reference, 
     return true;
 }
 
-/* At t s after the start: LVLH of r_N and v_N; R_d0 at rest; or R_d0 that turns with Omega_d0. */
+/* At t s after the start: R_d0 relative to LVLH of r_N and v_N; R_d0 at rest; or R_d0 that turns with Omega_d0. */
 static inline bool reference_at(int32_t kind, Matrix R_d0, Vector Omega_d0, double t, Vector r_N, Vector v_N,
                                 Reference *reference, Fault *f)
 {
     const Vector rest = {0.0, 0.0, 0.0};
     switch (kind) {
     case REFERENCE_LVLH:
-        return reference_lvlh(r_N, v_N, reference, f);
+        if (!reference_lvlh(r_N, v_N, reference, f)) {
+            return false;
+        }
+        *reference = (Reference){multiply(reference->R_d, R_d0), apply_transposed(R_d0, reference->Omega_d),
+                                 apply_transposed(R_d0, reference->dOmega_d)};
+        return true;
     case REFERENCE_RATE:
         *reference = (Reference){multiply(R_d0, rotation_exp(scale(t, Omega_d0))), Omega_d0, rest};
         return true;

@@ -14,11 +14,11 @@ enum {
 };
 
 typedef struct {
-    /* 'lvlh': LVLH of r_N and v_N; 'inertial': R_d0; 'rate': from R_d0 at t = 0 with the body rate Omega_d0
-     * [3] */
+    /* 'lvlh': R_d0 relative to LVLH, of r_N and v_N; 'inertial': R_d0 in N; 'rate': from R_d0 at t = 0 with
+     * the body rate Omega_d0 [3] */
     int32_t reference;
-    /* frame N from desired body; Desired attitude at t = 0 for 'inertial' and 'rate'; orthonormal to 1e-3,
-     * projected onto SO(3) */
+    /* frame LVLH or N from desired body; Desired attitude: relative to LVLH for 'lvlh', in N for 'inertial',
+     * in N at t = 0 for 'rate'; orthonormal to 1e-3, projected onto SO(3) */
     double R_d0[3][3];
     /* rad/s; frame desired body; Desired body rate, constant, for 'rate' [3] */
     double Omega_d0[3];

@@ -39,6 +39,16 @@ def test_rods_that_are_sound_are_not_suspected():
         assert np.array_equal(sound["J_estimate_B"], same["J_estimate_B"])
 
 
+def test_gains_that_are_known_before_the_flight_are_no_failure_and_a_dead_rod_stays_dead():
+    for gains in GAINS:
+        truth = Tumbles(3, 1)
+        truth.gains = gains[None].copy()
+        y = flown(truth, rod_gains0=gains)[1][0]
+        assert not y["rod_failed"]
+        assert y["rod_gains_estimate"] == pytest.approx(gains, abs=0.05)
+        assert (np.array(y["rod_gains_estimate"]) == 0.0).tolist() == (gains == 0.0).tolist()
+
+
 def test_failures_are_not_looked_for_where_that_is_not_wanted():
     found = flown(failing(), find_failures=False)[1]
     assert not any(y["rod_failed"] for y in found)

@@ -13,6 +13,7 @@ from .block import AS_MEASURED, KNOWN, SEARCHED, alike, lvlh, near_target, orbit
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
+BESIDE = Rotation.from_rotvec([0.1, 0.2, -0.3]).as_matrix()
 
 
 def rate_of_orbit(t):
@@ -28,6 +29,7 @@ def with_reference(inputs, R_ref, Omega_ref):
 follow_rate = with_reference(tumbling, lambda t: ZEROS, lambda t: np.array([2e-3, -3e-3, 1e-3]))
 no_reference = with_reference(tumbling, lambda t: ZEROS, lambda t: np.zeros(3))
 to_lvlh = with_reference(near_target, lvlh, lambda t: [0.0, -rate_of_orbit(t), 0.0])
+beside_lvlh = with_reference(near_target, lambda t: lvlh(t) @ BESIDE, lambda t: BESIDE.T @ [0.0, -rate_of_orbit(t), 0.0])
 held = with_reference(near_target, lambda t: INERTIAL, lambda t: np.zeros(3))
 
 
@@ -35,7 +37,10 @@ def lost(inputs):
     return lambda t: {**inputs(t), "R_NB": ZEROS}
 
 
-@pytest.mark.parametrize(("by_ports", "parameters"), [(to_lvlh, {}), (held, {"reference": 2, "R_d0": INERTIAL})])
+@pytest.mark.parametrize(
+    ("by_ports", "parameters"),
+    [(to_lvlh, {}), (beside_lvlh, {"R_d0": BESIDE}), (held, {"reference": 2, "R_d0": INERTIAL})],
+)
 def test_a_reference_by_the_ports_is_planned_for_as_the_same_one_by_the_parameter(by_ports, parameters):
     """Of LVLH and of an inertial attitude the ports give the present alone; the horizon has to follow from it."""
     with started(near_target, **parameters, **KNOWN) as by_parameter, started(by_ports, **KNOWN) as it:

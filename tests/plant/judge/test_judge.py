@@ -83,9 +83,11 @@ def test_the_rate_error_to_lvlh_is_the_body_rate_less_the_orbits_rate_in_body_ax
         assert found == pytest.approx(own, abs=1e-16, rel=1e-12)
 
 
-def test_at_rest_in_lvlh_both_errors_are_zero_round_the_orbit(errors):
+@pytest.mark.parametrize("vector", [[0.0, 0.0, 0.0], [0.4, -1.1, 0.7]])
+def test_at_rest_in_lvlh_both_errors_are_zero_round_the_orbit(errors, vector):
+    Q = Rotation.from_rotvec(vector).as_matrix()
     for t in np.linspace(0.0, 2.0 * math.pi / N, 9):
-        attitude, rate = errors({}, 1, R_NB=lvlh(t), omega_B=[0.0, -N, 0.0], **orbit(t))
+        attitude, rate = errors({"R_d0": Q}, 1, R_NB=lvlh(t) @ Q, omega_B=Q.T @ [0.0, -N, 0.0], **orbit(t))
         assert attitude <= 1e-15
         assert np.abs(rate).max() <= 1e-18
 
