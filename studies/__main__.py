@@ -173,7 +173,7 @@ def flight_tune(jobs: int) -> None:
 @main.command()
 @_jobs
 @click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
-@click.option("--page", is_flag=True, help="Write the page from what is flown so far.")
+@click.option("--page", is_flag=True, help="Write the page from docs/satellites.csv, without flying.")
 @click.option(
     "--holds",
     is_flag=True,
@@ -189,7 +189,7 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
             say(line)
         say(f"written: {satellites_flown.write()}")
         return
-    say(f"written: {satellites_flown.publish() if page else satellites_flown.make(cases, jobs)}")
+    say(f"written: {satellites_flown.write() if page else satellites_flown.make(cases, jobs)}")
 
 
 @main.command()
@@ -198,13 +198,13 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
 @click.option(
     "--table", "tables", multiple=True, type=click.Choice(TABLES), help="Fly this table alone; may be repeated."
 )
-@click.option("--page", is_flag=True, help="Write the page from what is flown so far.")
+@click.option("--page", is_flag=True, help="Write the page from docs/failures.csv, without flying.")
 def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None:
     """Fly tumbles with rods, sensors and wheels that fail, and make docs/failures.md; one that was interrupted goes on.
 
     A flight takes about two seconds of a core, one with a stuck wheel 36.
     """
-    say(f"written: {failures_flown.publish() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
+    say(f"written: {failures_flown.write() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
 
 
 def _needs_casadi() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
@@ -32,7 +31,8 @@ def make(cases: int, tables: Collection[str], jobs: int) -> Path:
             rows = flown(row)
             if rows is None or len(rows) < most:
                 hands.fly(row.case(most), RESULTS)
-    return publish()
+    save(ROOT / "docs" / FILE, [(row, found) for row in ROWS if (found := flown(row))])
+    return write()
 
 
 def flown(row: Row) -> Rows | None:
@@ -40,12 +40,8 @@ def flown(row: Row) -> Rows | None:
     return runs_of(row.case(PART), RESULTS)
 
 
-def publish() -> Path:
-    """Writes docs/failures.csv and the page from what these FMUs have flown so far. Raises InputError for nothing."""
-    rows = [(row, found) for row in ROWS if (found := flown(row))]
-    if not rows:
-        raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies failures")
-    save(ROOT / "docs" / FILE, rows)
+def write() -> Path:
+    """Writes the page from docs/failures.csv."""
     target = ROOT / "docs" / "failures.md"
     target.write_text(page.text(load(ROOT / "docs" / FILE)), "utf-8")
     return target

@@ -162,7 +162,9 @@ TRIED = (
     Tried(
         "rod 1 known",
         "rod 1 gives nothing, known before the flight (`rod_gains0`)",
-        lambda data: change(_fail({"at": 0.0, "cut": "plant.dipole_cmd[1]"})(data) or data, {"controller.rod_gains0": [0, 1, 1]}),
+        lambda data: change(
+            _fail({"at": 0.0, "cut": "plant.dipole_cmd[1]"})(data) or data, {"controller.rod_gains0": [0, 1, 1]}
+        ),
     ),
     Tried("wheel stuck", "the wheel does not turn, not known", _start(plant__wheel_torque_max=0.0)),
     Tried("no u_applied", "`u_applied` not connected", _lost("controller.u_applied")),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from orchestration import InputError
 from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
@@ -34,21 +33,13 @@ def make(cases: int, jobs: int) -> Path:
             rows = flown(satellite, condition)
             if rows is None or len(rows) < most:
                 hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
-    return publish()
+    save(ROOT / "docs" / FILE, {(s, c): found for s in ALL for c in CONDITIONS if (found := flown(s, c))})
+    return write()
 
 
 def flown(satellite: str, condition: str) -> Rows | None:
     """What these FMUs have flown so far; None where they have not begun."""
     return runs_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
-
-
-def publish() -> Path:
-    """Writes docs/satellites.csv and the page from what these FMUs have flown so far. Raises InputError for nothing."""
-    rows = {(s, c): found for s in ALL for c in CONDITIONS if (found := flown(s, c))}
-    if not rows:
-        raise InputError(f"{RESULTS}: no flights of these FMUs; remedy: python -m studies satellites")
-    save(ROOT / "docs" / FILE, rows)
-    return write()
 
 
 def write() -> Path:

@@ -72,7 +72,7 @@ def desired(p, t, r, v):
     w = cross(r, v) / (r @ r)
     x, z = cross(w, r), -r
     columns = [x / np.linalg.norm(x), cross(z, x) / np.linalg.norm(cross(z, x)), z / np.linalg.norm(z)]
-    return Rotation.from_matrix(np.column_stack(columns)), w
+    return Rotation.from_matrix(np.column_stack(columns)) * R_D0, w
 
 
 def block_inputs(y, p, t):

@@ -178,7 +178,7 @@ typedef struct {
     double rod_gain_estimate;
     /* The same of each rod */
     double rod_gains_estimate[3];
-    /* A rod is dead, weak or reversed: its gain is more than 0.4 from 1, and known to 0.15 */
+    /* A rod is dead, weak or reversed: its gain is more than 0.4 from rod_gains0, and known to 0.15 */
     bool rod_failed;
     /* The rod that has failed, 1 to 3; of several the one whose gain is farthest from 1; 0: none */
     int32_t failed_rod;

@@ -309,6 +309,7 @@ def test_what_is_no_number_is_refused_where_it_comes_in(name, value):
         ({"L0": np.diag([0.1, -0.1, 0.1])}, r"L0: expected a positive definite matrix"),
         ({"rod_axes": np.eye(3) * 0.99}, r"rod_axes: expected rows of unit length, to 1e-06, found 0.99"),
         ({"rod_axes": [[1, 0, 0], [0, 1, 0], [0.6, 0.8, 0]]}, r"rod_axes: expected linearly independent axes"),
+        ({"rod_gains0": np.zeros(3)}, r"rod_gains0: expected at least one rod that is not dead, found 0"),
         ({"R_d0": np.diag([1.0, 1.0, 0.9])}, r"R_d0: expected a rotation matrix"),
     ],
 )

@@ -29,7 +29,9 @@ def with_reference(inputs, R_ref, Omega_ref):
 follow_rate = with_reference(tumbling, lambda t: ZEROS, lambda t: np.array([2e-3, -3e-3, 1e-3]))
 no_reference = with_reference(tumbling, lambda t: ZEROS, lambda t: np.zeros(3))
 to_lvlh = with_reference(near_target, lvlh, lambda t: [0.0, -rate_of_orbit(t), 0.0])
-beside_lvlh = with_reference(near_target, lambda t: lvlh(t) @ BESIDE, lambda t: BESIDE.T @ [0.0, -rate_of_orbit(t), 0.0])
+beside_lvlh = with_reference(
+    near_target, lambda t: lvlh(t) @ BESIDE, lambda t: BESIDE.T @ [0.0, -rate_of_orbit(t), 0.0]
+)
 held = with_reference(near_target, lambda t: INERTIAL, lambda t: np.zeros(3))
 
 

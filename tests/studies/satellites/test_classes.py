@@ -75,6 +75,7 @@ def test_a_part_that_a_satellite_has_flown_already_is_not_flown_again(monkeypatc
     hands = SimpleNamespace(fly=lambda case, _: wanted.append(case.runs))
     monkeypatch.setattr(make, "crew", lambda _: nullcontext(hands))
     monkeypatch.setattr(make, "flown", lambda *_: range(15))
-    monkeypatch.setattr(make, "publish", lambda: None)
+    monkeypatch.setattr(make, "save", lambda *_: None)
+    monkeypatch.setattr(make, "write", lambda: None)
     make.make(22, 1)
     assert set(wanted) == {20, 22}
