@@ -8,12 +8,7 @@
 
 /* The target: none, one that the parameter `reference` names (1 and 2 are its values), or a given one, which keeps its
  * attitude to LVLH, too, or its body rate. */
-enum {
-    ONBOARD_TARGET_NONE = 0,
-    ONBOARD_TARGET_LVLH = 1,
-    ONBOARD_TARGET_INERTIAL = 2,
-    ONBOARD_TARGET_TURNING = 3
-};
+enum { ONBOARD_TARGET_NONE = 0, ONBOARD_TARGET_LVLH = 1, ONBOARD_TARGET_INERTIAL = 2, ONBOARD_TARGET_TURNING = 3 };
 
 /* The desired motion: attitude (N from desired body), rate in desired body axes. */
 typedef struct {

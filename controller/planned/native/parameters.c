@@ -118,8 +118,8 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
     const NamedVector vectors[] = {{"field_error", vector(p->field_error)}, {"rod_gains0", vector(p->rod_gains0)}};
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
-           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(vectors, COUNT(vectors), f) && check_choices(p, f) && check_rods(p, f) &&
-           is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) && check_period(p, f) &&
+           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(vectors, COUNT(vectors), f) && check_choices(p, f) &&
+           check_rods(p, f) && is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) && check_period(p, f) &&
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&
            is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f) &&
