@@ -26,7 +26,8 @@ ACROSS = (1.0 - np.eye(3)).tolist()
 
 @dataclass(frozen=True)
 class Satellite:
-    """moments (3,) kg m2, A m2, N m, N m s, width and length in m, the wheel's axis (3,), and the largest rate drawn, deg/s."""
+    """moments (3,) kg m2, A m2, N m, N m s, width and length in m, the wheel's axis (3,), the largest rate drawn, deg/s, and the body
+    axis along the length."""
 
     moments: tuple[float, float, float]
     dipole_max: float
@@ -36,6 +37,7 @@ class Satellite:
     rod_axes: list[list[float]]
     wheel_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
     rate_max: float = 6.0
+    axis: str = "z"
 
     @property
     def has_wheel(self) -> bool:
@@ -71,7 +73,7 @@ CLASSES = {
     "3U": _of((4.0, 0.1, 0.1, 0.34), 0.3, 3e-4, 2e-3),
     "6U": _of((10.0, 0.1, 0.23, 0.34), 0.5, 1e-3, 1e-2),
     "12U": _of((20.0, 0.23, 0.23, 0.34), 1.0, 2e-3, 2e-2),
-    "50 kg": Satellite(INERTIA, 25.0, 3e-3, 3e-2, (0.5, 0.6), PAPER_RODS),
+    "50 kg": Satellite(INERTIA, 25.0, 3e-3, 3e-2, (0.5, 0.6), PAPER_RODS, axis="x"),
     "150 kg": _of((150.0, 0.6, 0.6, 0.9), 40.0, 1.5e-2, 0.4),
     "500 kg": _of((500.0, 1.0, 1.0, 1.5), 100.0, 4e-2, 4.0),
     "50 kg, flat": _of((50.0, 1.2, 1.2, 0.2), 25.0, 3e-3, 3e-2),
@@ -108,7 +110,7 @@ def tumbles(name: str, runs: int, errors: bool = False) -> Group:
         "wheel_axis": list(it.wheel_axis),
         "rod_axes": it.rod_axes,
     }
-    change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1]})
+    change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1], "plant.body_axis": it.axis})
     if not errors:
         change(data, NO_ERRORS)
     drawn = {
