@@ -16,8 +16,10 @@ from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
 from ..acceptance.vector import record, scenario_of
+from ..campaign.drawing.expression import Expression
 from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
+from ..quantities import QuantityError, parse
 from ..results.place import put
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
@@ -108,10 +110,40 @@ def command(
     say(f"  orchestrate check {block}.fmu --as {block} --vector vector")
 
 
+def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:
+    """The values that follow from given ones. Raises InputError for one that is no number."""
+    values = {}
+    for name, entry in found.values.items():
+        if "expression" not in entry:
+            continue
+        expression = Expression(entry["expression"], found.values, list(found.values))
+        needed = expression.uses & found.values.keys()
+        if needed <= given.keys():
+            numbers = {used: _number(used, given[used]) for used in needed}
+            try:
+                values[name] = f"{expression.value(numbers):.7g} {entry['unit']}"
+            except QuantityError:
+                used = ", ".join(f"--set {used}={given[used]}" for used in sorted(needed))
+                raise InputError(
+                    f"{used}: the value of {name} cannot be computed from it; it is {entry['what']}"
+                ) from None
+    return values
+
+
+def _number(name: str, value: Any) -> float:
+    """In SI units."""
+    try:
+        number, unit = parse(str(value))
+    except QuantityError as error:
+        raise InputError(f"--set {name}: {error}") from None
+    return number if unit is None else number * unit.factor + unit.offset
+
+
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
     if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
         given = {"name": own, **given}
+    given = {**_computed(found, given), **given}
     files = {folder / name: text for name, text in found.filled(given).items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")

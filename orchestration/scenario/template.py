@@ -27,7 +27,7 @@ class Template:
     flown: str
     """The file that is a whole scenario."""
     values: dict[str, dict[str, Any]]
-    """By name: what it is, and a default or an example."""
+    """By name: what it is, and a default, an example, or an expression of others with its unit."""
 
     def filled(self, given: Mapping[str, Any]) -> dict[str, str]:
         """The texts of the files by their names, each @NAME@ as YAML. Raises InputError for a value that is unknown or missing."""
@@ -35,7 +35,7 @@ class Template:
             if name not in self.values:
                 known = hint(name, self.values) or f"; expected one of {', '.join(self.values)}"
                 raise InputError(f"--set {name}: {self.folder.name} has no such value{known}")
-        if missing := [name for name in self.values if name not in given and "default" not in self.values[name]]:
+        if missing := [name for name in self.values if name not in given and "example" in self.values[name]]:
             lines = [
                 f'  --set "{name}={self.values[name]["example"]}"   {self.values[name]["what"]}' for name in missing
             ]

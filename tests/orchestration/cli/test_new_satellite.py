@@ -20,6 +20,7 @@ GIVEN = {
     "inclination": "97.4 deg",
     "body_width": "10 cm",
     "body_length": "34 cm",
+    "body_axis": "z",
 }
 
 
@@ -46,10 +47,22 @@ def test_a_satellite_is_called_as_its_folder(tmp_path, folder, name):
     assert orchestration.load(tmp_path / folder / "tumble.yaml").name == name
 
 
+@pytest.mark.parametrize(("radius", "period"), [("6878 km", 5676.8), (7578e3, 6565.1)])
+def test_the_period_is_that_of_the_orbit(tmp_path, radius, period):
+    """Of Kepler's third law, by hand with mu = 398600.4418 km3/s2."""
+    made(tmp_path / "cube", orbit_radius=radius)
+    assert orchestration.load(tmp_path / "cube" / "tumble.yaml").cycle.period == pytest.approx(period, abs=0.1)
+
+
+def test_the_drag_body_lies_along_the_axis_that_is_given(tmp_path):
+    made(tmp_path / "cube")
+    assert "body_axis: z\n" in (tmp_path / "cube" / "satellite.yaml").read_text()
+
+
 def test_without_its_values_it_says_which_it_needs(tmp_path):
     result = orchestrate("new", "satellite", str(tmp_path))
     assert result.exit_code == 2
-    needed = [name for name, entry in template.read("satellite").values.items() if "default" not in entry]
+    needed = [name for name, entry in template.read("satellite").values.items() if "example" in entry]
     assert needed
     for name in needed:
         assert f'  --set "{name}=' in result.stderr
@@ -90,6 +103,9 @@ def test_files_that_are_there_are_kept(tmp_path):
         ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: plant refuses it: expected"),
         ({"wheel_axis": [1, 1, 0]}, "wheel_axis: plant refuses it: expected"),
         ({"name": "../cube"}, "name: "),
+        ({"body_axis": "up"}, "--set body_axis: shared.body_axis: expected one of"),
+        ({"orbit_radius": "68r78 km"}, "--set orbit_radius: unknown unit 'r78 km'"),
+        ({"orbit_radius": "-5 km"}, "--set orbit_radius=-5 km: the value of period cannot be computed from it"),
         (
             {"step": "0.04 s"},
             "--set control_period: blocks.controller.start.control_period: expected a multiple of the step",
