@@ -58,6 +58,19 @@ def test_a_path_in_a_page_exists(page):
         assert "a_b" in path or list(ROOT.glob(path.rstrip("/"))), path
 
 
+def test_every_page_can_be_reached_from_the_index():
+    def linked(page):
+        links = re.findall(r"\]\(([^)#:\s]+\.md)", page.read_text("utf-8"))
+        return {(page.parent / link).resolve() for link in links}
+
+    docs = ROOT / "docs"
+    listed = linked(docs / "README.md")
+    assert set(docs.glob("*.md")) - {docs / "README.md"} <= listed
+    assert set((docs / "decisions").glob("0*.md")) <= linked(docs / "decisions" / "README.md")
+    assert docs / "decisions" / "README.md" in listed
+    assert docs / "README.md" in linked(ROOT / "README.md")
+
+
 @pytest.mark.parametrize("script", [frames, packages])
 def test_a_drawing_is_what_its_script_makes(script):
     assert script.TARGET.read_text("utf-8") == script.drawing(), f"python -m {script.__name__}"
