@@ -28,15 +28,23 @@ def index_html(interface: Interface, host: str) -> bytes:
         f"<title>{escape(interface.name)}</title>\n<style>{STYLE.read_text('utf-8')}{_OWN}</style></head>",
         "<body>\n<main>\n<img class='icon' src='icon.svg' alt=''>",
         f"<h1>{escape(interface.name)}</h1>",
+        content(interface, host, "licenses/license.txt"),
+    ]
+    return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
+
+
+def content(interface: Interface, host: str, licence: str) -> str:
+    """What the page has below its heading, for the documentation site too. `licence`: the link to it."""
+    parts = [
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
         "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
         "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of itself "
-        "beyond it is refused. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
-        f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>",
+        f"beyond it is refused. Licence: <a href='{licence}'>BSD-3-Clause</a>.</p>",
     ]
     if cited := citations(interface):
         parts.append(f"<p>{escape(cited)}</p>")
+    parts.append(f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>")
     parts.append(f"<h2>Frames</h2>\n{_DRAWING.read_text('utf-8')}<p>{escape(_FRAMES)}</p>")
     if interface.equations:
         rows = [[f"<code>{escape(formula)}</code>", escape(meaning)] for formula, meaning in interface.equations]
@@ -56,7 +64,7 @@ def index_html(interface: Interface, host: str) -> bytes:
         variables = [v for v in interface.variables.values() if v.causality == causality]
         if variables:
             parts.append(f"<h2>{heading}</h2>\n{_table(variables, causality)}")
-    return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
+    return "\n".join(parts)
 
 
 def _table(variables: list[Variable], causality: str) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import textwrap
-import textwrap
 from pathlib import Path
 
 from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text, package_of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import escape
 
 import markdown  # type: ignore[import-untyped]
 import pytest
@@ -11,6 +12,7 @@ from docs.site import __main__ as site
 from docs.site import frames, packages
 from docs.site.links import check
 from docs.site.pages import with_mathml
+from fmus.interface import BLOCKS, load
 
 from .commands import PAGES, ROOT
 
@@ -20,6 +22,10 @@ def test_the_site_builds_with_equations_and_without_a_dead_link():
     assert site.build(with_gallery=False) == []
     html = site.OUT / "html"
     assert "<math" in (html / "docs" / "frames.html").read_text("utf-8")
+    for block in BLOCKS:
+        page = (html / "docs" / "blocks" / f"{block}.html").read_text("utf-8")
+        assert all(escape(equation) in page for equation, _ in load(block).equations)
+        assert 'id="inputs"' in page
     assert "iframe-worker.js" in (html / "index.html").read_text("utf-8")
 
 
