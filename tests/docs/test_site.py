@@ -42,7 +42,7 @@ def test_a_dead_link_a_missing_heading_and_a_script_from_the_network_are_found(t
 def test_equations_become_mathml_and_code_stays():
     text = with_mathml("`a $b$`, $x_1$\n```\n$y$\n```\n$$\\hat x$$")
     assert text.startswith("`a $b$`, <span><math")
-    assert "```\n$y$\n```\n<div class=\"equation\"><math" in text
+    assert '```\n$y$\n```\n<div class="equation"><math' in text
 
 
 def test_an_equation_at_the_beginning_of_a_line_stays_in_its_paragraph():
