@@ -104,7 +104,7 @@ references: $(VENV)/test
 	done
 
 # The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
-site: $(VENV)/test
+site: $(VENV)/docs
 	$(BIN)/python -m docs.site
 
 clean:
@@ -115,6 +115,10 @@ $(VENV)/run: pyproject.toml
 	@echo "installing into $(VENV): about a minute"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --disable-pip-version-check --editable '.[build]'
+	@touch $@
+
+$(VENV)/docs: $(VENV)/run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/run

@@ -26,7 +26,7 @@ def check(p: Parameters) -> None:
     smallest, middle, largest = np.linalg.eigvalsh(p.J_B).tolist()
     if largest > (smallest + middle) * (1.0 + 1e-9):
         raise ValueError(
-            f"J_B: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"J_B: expected the inertia of a body, each principal moment at most the sum of the other two, "
             f"found principal moments {smallest:g}, {middle:g}, {largest:g} kg m2"
         )
     _check_positive_definite("L0", p.L0)

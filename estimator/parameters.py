@@ -121,6 +121,6 @@ def _check_inertia(J: Array) -> None:
     moments = np.linalg.eigvalsh(J)
     if not (moments[0] > 0.0 and 2.0 * moments[2] <= moments.sum() + 1e-9 * moments[2]):
         raise ValueError(
-            f"J_B: expected the inertia of a body, each principal moment above 0 and at most the sum of the others, "
+            f"J_B: expected the inertia of a body, each principal moment above 0 and at most the sum of the other two, "
             f"found moments {moments.tolist()}"
         )

@@ -6,6 +6,7 @@ what `load` returns. parsing.py describes the file.
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -25,7 +26,7 @@ __all__ = [
     "InterfaceError",
     "Variable",
 ]
-__all__ += ["element_name", "load", "optional_text", "package_of", "parse"]
+__all__ += ["citations", "cites", "element_name", "load", "optional_text", "package_of", "parse"]
 
 BLOCKS = (
     *("plant", "controller", "allocator", "allocator_bounded"),
@@ -36,6 +37,24 @@ LOOP = ("plant", "controller", "allocator")
 """Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
+
+SOURCE = (
+    "Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
+    "Orbit (AIAA 2009-5902)."
+)
+"""What a page says that shows citations such as [8]."""
+
+
+def cites(text: str) -> bool:
+    """Whether a text cites equations by their numbers in brackets; `omega_B[1]` is none."""
+    return re.search(r"(?<![\w\]])\[\d+\]", text) is not None
+
+
+def citations(interface: Interface) -> str:
+    """SOURCE for an interface whose texts cite the paper; else nothing."""
+    texts = [interface.description, *interface.limits, *(text for pair in interface.equations for text in pair)]
+    texts += [v.description for v in (*interface.variables.values(), *interface.helpers.values())]
+    return SOURCE if any(map(cites, texts)) else ""
 
 
 def optional_text(variable: Variable) -> str:

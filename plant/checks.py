@@ -150,6 +150,6 @@ def _check_inertia(name: str, J: Array) -> None:
         )
     if moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-9):
         raise ValueError(
-            f"{name}: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"{name}: expected the inertia of a body, each principal moment at most the sum of the other two, "
             f"found principal moments {moments.tolist()} kg.m2"
         )

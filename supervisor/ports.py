@@ -188,6 +188,6 @@ def _inertia(J: Array) -> None:
         raise ValueError(f"J_B: expected a positive definite matrix, found its least eigenvalue {smallest:g}")
     if largest > (smallest + middle) * (1.0 + 1e-9):
         raise ValueError(
-            f"J_B: expected the inertia of a body, each principal moment at most the sum of the others, "
+            f"J_B: expected the inertia of a body, each principal moment at most the sum of the other two, "
             f"found principal moments {smallest:g}, {middle:g}, {largest:g} kg m2"
         )

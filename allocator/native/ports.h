@@ -1,4 +1,6 @@
 /* Wheel torque along the field, least-norm dipoles across it; all commands are held near saturation [14]-[24].
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/allocator.toml by python -m fmus.native; do not edit. */
 #ifndef ALLOCATOR_PORTS_H
 #define ALLOCATOR_PORTS_H

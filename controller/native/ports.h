@@ -1,4 +1,6 @@
 /* Almost-global attitude tracking on SO(3) with gains that follow the errors [8]-[10].
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/controller.toml by python -m fmus.native; do not edit. */
 #ifndef CONTROLLER_PORTS_H
 #define CONTROLLER_PORTS_H

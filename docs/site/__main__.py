@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from docs.site import gallery, links, live, pages
+from docs.site import blocks, gallery, links, live, pages
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "site"
@@ -21,6 +21,7 @@ SHIM = "https://unpkg.com/iframe-worker/shim"
 def build(with_gallery: bool = True) -> list[str]:
     """Builds the site and returns what is wrong with its links. Without the gallery and the live pages nothing is flown."""
     pages.gather(OUT / "pages")
+    blocks.add(OUT / "pages")
     (OUT / "pages" / "docs" / "gallery.md").write_text(gallery.page(OUT) if with_gallery else gallery.HEAD, "utf-8")
     if with_gallery:
         live.add(OUT / "pages")

@@ -110,7 +110,7 @@ def body() -> list[str]:
     parts.append(_text(np.add(view.at(0.8 * e[2]), (10.0, 0.0)), "u3", GREEN, anchor="start"))  # type: ignore[arg-type]
     parts += [
         _text((640.0, 30.0), "Frame B (body), wheel axis, rod axes", size=16),
-        _text((640.0, 405.0), "X_B: wheel axis and axis of the octagonal cylinder", BLUE, 12),
+        _text((640.0, 405.0), "X_B: default wheel axis, and axis of the octagonal cylinder", BLUE, 12),
         _text((640.0, 423.0), "u1, u2, u3: default axes of the rods; u3 is along Z_B", GREEN, 12),
     ]
     return parts

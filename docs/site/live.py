@@ -13,7 +13,7 @@ SHOWN = {"paper_no_singularity": "The paper's manoeuvre V.B", "flight_tumble": "
 # A page is loaded when its tab is shown.
 _TAB = """=== "{about}"
 
-    <iframe src="docs/live/{name}.html" title="Live page: {about}" width="100%" height="860" loading="lazy" style="border: 0"></iframe>
+    <iframe src="docs/live/{name}.html" title="Live page: {about}" class="live" loading="lazy"></iframe>
 
     [In a page of its own](docs/live/{name}.html)
 """

@@ -58,7 +58,8 @@ def with_mathml(text: str) -> str:
         if code:
             return str(code)
         if displayed:
-            return convert(displayed.strip(), display="block")
+            # A <math> does not scroll by itself where it is wider than the page.
+            return f'<div class="equation">{convert(displayed.strip(), display="block")}</div>'
         # Markdown takes <math> at the beginning of a line for a block; <span> is never one.
         return f"<span>{convert(inline.strip(), display='inline')}</span>"
 

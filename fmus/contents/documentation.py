@@ -5,19 +5,16 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from ..interface import Interface, Variable, optional_text
+from ..interface import Interface, Variable, citations, optional_text
 
 STYLE = Path(__file__).with_name("page.css")
 """The style that the pages of FMUs, runs, comparisons and campaigns share."""
 _OWN = "svg{display:block;max-width:860px;width:100%;background:#fff;color:#1b1f24;border-radius:.4rem}.icon{width:6rem;background:#fff;border-radius:.4rem}"
-_SOURCE = (
-    "Numbers in brackets are those of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
-    "Orbit (AIAA 2009-5902). e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
-)
+_SYMBOLS = "e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
 _DRAWING = Path(__file__).with_name("frames.svg")
 _FRAMES = (
     "N is the inertial frame: mean equator and equinox of date, with the Earth turned by GMST (not GCRS). "
-    "L (LVLH) has Z to nadir and Y against the orbital angular momentum. B is the body frame; the wheel spins about e1, its X axis. "
+    "L (LVLH) has Z to nadir and Y against the orbital angular momentum. B is the body frame; the wheel spins about wheel_axis, by default e1, its X axis. "
     "'rods' means components along the rod axes u1, u2, u3. 'N from B' maps components in B to components in N: x_N = R_NB x_B."
 )
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
@@ -31,18 +28,28 @@ def index_html(interface: Interface, host: str) -> bytes:
         f"<title>{escape(interface.name)}</title>\n<style>{STYLE.read_text('utf-8')}{_OWN}</style></head>",
         "<body>\n<main>\n<img class='icon' src='icon.svg' alt=''>",
         f"<h1>{escape(interface.name)}</h1>",
+        content(interface, host, "licenses/license.txt"),
+    ]
+    return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
+
+
+def content(interface: Interface, host: str, licence: str) -> str:
+    """What the page has below its heading, for the documentation site too. `licence`: the link to it."""
+    parts = [
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
         "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
         "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of itself "
-        "beyond it is refused. Licence: <a href='licenses/license.txt'>BSD-3-Clause</a>.</p>",
-        f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>",
+        f"beyond it is refused. Licence: <a href='{licence}'>BSD-3-Clause</a>.</p>",
     ]
+    if cited := citations(interface):
+        parts.append(f"<p>{escape(cited)}</p>")
+    parts.append(f"<h2>What a host needs</h2>\n<p>{escape(host)}</p>")
     parts.append(f"<h2>Frames</h2>\n{_DRAWING.read_text('utf-8')}<p>{escape(_FRAMES)}</p>")
     if interface.equations:
         rows = [[f"<code>{escape(formula)}</code>", escape(meaning)] for formula, meaning in interface.equations]
         parts.append(f"<h2>Equations</h2>\n{_cards(['Equation', 'Meaning'], rows)}")
-        parts.append(f"<p>{_SOURCE}</p>")
+        parts.append(f"<p>{escape(_SYMBOLS)}</p>")
     if interface.limits:
         items = "\n".join(f"<li>{escape(limit)}</li>" for limit in interface.limits)
         parts.append(f"<h2>Limits</h2>\n<ul>\n{items}\n</ul>")
@@ -57,7 +64,7 @@ def index_html(interface: Interface, host: str) -> bytes:
         variables = [v for v in interface.variables.values() if v.causality == causality]
         if variables:
             parts.append(f"<h2>{heading}</h2>\n{_table(variables, causality)}")
-    return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
+    return "\n".join(parts)
 
 
 def _table(variables: list[Variable], causality: str) -> str:

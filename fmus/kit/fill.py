@@ -9,18 +9,21 @@ import textwrap
 from pathlib import Path
 
 from .. import places
-from ..interface import Interface, Variable, optional_text
+from ..interface import Interface, Variable, citations, optional_text
 from ..native.generate import camel_case
 
 
 def filled(template: str, interface: Interface, **more: str) -> str:
     """The text of a file beside this one, with each @key@ replaced by what it stands for."""
     text = Path(__file__).with_name(template).read_text("utf-8")
+    cited = textwrap.wrap(citations(interface), 110)
     values = {
         "name": interface.name,
         "NAME": interface.name.upper(),
         "title": camel_case(interface.name),
         "description": interface.description,
+        "cited": "".join(f"\n{line}" for line in cited) + "\n" * bool(cited),
+        "cited_c": "".join(f" * {line}\n" for line in cited),
         "fmus": places.NAME,
         "members": "\n".join(f"     *   y->{v.name}{_index(v)}{_unit(v)}" for v in interface.of("output")),
         "parameters": _fields(interface.of("parameter")),

@@ -11,7 +11,7 @@ import itertools
 import textwrap
 from pathlib import Path
 
-from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, optional_text, package_of
+from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text, package_of
 
 ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 128
@@ -35,9 +35,11 @@ def ports_header(interface: Interface) -> str:
     """A C header with the block's parameters, inputs and outputs as structures and its enumerations."""
     name = interface.name
     optional = [v for v in interface.of("input") if v.optional]
+    cited = "".join(f" * {line}\n" for line in textwrap.wrap(citations(interface), 110))
     math_h = "#include <math.h>\n" if optional else ""
     parts = [
-        f"/* {interface.description}.\n * Generated from fmus/interfaces/{name}.toml by python -m fmus.native; do not edit. */",
+        f"/* {interface.description}.\n{cited}"
+        f" * Generated from fmus/interfaces/{name}.toml by python -m fmus.native; do not edit. */",
         f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
         f"{math_h}#include <stdbool.h>\n#include <stdint.h>\n",
     ]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fmus.interface import ABSENT, ABSENT_INTEGER, load
+from fmus.interface import ABSENT, ABSENT_INTEGER, citations, load
 
 from ..errors import InputError, hint
 from ..fmu import zipped
@@ -49,6 +49,7 @@ def facts(name: str, lenient: bool = False) -> dict[str, Any]:
         "experiment": {"start": 0.0, "stop": declared.stop, "step": declared.step},
         "equations": [{"equation": equation, "meaning": meaning} for equation, meaning in declared.equations],
         "limits": list(declared.limits),
+        "citations": citations(declared),
         "variables": [
             {**_variable(v, interface.starts), **({"causality": HELPER} if v.name in helpers(name) else {})}
             for v in variables

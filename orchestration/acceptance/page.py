@@ -7,6 +7,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from fmus.interface import SOURCE, cites
+
 from ..errors import writing
 from ..quantities import ONE, with_unit
 from ..results.html import Page, each, items, joined, part, pieces, rows, verdict
@@ -58,8 +60,10 @@ def page(comparison: Comparison) -> str:
 def _open_loop(comparison: Comparison, made: Page) -> Markup:
     table = [[verdict(status), *cells] for status, cells in rows_of_differences(comparison)]
     compared = [difference for difference in comparison.differences if difference.largest is not None]
+    variables = comparison.ours.models[comparison.block].variables
+    cited = [SOURCE] if any(cites(variables[difference.output].description) for difference in compared) else []
     return pieces(_TEMPLATE)["open_loop"].format(
-        meaning=each(Markup("<p>{}</p>\n"), meaning(comparison)),
+        meaning=each(Markup("<p>{}</p>\n"), [*meaning(comparison), *cited]),
         head=each(Markup('<th scope="col">{}</th>'), DIFFERENCES),
         differences=rows(table, ("status", *DIFFERENCES)),
         hint=pieces("pieces.html")["hint"] if compared else "",

@@ -137,6 +137,10 @@ def play(fmu: Path, fitted: Fit, interface: str, folder: Path, tolerance: float)
             text = f"{name}: differs by at most {largest:.3g}{shown_unit}, {largest / peak:.2g} of its largest value"
             text += f", at {time[played.rows[row]]:.10g} s"
         within = largest <= max(tolerance * peak, ROUNDING)
-        remedy = "" if within else "look at the units and signs first, then at --tolerance"
+        remedy = (
+            ""
+            if within
+            else "with the same equations: look at the units and signs, then at --tolerance; others give other outputs"
+        )
         findings.append(Finding("ok" if within else "error", "vector", text, remedy))
     return findings

@@ -118,7 +118,11 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
     counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}
     counted = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
     say()
-    if counts["error"]:
+    if counts["error"] and all(finding.topic == "vector" for finding in _errors(findings)):
+        say(f"the ports fit, the outputs are not those of the vector: {counted}", fg="red", bold=True)
+        swap = f"orchestrate SCENARIO --swap BLOCK={shown(fmu)}" + (f" --map {shown(map_)}" if map_ else "")
+        say(folded(f"A block with equations of its own gives other outputs; a run judges it: {swap}"))
+    elif counts["error"]:
         say(f"does not fit: {counted}", fg="red", bold=True)
     else:
         say("fits" + (f": {counted}" if counted else ""), fg="green", bold=True)

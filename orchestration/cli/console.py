@@ -94,17 +94,16 @@ def is_quiet() -> bool:
 
 
 class _Builds(logging.Handler):
-    """Prints which FMU is being built, but for a command with --quiet."""
+    """Prints which FMU is being built, but for a command with --quiet or --json."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        if not is_quiet():
+        context = click.get_current_context(silent=True)
+        if not is_quiet() and not (context and context.params.get("json_")):
             say(record.getMessage(), error=True)
 
 
 def tell_builds(context: click.Context) -> None:
-    """Prints on a terminal, until the command ends, which FMU is being built, since that takes seconds."""
-    if not is_terminal(sys.stderr):
-        return
+    """Prints on standard error, until the command ends, which FMU is being built, since that takes seconds."""
     log, handler = logging.getLogger("attitude_cosim.build"), _Builds()
     log.setLevel(logging.INFO)
     log.addHandler(handler)

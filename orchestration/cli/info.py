@@ -1,4 +1,4 @@
-"""`orchestrate info`: what a block or an FMU is: its ports and parameters, their units, defaults, ranges and frames."""
+"""`orchestrate info`: what a block or an FMU is: its equations, its ports and parameters, their units, defaults, ranges and frames."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class _BlockOrFile(click.ParamType):
 @click.option("--lenient", is_flag=True, help="Show an FMU whose description is not valid as far as it can be read.")
 @click.option("--json", "json_", is_flag=True, help="Print all of it as JSON.")
 def command(block: str, names: tuple[str, ...], lenient: bool, json_: bool) -> None:
-    """Show a block's ports and parameters: units, defaults, ranges.
+    """Show a block's equations, ports and parameters: units, defaults, ranges.
 
     BLOCK is one of the project's own, or the path of an FMU. NAMEs show these variables only; '*' stands for any text.
     Nothing of the FMU is run.
@@ -62,6 +62,7 @@ def command(block: str, names: tuple[str, ...], lenient: bool, json_: bool) -> N
         return
     if not names:
         _head(data)
+        _equations(data)
     for causality, title in _TABLES.items():
         if rows := [entry for entry in data["variables"] if entry["causality"] == causality]:
             _table(title, rows)
@@ -103,6 +104,21 @@ def _head(data: dict[str, Any]) -> None:
         say(line)
     for problem in data.get("not_valid", ()):
         say(folded(f"not valid: {problem}"), fg="yellow")
+
+
+def _equations(data: dict[str, Any]) -> None:
+    """Equations and limits of a block, and what its numbers in brackets are; an FMU states none."""
+    if equations := data.get("equations"):
+        say("\nEquations", bold=True)
+        for entry in equations:
+            say(folded(entry["equation"]))
+            say(folded(entry["meaning"], "    "), dim=True)
+    if limits := data.get("limits"):
+        say("\nLimits", bold=True)
+        for limit in limits:
+            say(folded(f"- {limit}"))
+    if cited := data.get("citations"):
+        say(f"\n{folded(cited)}")
 
 
 def _table(title: str, entries: Sequence[dict[str, Any]]) -> None:

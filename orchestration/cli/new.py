@@ -15,7 +15,7 @@ from fmus.interface import BLOCKS, load
 from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
-from ..acceptance.vector import record, scenario_of
+from ..acceptance.vector import name_of, record, scenario_of
 from ..campaign.drawing.expression import Expression
 from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
@@ -101,13 +101,21 @@ def command(
         say(f"\n  cd {there}")
         say("  make vector" if lang == "c" else f"  python bench.py vector run {block}_device.py")
         say(f"  {'build/device' if lang == 'c' else f'python {block}_device.py'} udp 5020 &")
-        say(f"  orchestrate check {block}_link.fmu --as {block} --vector vector")
+        _two_ways(f"{block}_link.fmu", block, run, [])
         return
     build = "make" if lang == "c" else "python build.py"
     say(f"\n  cd {there} && {build}")
-    if lang == "c":
-        say("  make vector")
-    say(f"  orchestrate check {block}.fmu --as {block} --vector vector")
+    say(f"  orchestrate check {block}.fmu --as {block}")
+    _two_ways(f"{block}.fmu", block, run, ["make vector"] if lang == "c" else [])
+
+
+def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
+    """How to judge the block: only one with our equations can give the outputs of the vector."""
+    say("\nWith the same equations as ours, compare it with the test vector:")
+    for command in (*more, f"orchestrate check {fmu} --as {block} --vector vector"):
+        say(f"  {command}")
+    say("With equations of your own, fly it in the loop:")
+    say(f"  orchestrate {shlex.quote(str(run.resolve()))} --swap {name_of(load_scenario(run), block)}={fmu}")
 
 
 def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:

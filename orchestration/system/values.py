@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,23 @@ def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element,
         )
     shape = variable.shape if len(positions) == variable.size else ()
     scalars = leaves(value, shape, variable)
-    return {
-        Element(variable.name, p): scalar(variable.at([p]), p, leaf) for p, leaf in zip(positions, scalars, strict=True)
-    }
+    try:
+        return {
+            Element(variable.name, p): scalar(variable.at([p]), p, leaf)
+            for p, leaf in zip(positions, scalars, strict=True)
+        }
+    except QuantityError as error:
+        raise QuantityError(f"{error}{_as_helper(model, variable, value)}") from None
+
+
+def _as_helper(model: Model, variable: Variable, value: Any) -> str:
+    """The helper input that stands for this variable, where a number that the variable refuses is right for it."""
+    for name, helper in model.helpers.items():
+        if not variable.shape and helper.variable.description.endswith(f"gives {variable.name}"):
+            with suppress(QuantityError):
+                scalar(helper.variable, 0, value)
+                return f"; did you mean '{name}: {value}'?"
+    return ""
 
 
 def leaves(value: Any, shape: tuple[int, ...], variable: Variable) -> list[Any]:
@@ -136,7 +151,17 @@ def _limited(variable: Variable, position: int, number: float, value: Any) -> fl
     given = f" ({value})" if isinstance(value, str) and not _is(value, number, unit) else ""
     element = f"{variable.label(position)}: " if variable.shape else ""
     side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"
-    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}")
+    bare = _bare(variable, value, low, high)
+    raise QuantityError(f"{element}expected {side}{unit}, found {number:.10g}{unit}{given}{bare}")
+
+
+def _bare(variable: Variable, value: Any, low: float, high: float) -> str:
+    """A remedy for a number without a unit that would be within the limits in the unit that pages show."""
+    unit, shown = unit_of(variable), variable.display_unit
+    with suppress(QuantityError, ValueError):
+        if shown is not None and str(shown) != str(unit) and low <= convert(float(value), shown, unit) <= high:
+            return f"; a bare number is in {unit}, remedy: '{value} {shown}'"
+    return ""
 
 
 def _is(text: str, number: float, unit: str) -> bool:

@@ -1,4 +1,6 @@
 /* Rigid satellite with one reaction wheel and three magnetic torquers on a low Earth orbit.
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/plant.toml by python -m fmus.native; do not edit. */
 #ifndef PLANT_PORTS_H
 #define PLANT_PORTS_H

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
+from fmus.build import BLOCKS, ensure
 from orchestration.cli.main import main
 from studies.__main__ import main as studies
 
@@ -48,6 +49,8 @@ SHOWN = [
 @pytest.mark.parametrize("page", SHOWN)
 def test_the_commands_of_a_page_do_what_it_says(page: str, tmp_path: Path) -> None:
     given = [command for command in commands(page) if command.bare not in NOT_RUN]
+    for block in BLOCKS:
+        ensure(block)  # else a command says that it builds them
     findings = []
     for command, (status, output) in zip(given, run(given, tmp_path, workspace(tmp_path)), strict=True):
         if status != command.status:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import escape
 
 import markdown  # type: ignore[import-untyped]
 import pytest
@@ -11,6 +12,7 @@ from docs.site import __main__ as site
 from docs.site import frames, packages
 from docs.site.links import check
 from docs.site.pages import with_mathml
+from fmus.interface import BLOCKS, load
 
 from .commands import PAGES, ROOT
 
@@ -20,6 +22,10 @@ def test_the_site_builds_with_equations_and_without_a_dead_link():
     assert site.build(with_gallery=False) == []
     html = site.OUT / "html"
     assert "<math" in (html / "docs" / "frames.html").read_text("utf-8")
+    for block in BLOCKS:
+        page = (html / "docs" / "blocks" / f"{block}.html").read_text("utf-8")
+        assert all(escape(equation) in page for equation, _ in load(block).equations)
+        assert 'id="inputs"' in page
     assert "iframe-worker.js" in (html / "index.html").read_text("utf-8")
 
 
@@ -36,7 +42,7 @@ def test_a_dead_link_a_missing_heading_and_a_script_from_the_network_are_found(t
 def test_equations_become_mathml_and_code_stays():
     text = with_mathml("`a $b$`, $x_1$\n```\n$y$\n```\n$$\\hat x$$")
     assert text.startswith("`a $b$`, <span><math")
-    assert "```\n$y$\n```\n<math" in text
+    assert '```\n$y$\n```\n<div class="equation"><math' in text
 
 
 def test_an_equation_at_the_beginning_of_a_line_stays_in_its_paragraph():
@@ -56,6 +62,19 @@ def test_a_path_in_a_page_exists(page):
     folders = "allocator|controller|docs|examples|fmus|orchestration|plant|scenarios|studies|supervisor|tests"
     for path in re.findall(rf"`((?:{folders})/[\w./*-]*)`", text):
         assert "a_b" in path or list(ROOT.glob(path.rstrip("/"))), path
+
+
+def test_every_page_can_be_reached_from_the_index():
+    def linked(page):
+        links = re.findall(r"\]\(([^)#:\s]+\.md)", page.read_text("utf-8"))
+        return {(page.parent / link).resolve() for link in links}
+
+    docs = ROOT / "docs"
+    listed = linked(docs / "README.md")
+    assert set(docs.glob("*.md")) - {docs / "README.md"} <= listed
+    assert set((docs / "decisions").glob("0*.md")) <= linked(docs / "decisions" / "README.md")
+    assert docs / "decisions" / "README.md" in listed
+    assert docs / "README.md" in linked(ROOT / "README.md")
 
 
 @pytest.mark.parametrize("script", [frames, packages])

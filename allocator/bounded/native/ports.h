@@ -1,4 +1,6 @@
 /* Bounded least squares over wheel and rods: the torque nearest to the demand within the limits; commands are never held.
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/allocator_bounded.toml by python -m fmus.native; do not edit. */
 #ifndef ALLOCATOR_BOUNDED_PORTS_H
 #define ALLOCATOR_BOUNDED_PORTS_H

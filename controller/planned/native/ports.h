@@ -1,4 +1,6 @@
 /* Acquisition and hold within the actuators' limits: momentum steering, receding-horizon plan, tracking of the plan by law [8].
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/controller_planned.toml by python -m fmus.native; do not edit. */
 #ifndef CONTROLLER_PLANNED_PORTS_H
 #define CONTROLLER_PLANNED_PORTS_H

@@ -144,8 +144,8 @@ static inline bool is_inertia(Matrix J, const char *name, Fault *f)
     for (int i = 0; i < 3; ++i) {
         if (!(minors[i] > 0.0)) {
             return fault(f, name, minors[i],
-                         "the inertia of a body, each principal moment at most the sum of the others "
-                         "(leading minors of tr(J)/2 I - J above 0)");
+                         "the inertia of a body, each principal moment at most the sum of the other two, "
+                         "so that each leading minor of tr(J)/2 I - J is above 0");
         }
     }
     return true;

@@ -1,4 +1,6 @@
 /* Errors of attitude and rate from the plant's truth, to LVLH or to a given reference [4].
+ * Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low
+ * Earth Orbit (AIAA 2009-5902).
  * Generated from fmus/interfaces/plant_judge.toml by python -m fmus.native; do not edit. */
 #ifndef PLANT_JUDGE_PORTS_H
 #define PLANT_JUDGE_PORTS_H

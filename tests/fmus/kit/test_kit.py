@@ -129,7 +129,8 @@ def test_the_commands_it_prints_hold_in_a_folder_whose_name_has_a_space(tmp_path
 
 def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
     folder = tmp_path / "mine"
-    assert orchestrate("new", "allocator", folder, "--lang", "python").exit_code == 0
+    written = orchestrate("new", "allocator", folder, "--lang", "python")
+    assert written.exit_code == 0
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     built = subprocess.run(
         [sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, text=True, check=False
@@ -140,6 +141,12 @@ def test_a_python_kit_builds_a_valid_fmu_that_fits(tmp_path):
     empty = orchestrate("check", fmu, "--as", "allocator", "--vector", folder / "vector")
     assert empty.exit_code == 1
     assert "ERROR   vector       dipole_cmd: differs by" in empty.stdout
+    assert "the ports fit, the outputs are not those of the vector" in empty.stdout
+    own = shlex.split(written.stdout.splitlines()[-1])
+    assert own[2:] == ["--swap", "allocator=allocator.fmu"]
+    flown = orchestrate(*own[1:3], f"allocator={fmu}", "--out", tmp_path / "flown")
+    assert flown.exit_code == 1, "equations of its own fly in the loop; these are zeros and meet no expectation"
+    assert (tmp_path / "flown" / "expectations.json").exists()
     for path in (ROOT / "allocator").glob("*.py"):
         shutil.copy(path, folder / "allocator")
     subprocess.run([sys.executable, "build.py"], cwd=folder, env=environment, capture_output=True, check=True)

@@ -69,22 +69,14 @@ def quick_build(monkeypatch):
 
 
 @pytest.mark.parametrize(("options", "told"), [((), "building allocator.fmu (native) ...\n"), (("--quiet",), "")])
-def test_on_a_terminal_a_run_says_which_fmu_it_builds_unless_quiet(
-    loop, quick_build, monkeypatch, tmp_path, options, told
-):
+def test_a_run_says_which_fmu_it_builds_unless_quiet(loop, quick_build, monkeypatch, tmp_path, options, told):
     def built(block, flavour):
         build(["allocator"], flavour, tmp_path)
         return loop.parent / "motor.fmu"
 
     monkeypatch.setattr("orchestration.runner.open.ensure", built)
-    monkeypatch.setattr("orchestration.cli.console.is_terminal", lambda stream: stream is sys.stderr)
     loop.write_text(loop.read_text().replace("fmu: motor.fmu", "fmu: plant"))
     assert orchestrate(loop.name, *options).stderr == told
-
-
-def test_where_there_is_no_terminal_builds_are_silent(quick_build, tmp_path):
-    result = orchestrate("build", "allocator", "--out", tmp_path)
-    assert (result.exit_code, result.stderr) == (0, "")
 
 
 def test_options_may_come_first_and_change_step_duration_and_folder(loop):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.interface import BLOCKS, load
+from fmus.interface import BLOCKS, SOURCE, load
 from orchestration.quantities import parse_unit
 from tests.commands import orchestrate
 
@@ -33,6 +33,17 @@ def test_a_block_is_told_as_its_interface_says_it(block):
             assert parse_unit(entry["unit"]).factor == parse_unit(variable.unit).factor
         if variable.causality != "output":
             assert entry["start"] == (None if variable.optional else variable.start)
+
+
+def test_a_block_s_equations_and_what_they_cite_are_shown():
+    told = " ".join(orchestrate("info", "plant").stdout.split())
+    for equation, meaning in load("plant").equations:
+        assert " ".join(equation.split()) in told
+        assert " ".join(meaning.split()) in told
+    assert load("plant").limits[0] in told
+    assert SOURCE in told
+    assert SOURCE not in " ".join(orchestrate("info", "supervisor").stdout.split())
+    assert "Equations" not in orchestrate("info", "plant", "epoch").stdout
 
 
 def test_a_narrow_terminal_gets_narrow_tables(monkeypatch):

@@ -2,12 +2,38 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from orchestration.quantities import QuantityError, parse_unit
 from orchestration.system.values import scalar
+from tests.commands import orchestrate
 
 from ..mocks import real
+
+PAPER = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
+
+
+@pytest.mark.parametrize(
+    ("value", "remedy"),
+    [
+        (51.6, "; a bare number is in rad, remedy: '51.6 deg'"),
+        ("51.6", "; a bare number is in rad, remedy: '51.6 deg'"),
+        (516, ""),
+        ("516 deg", ""),
+    ],
+)
+def test_a_bare_number_that_is_right_in_the_unit_shown_gets_a_remedy(value, remedy):
+    angle = real("i", "parameter", unit=parse_unit("rad"), display_unit=parse_unit("deg"), maxima=(3.2,))
+    with pytest.raises(QuantityError) as info:
+        scalar(angle, 0, value)
+    assert str(info.value).endswith(("rad", "(516 deg)")[value == "516 deg"] + remedy)
+
+
+def test_a_height_given_as_a_radius_gets_the_input_that_takes_heights():
+    told = orchestrate("validate", PAPER, "--set", "plant.orbit_radius=500 km").stderr
+    assert told.endswith("found 500000 m (500 km); did you mean 'altitude: 500 km'?\n")
 
 
 @pytest.mark.parametrize(
