@@ -115,7 +115,11 @@ def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
     if not drawn:
         return Markup("")
     ends = [b for b in (metric.low, metric.high) if b is not None]
-    notes = [f"dotted: {' and '.join(metric.with_unit(b) for b in ends)}, as required"] if drawn[0]["marks"] else []
+    marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
+    beyond = [b for b in ends if b not in marked]
+    notes = [f"dotted: {' and '.join(map(metric.with_unit, marked))}, as required"] if marked else []
+    if beyond:
+        notes.append(f"{' and '.join(map(metric.with_unit, beyond))}, as required, beyond the axis")
     if never := int(np.isposinf(metric.values).sum()):
         notes.append(f"{never:,} run{'s' * (never > 1)} without a finite value")
     if any(plot.get("stepped") for plot in drawn):
@@ -168,7 +172,7 @@ def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
     return [
         _part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
         _part("scatter", joined(folds), basis=few),
-        _worst(runs, metrics, worst, told),
+        _worst(runs, metrics, worst, {f"{name}, {units[name]}" if units[name] else name: told[name] for name in told}),
     ]
 
 
