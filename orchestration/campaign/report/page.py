@@ -114,12 +114,7 @@ def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
     drawn = [plot for plot in shown if plot is not None]
     if not drawn:
         return Markup("")
-    ends = [b for b in (metric.low, metric.high) if b is not None]
-    marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
-    beyond = [b for b in ends if b not in marked]
-    notes = [f"dotted: {' and '.join(map(metric.with_unit, marked))}, as required"] if marked else []
-    if beyond:
-        notes.append(f"{' and '.join(map(metric.with_unit, beyond))}, as required, beyond the axis")
+    notes = plots.bound_notes(metric, drawn)
     if never := int(np.isposinf(metric.values).sum()):
         notes.append(f"{never:,} run{'s' * (never > 1)} without a finite value")
     if any(plot.get("stepped") for plot in drawn):

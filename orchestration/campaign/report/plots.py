@@ -128,6 +128,15 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
     return shown
 
 
+def bound_notes(metric: Metric, drawn: Sequence[dict[str, Any]]) -> list[str]:
+    """What is said of the required bounds below a distribution: of those that are drawn, and of those beyond the axis."""
+    ends = [b for b in (metric.low, metric.high) if b is not None]
+    marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
+    beyond = [b for b in ends if b not in marked]
+    notes = [f"dotted: {' and '.join(map(metric.with_unit, marked))}, as required"] if marked else []
+    return notes + ([f"{' and '.join(map(metric.with_unit, beyond))}, as required, beyond the axis"] if beyond else [])
+
+
 def _spread(left: NDArray[np.int64], n: int) -> NDArray[np.intp]:
     """Which of n steps to draw: evenly spread ones, and all of the tail's last, where the fewest runs are worse."""
     if n <= STEPS:

@@ -24,12 +24,12 @@
   const labels = [];
   const drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
     wide: () => stage.clientWidth > 480,
-    label(text, where) {
+    label(text, where, arrow) {
       const it = document.createElement("span");
       it.textContent = text;
       it.className = "tag";
       stage.append(it);
-      labels.push({ it, where });
+      labels.push({ it, where, arrow });
       return it;
     },
   });
@@ -119,13 +119,24 @@
       label.it.hidden = !label.at;
     }
     for (const label of labels) if (label.at) label.half ||= label.it.offsetWidth / 2 + 2;
-    for (const { it, at, half } of labels) {
-      if (!at) continue;
+    const seen = (at) => {
       const p = new Vec3(...at);
       camera.project(p);
+      return p;
+    };
+    const shafts = labels.filter(({ at, arrow }) => at && arrow).flatMap(({ it, at }) => // the outer parts of arrows
+      [0.4, 0.5, 0.6, 0.7, 0.8, 0.9].map((part) => {
+        const p = seen(at.map((v) => part * v));
+        return { it, x: (wide * (1 + p[0])) / 2, y: (high * (1 - p[1])) / 2 };
+      }));
+    for (const { it, at, half } of labels) {
+      if (!at) continue;
+      const p = seen(at);
       const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, far = Math.hypot(across, down) || 1; // from the middle, outwards
       const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / far))), y = high / 2 + down * (1 + 5 / far);
-      const aside = ASIDE.find((d) => !taken.some((o) => Math.abs(o.x - x) < o.half + half && Math.abs(o.y - y - d) < 12));
+      const free = (d) => !taken.some((o) => Math.abs(o.x - x) < o.half + half && Math.abs(o.y - y - d) < 12);
+      const clear = (d) => !shafts.some((o) => o.it !== it && Math.abs(o.x - x) < half + 4 && Math.abs(o.y - y - d) < 9);
+      const aside = ASIDE.find((d) => free(d) && clear(d)) ?? ASIDE.find(free);
       it.hidden = aside === undefined;
       if (it.hidden) continue;
       taken.push({ x, y: y + aside, half });
