@@ -110,7 +110,8 @@
     words(q, others, values);
     root.dataset.frames = ++drawnFrames;
   }
-  const ASIDE = [0, -13, 13, -26, 26]; // px, where a label would stand on another one
+  const ASIDE = [0, -13, 13, -26, 26].map((d) => [0, d]); // px, where a label would stand on another one
+  const BESIDE = [[1, 0], [-1, 0], [1, 13], [-1, 13], [1, -13], [-1, -13]]; // its width and px, where it would stand on an arrow
   function tags(wide, high) {
     camera.updateMatrixWorld();
     const taken = [];
@@ -134,13 +135,15 @@
       const p = seen(at);
       const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, far = Math.hypot(across, down) || 1; // from the middle, outwards
       const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / far))), y = high / 2 + down * (1 + 5 / far);
-      const free = (d) => !taken.some((o) => Math.abs(o.x - x) < o.half + half && Math.abs(o.y - y - d) < 12);
-      const clear = (d) => !shafts.some((o) => o.it !== it && Math.abs(o.x - x) < half + 4 && Math.abs(o.y - y - d) < 9);
-      const aside = ASIDE.find((d) => free(d) && clear(d)) ?? ASIDE.find(free);
-      it.hidden = aside === undefined;
+      const places = [...ASIDE, ...BESIDE].map(([a, b]) => ({ it, x: x + 2 * a * half, y: y + b, half }))
+        .filter((p) => p.x >= half - 1e-6 && p.x <= wide - half + 1e-6);
+      const free = (p) => !taken.some((o) => Math.abs(o.x - p.x) < o.half + half && Math.abs(o.y - p.y) < 12);
+      const clear = (p) => !shafts.some((o) => o.it !== it && Math.abs(o.x - p.x) < half + 4 && Math.abs(o.y - p.y) < 9);
+      const place = places.find((p) => free(p) && clear(p)) ?? places.find(free);
+      it.hidden = !place;
       if (it.hidden) continue;
-      taken.push({ x, y: y + aside, half });
-      it.style.transform = `translate(${x}px, ${y + aside}px) translate(-50%, -50%)`;
+      taken.push(place);
+      it.style.transform = `translate(${place.x}px, ${place.y}px) translate(-50%, -50%)`;
     }
   }
   function words(q, { desired, estimated }, values) {
