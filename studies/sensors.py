@@ -61,7 +61,8 @@ def _eclipse(result: Result) -> Any:
     for i, face in enumerate(("+X", "-X", "+Y", "-Y", "+Z", "-Z")):
         left.plot(t, result["sensors.sun_sensors"][:, i], linewidth=0.8, label=face)
     left.plot(t, light, color="black", linewidth=1.2, label="sunlight")
-    left.legend(fontsize=7, ncols=2)
+    left.set_ylim(None, 1.45)  # room for the legend above the curves
+    left.legend(fontsize=7, ncols=4, loc="upper center")
     plots.name_axes(left, "time, s", "1: full light", "Coarse sun sensors over an orbit, at rest in LVLH")
     entry = int(np.flatnonzero(np.diff(light) < 0.0)[0])
     near = slice(entry - 10, entry + 40)

@@ -8,8 +8,7 @@ import click
 
 from ..quantities import with_unit
 from ..results.result import Result
-from ..scenario import timeline
-from ..scenario.faults import sentence
+from ..system import acting
 from .console import folded, notes, say, table
 
 _LISTED = 5
@@ -46,11 +45,11 @@ def summary(result: Result) -> None:
             say(folded(f"  {late.text}"), fg="yellow")
         if len(result.pace.listed) > _LISTED:
             say("  more of them are in the report and in the manifest", fg="yellow")
-    for fault in result.scenario.faults:
-        say(f"fault: {sentence(fault)}", fg="yellow")
-    for entry in result.scenario.timeline:
+    for fault in acting.fault_sentences(result.scenario, result.models):
+        say(f"fault: {fault}", fg="yellow")
+    for entry, text in zip(result.scenario.timeline, acting.timeline_sentences(result.scenario), strict=True):
         if entry.at < result.reached:
-            say(f"timeline: {timeline.sentence(entry)}")
+            say(f"timeline: {text}")
     if result.highlights:
         rows = [(h.signal, with_unit(h.final, h.unit), h.text) for h in result.highlights]
         say()

@@ -17,10 +17,9 @@ from ..results.figures import require
 from ..runner.limits import limits
 from ..runner.open import Opened, open_scenario
 from ..runner.read import read
-from ..scenario import timeline
-from ..scenario.faults import sentence
 from ..scenario.scenario import Scenario
 from ..swap.own_claims import own_claims
+from ..system import acting
 from .console import folded, notes, say, table
 from .help import examples
 from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, SET, STEP, SWAP, pacing
@@ -169,8 +168,8 @@ def _print(opened: Opened, path: Path) -> None:
             str(len(plan.checks)) + (f", and {n} not evaluated" if (n := len(plan.not_evaluated)) else ""),
         ),
         *(("real time", entry.text) for entry in [scenario.realtime] if entry is not None),
-        *(("fault", sentence(fault)) for fault in scenario.faults),
-        *(("timeline", timeline.sentence(entry)) for entry in scenario.timeline),
+        *(("fault", text) for text in acting.fault_sentences(scenario, plan.models)),
+        *(("timeline", text) for text in acting.timeline_sentences(scenario)),
     ]
     for line in table(("", ""), facts)[1:]:
         say(line)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from ..errors import InputError
 from ..fmu.model import Model
@@ -25,6 +25,8 @@ class Check:
     limits: Limits
     """The unit of the bound is also that of the outcome; of `zeros`, that of the signal."""
     expected: str
+    items: Mapping[float, str] = field(default_factory=dict)
+    """Names of the signal's values: those of the scenario's `phases`, or the items of an enumeration."""
 
     @property
     def needed(self) -> list[Node]:
@@ -77,7 +79,12 @@ def _check(
         held = limits(expectation.signal, seen.variable, bound)
     except QuantityError as error:
         raise InputError(scenario.error((*key, how, bound.kind), str(error))) from None
-    return Check(expectation, seen, held, f"{how} {held.text}")
+    items = {float(number): item for item, number in seen.variable.items}
+    if bound.kind == "equals" and seen.variable.type == "integer" and len(seen.nodes) == 1:
+        items = {phase.value: name for name, phase in known.items() if phase.signal == seen.nodes[0]}
+        if held.low in items:
+            held = replace(held, text=items[held.low], number=False)
+    return Check(expectation, seen, held, f"{how} {held.text}", items)
 
 
 def changes_of_sign(count: int) -> str:

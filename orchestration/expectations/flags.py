@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..fmu.model import Floats, Model
 from ..system import signals
 from ..system.wiring import Node
@@ -17,14 +19,15 @@ class Flag:
     name: str
     first: float | None = None
     """When it was true first; None for never."""
-    last: float | None = None
+    until: float | None = None
+    """When it ceased to be true for the last time: excluded, as the end of a hold or a fault is; None for never."""
     standing: bool = False
     """Whether it is true at the end of the run."""
 
     @property
     def text(self) -> str:
-        """When it was true first and last; it was true at some time."""
-        return f"{self.name} from {self.first:.5g} s to {'the end' if self.standing else f'{self.last:.5g} s'}"
+        """From when to when it was true, at the most; it was true at some time."""
+        return f"{self.name} from {self.first:.5g} s to {'the end' if self.standing else f'{self.until:.5g} s'}"
 
 
 class Judge:
@@ -44,7 +47,8 @@ class Judge:
             first = int(raised.argmax())
             if raised[first]:
                 flag.first = float(time[first]) if flag.first is None else flag.first
-                flag.last = float(time[len(time) - 1 - int(raised[::-1].argmax())])
+            if len(ceased := np.flatnonzero(~raised & np.concatenate(([flag.standing], raised[:-1])))):
+                flag.until = float(time[ceased[-1]])
             flag.standing = bool(raised[-1])
 
     @property

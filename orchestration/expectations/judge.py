@@ -28,7 +28,8 @@ class Outcome:
     found: float | str | None
     """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample.
 
-    That of an enumeration is the name of its item, where it has one of that number.
+    That of an enumeration is the name of its item, and that of the signal of `phases` the name of its phase, where it has
+    one of that number.
     """
     unit: str
     margin: float | None
@@ -191,8 +192,7 @@ class Judge:
         margin, value, time = self._worst
         limits = check.limits
         passed = margin > 0.0 if limits.strict else margin >= 0.0
-        items = {float(number): item for item, number in check.sight.variable.items}
-        found = items.get(value, value)
+        found = check.items.get(value, value)
         return _outcome(check, passed, found, margin if limits.low != limits.high else None, time, samples)
 
     @property

@@ -1,4 +1,4 @@
-"""Figures of a run, as its scenario's `figures` describe them: signals over time, in panels side by side.
+"""Figures of a run, as its scenario's `figures` describe them: signals over time, two panels in a row.
 
 Matplotlib is imported only when something is drawn.
 """
@@ -6,6 +6,7 @@ Matplotlib is imported only when something is drawn.
 from __future__ import annotations
 
 import importlib.util
+import textwrap
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -16,22 +17,30 @@ import numpy as np
 from ..errors import InputError, ResultsError, reason
 from ..fmu.model import Floats
 from ..quantities import ONE, Unit, value_in
-from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
+from ..system import acting
 from ..system.panels import unit_of
 from .arrays import LARGEST
 from .data import RunData
+from .keys import FAULT, Keys, below
+from .lettering import plain, undrawn
 from .phases import bands
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
 _PANEL_SIZE = (5.2, 3.4)
 """inches"""
+_ACROSS = 2
+"""Panels in a row."""
+_FAULT_BAR = 0.03
+"""Height of the bar that marks a fault, as a share of the panel's."""
 _LABELLED = 0.02
 """Share of a panel's width from which a phase has its name in it."""
+_TITLE = 56
+"""Letters of a title above a panel's width."""
 _PANELS_MAX = 6
 """Panels of a plot for which no signals are named."""
 
@@ -52,28 +61,9 @@ def require(scenario: Scenario) -> None:
             texts.update({(*place, "names", k): name for k, name in enumerate(panel.names)})
     if scenario.cycle:
         texts["cycle", "name"] = scenario.cycle.name
-    errors = [scenario.error(key, error) for key, text in texts.items() if "$" in text and (error := _undrawn(text))]
+    errors = [scenario.error(key, error) for key, text in texts.items() if "$" in text and (error := undrawn(text))]
     if errors:
         raise InputError(*errors)
-
-
-def _undrawn(text: str) -> str:
-    """Why Matplotlib cannot draw a text; "" where it can."""
-    from matplotlib.cbook import is_math_text  # optional, and slow to import  # noqa: PLC0415
-    from matplotlib.mathtext import MathTextParser  # optional, and slow to import  # noqa: PLC0415
-
-    try:
-        if is_math_text(text):
-            MathTextParser("path").parse(text)
-    except ValueError as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("ParseSyntaxException: ")
-        return f"'{text}' cannot be drawn as mathematics: {reason}; remedy: mend it, or write \\$ for a dollar"
-    return ""
-
-
-def _plain(text: str) -> str:
-    """Text of others, in which a dollar is a dollar."""
-    return text.replace("$", r"\$")
 
 
 def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
@@ -92,11 +82,19 @@ def draw(result: RunData, folder: Path, format: str = "png") -> list[Path]:
 def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
     from matplotlib.figure import Figure  # optional, and slow to import  # noqa: PLC0415
 
-    width, height = _PANEL_SIZE
-    figure = Figure(figsize=(width * len(entry.panels), height), dpi=150, layout="constrained")
-    for panel, axes in zip(entry.panels, np.ravel(figure.subplots(1, len(entry.panels))), strict=True):
-        draw_panel(axes, panel, entry, result)
-    figure.suptitle(entry.title or _plain(entry.name), fontsize=11)
+    across = min(_ACROSS, len(entry.panels))
+    rows = -(-len(entry.panels) // across)
+    figure = Figure(figsize=(_PANEL_SIZE[0] * across, _PANEL_SIZE[1] * rows), dpi=150, layout="constrained")
+    grid = figure.add_gridspec(rows, across)
+    keys = Keys()
+    for i, panel in enumerate(entry.panels):
+        row, column = divmod(i, across)
+        alone = column == 0 and i == len(entry.panels) - 1
+        axes = figure.add_subplot(grid[row, :] if alone else grid[row, column])
+        draw_panel(axes, panel, entry, result, keys)
+    title = textwrap.fill(entry.title or entry.name, _TITLE * across) if "$" not in entry.title else entry.title
+    figure.suptitle(title if entry.title else plain(title), fontsize=11)
+    below(figure, keys)
     figure.savefig(file, metadata={"Software": None} if file.suffix == ".png" else None)
     return file
 
@@ -119,8 +117,10 @@ def plot(result: RunData, names: Sequence[str] = ()) -> Any:
     figure = type("Plot", (Figure,), {"_repr_png_": _png})(
         figsize=(1.5 * width, 0.8 * height * len(chosen)), dpi=100, layout="constrained"
     )
+    keys = Keys()
     for panel, axes in zip(entry.panels, np.ravel(figure.subplots(len(chosen), 1)), strict=True):
-        draw_panel(axes, panel, entry, result)
+        draw_panel(axes, panel, entry, result, keys)
+    below(figure, keys)
     return figure
 
 
@@ -131,8 +131,9 @@ def _png(figure: Any) -> bytes:
     return data.getvalue()
 
 
-def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> None:
-    """One panel of a figure, with its lines, shading and marks."""
+def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, keys: Keys | None = None) -> None:
+    """One panel of a figure, with its lines, shading and marks; what explains them goes into `keys`."""
+    keys = Keys() if keys is None else keys
     low, high = entry.window or (result.time[0], result.time[-1])
     shown_rows = (result.time >= low) & (result.time <= high)
     time = result.time[shown_rows]
@@ -142,7 +143,7 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
         unit, drawn = curves(result, reference, panel)
         for name, values in drawn:
             position = len(axes.lines)
-            shown = panel.names[position] if position < len(panel.names) else _plain(name)
+            shown = panel.names[position] if position < len(panel.names) else plain(name)
             axes.plot(time, _drawable(values[shown_rows], panel.scale), color=next(colours), linewidth=1.2, label=shown)
             legend = legend or position > 0
     notes = []
@@ -152,25 +153,29 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData) -> 
     levels = _drawable([value_in(line, unit) for line in panel.lines], panel.scale)
     for level in levels[np.isfinite(levels)]:
         axes.axhline(level, color="0.35", linewidth=0.8, linestyle=(0, (5, 3)))
+        keys.line(plain(panel.lines_are), panel.label or plain(panel.signals[0]))
     if entry.shade and (held := result[entry.shade].astype(bool)[shown_rows]).any():
         grey = {"color": "0.85", "linewidth": 1.5}  # the edge keeps the shortest hold visible
         axes.fill_between(time, 0, 1, where=_widened(held), transform=axes.get_xaxis_transform(), **grey)
-        notes.append(_plain(f"shaded: {entry.shade}"))
+        keys.shade(plain(entry.shade))
     if entry.mark:
         for crossing in zero_crossings(time, result[entry.mark][shown_rows]):
             axes.axvline(crossing, color="0.35", linewidth=0.8, linestyle=":")
-            notes.append(_plain(f"dotted: {entry.mark}") + f" = 0 at {crossing:.2f} s")
-    for fault in result.scenario.faults:
+            keys.mark(plain(entry.mark), crossing)
+    texts = acting.fault_sentences(result.scenario, result.models)
+    for fault, text in zip(acting.faults(result.scenario), texts, strict=True):
         begin, end = max(fault.at, low), min(high if fault.until is None else fault.until, high)
         if begin < end:
-            axes.axvspan(begin, end, color="tab:red", alpha=0.07, linewidth=0.0)
-            notes.append(_plain(f"red: {sentence(fault)}"))
+            axes.axvspan(begin, end, **FAULT)
+            top = {"ymin": 1.0 - _FAULT_BAR, "color": FAULT["edgecolor"], "linewidth": 1.5}  # seen however short it is
+            axes.axvspan(begin, end, **top)
+            keys.fault(plain(text))
     axes.set_yscale(panel.scale)
-    _draw_bands(axes, result, low, high)
+    _draw_bands(axes, result, low, high, keys)
     axes.set_xlim(low, high)
     axes.set_xlabel("\n".join(["time, s", *notes]), fontsize=9)
     axes.set_ylabel(
-        f"{panel.label or _plain(panel.signals[0])}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9
+        f"{panel.label or plain(panel.signals[0])}" + (f", {unit}" if unit.name not in ("", "1") else ""), fontsize=9
     )
     axes.tick_params(labelsize=8)
     axes.grid(True, color="0.92", linewidth=0.6)
@@ -191,17 +196,19 @@ def _drawable(values: Any, scale: str) -> Floats:
     return np.where(shown, numbers, np.nan)
 
 
-def _draw_bands(axes: Any, result: RunData, low: float, high: float) -> None:
+def _draw_bands(axes: Any, result: RunData, low: float, high: float, keys: Keys) -> None:
     """The phases of the run behind the curves, each with its name where there is room for it."""
     for band in bands(result):
         begin, end = max(band.begin, low), min(band.end, high)
         if begin >= end:
             continue
-        axes.axvspan(begin, end, color=COLOURS[band.colour % len(COLOURS)], alpha=0.12, linewidth=0.0, zorder=0)
+        colour = {"color": COLOURS[band.colour % len(COLOURS)], "alpha": 0.16, "linewidth": 0.0}
+        axes.axvspan(begin, end, zorder=0, **colour)
+        keys.phase(plain(band.name), colour)
         if end - begin > _LABELLED * (high - low):
             axes.annotate(
-                _plain(band.name),
-                (0.5 * (begin + end), 0.98),
+                plain(band.name),
+                (0.5 * (begin + end), 0.95),
                 xycoords=axes.get_xaxis_transform(),
                 rotation=90,
                 fontsize=6,

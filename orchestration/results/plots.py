@@ -11,6 +11,7 @@ import numpy as np
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, QuantityError, Unit, value_in
 from ..scenario.figures import FigureEntry, Panel
+from ..system import acting
 from .arrays import MARKS, Arrays, Span, few, kept
 from .data import RunData
 from .figures import curves, zero_crossings
@@ -116,7 +117,9 @@ def shaded(result: RunData, flag: str, window: Span) -> list[Span]:
 def faulty(result: RunData) -> list[Span]:
     """When the scenario's faults act."""
     end = float(result.time[-1])
-    spans = [(fault.at, end if fault.until is None else min(fault.until, end)) for fault in result.scenario.faults]
+    spans = [
+        (fault.at, end if fault.until is None else min(fault.until, end)) for fault in acting.faults(result.scenario)
+    ]
     return [(a, b) for a, b in spans if a < b]
 
 

@@ -11,9 +11,8 @@ import numpy as np
 from markupsafe import Markup
 
 from ..quantities import with_unit
-from ..scenario import timeline
-from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry
+from ..system import acting
 from . import lateness, plots
 from . import view as seen
 from .data import RunData, json_text
@@ -133,8 +132,8 @@ def _events(result: RunData) -> Markup:
     return joined(
         [
             _part("holds", items(holds)),
-            _part("faults", items(map(sentence, result.scenario.faults))),
-            _part("timeline", items(map(timeline.sentence, result.scenario.timeline))),
+            _part("faults", items(acting.fault_sentences(result.scenario, result.models))),
+            _part("timeline", items(acting.timeline_sentences(result.scenario))),
             _part("key_figures", rows(figures)),
             _part("flags", items(result.raised)),
         ]

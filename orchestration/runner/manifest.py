@@ -16,11 +16,9 @@ from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.data import RunData
-from ..scenario import timeline
 from ..scenario.checked import dumped
-from ..scenario.faults import sentence
 from ..scenario.source import copied
-from ..system import signals
+from ..system import acting, signals
 from ..system.starts import Start
 from ..system.values import nested
 from .limits import limits
@@ -59,8 +57,8 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
         "units": {"time": "s", **recorded.units},
         "names": RULE,
         "order": plan.order.blocks,
-        "faults": [sentence(fault) for fault in scenario.faults],
-        "timeline": [timeline.sentence(entry) for entry in scenario.timeline],
+        "faults": acting.fault_sentences(scenario, models),
+        "timeline": acting.timeline_sentences(scenario),
         "fmus": {
             name: {
                 "file": str(fmu.path),

@@ -61,13 +61,14 @@ class Fault(Model):
         return next(signal for signal in (self.freeze, self.bias, self.cut) if signal is not None)
 
 
-def sentence(fault: Fault) -> str:
-    """What goes wrong and when, in words."""
+def sentence(fault: Fault, unit: str = "") -> str:
+    """What goes wrong and when, in words; `unit` is that of its numbers."""
+    unit = f" {unit}" if unit else ""
     what = {
-        "set": fault.set,
+        "set": f"{fault.set}{unit}",
         "freeze": f"{fault.freeze} frozen",
-        "bias": f"{fault.bias} biased by {_shown(fault.by)}",
-        "cut": f"{fault.cut} cut" + ("" if fault.to is None else f", {_shown(fault.to)} instead"),
+        "bias": f"{fault.bias} biased by {_shown(fault.by)}{unit}",
+        "cut": f"{fault.cut} cut" + ("" if fault.to is None else f", {_shown(fault.to)}{unit} instead"),
     }[fault.kind]
     end = "on" if fault.until is None else f"to {fault.until:.10g} s"
     return f"{what}, from {fault.at:.10g} s {end}"

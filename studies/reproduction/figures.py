@@ -48,7 +48,7 @@ def lyapunov(done: dict[str, Any]) -> Any:
             row[2],
             "time, s",
             "torque demand met, %",
-            "share of the demanded torque that is met" + (" (first 3 s; shaded: held)" if held.any() else ""),
+            "share of the demanded torque that is met" + ("\n(first 3 s; shaded: held)" if held.any() else ""),
         )
         for ax in row if not held.any() else row[:2]:
             ax.set_xlim(0, t[-1])

@@ -107,6 +107,23 @@ def test_an_expectation_of_a_phase_looks_at_its_samples_alone() -> None:
     assert by_name["never"].note == "there is no sample in the phase sun"
 
 
+def test_values_of_the_signal_of_phases_are_told_by_their_names() -> None:
+    phases = {"signal": "supervisor.mode", "names": {"safe": 1, "acquiring": 2}}
+    expect = [
+        {"name": "safe first", "signal": "supervisor.mode", "before": "1 s", "always": {"equals": 1}},
+        {"name": "always safe", "signal": "supervisor.mode", "always": {"equals": 1}},
+        {"name": "no other mode", "signal": "supervisor.mode", "always": {"below": 3}},
+        {"name": "not named", "signal": "supervisor.mode", "ever": {"equals": 7}},
+    ]
+    result = flown(timeline=TIMELINE, phases=phases, expect=expect)
+    assert [(o.text.partition(" at")[0], o.expected) for o in result.outcomes] == [
+        ("safe", "always safe"),
+        ("acquiring", "always safe"),
+        ("2", "always < 3"),
+        ("acquiring", "ever = 7"),
+    ]
+
+
 def test_phases_are_drawn_from_the_signal_or_else_from_the_timeline() -> None:
     found = bands(flown(timeline=TIMELINE))
     assert [(b.name, b.begin, b.end, b.colour) for b in found] == [

@@ -114,8 +114,7 @@ def _distribution(metric: Metric, made: Page, early: bool) -> Markup:
     drawn = [plot for plot in shown if plot is not None]
     if not drawn:
         return Markup("")
-    ends = [b for b in (metric.low, metric.high) if b is not None]
-    notes = [f"dotted: {' and '.join(metric.with_unit(b) for b in ends)}, as required"] if drawn[0]["marks"] else []
+    notes = plots.bound_notes(metric, drawn)
     if never := int(np.isposinf(metric.values).sum()):
         notes.append(f"{never:,} run{'s' * (never > 1)} without a finite value")
     if any(plot.get("stepped") for plot in drawn):
@@ -168,7 +167,7 @@ def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
     return [
         _part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
         _part("scatter", joined(folds), basis=few),
-        _worst(runs, metrics, worst, told),
+        _worst(runs, metrics, worst, {f"{name}, {units[name]}" if units[name] else name: told[name] for name in told}),
     ]
 
 

@@ -21,6 +21,8 @@ DOTS = 2000
 """Runs in a scatter plot, about."""
 WORST = 25
 """Worst runs of a metric that every scatter plot keeps."""
+_BEYOND = 3.0
+"""How far a required bound may lie from the values, in their range, for the axis to reach to it."""
 _FEWEST = 10
 """Runs that the plot of a distribution's tail shows at least."""
 
@@ -107,7 +109,8 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
     values, hits = values[chosen], hits[chosen]
     bounds = [(sequence if repeated else fixed)(int(k), n, metric.confidence) for k in hits]
     ends = [b for b in (metric.low, metric.high) if b is not None]
-    inside = [b for b in ends if values[0] - np.ptp(values) <= b <= values[-1] + np.ptp(values)]
+    reach = (1.0 if tail else _BEYOND) * (float(np.ptp(values)) or abs(float(values[0])) or 1.0)
+    inside = [b for b in ends if values[0] - reach <= b <= values[-1] + reach]
     shown = plain(
         f"share of runs {'from a value on' if above else 'up to a value'}", metric.label, metric.name, values,
         (min([values[0], *inside]), max([values[-1], *inside])), arrays,
@@ -123,6 +126,15 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
     if metric.probability is not None:
         shown["lines"], shown["lines_are"] = [metric.probability], "required probability"
     return shown
+
+
+def bound_notes(metric: Metric, drawn: Sequence[dict[str, Any]]) -> list[str]:
+    """What is said of the required bounds below a distribution: of those that are drawn, and of those beyond the axis."""
+    ends = [b for b in (metric.low, metric.high) if b is not None]
+    marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
+    beyond = [b for b in ends if b not in marked]
+    notes = [f"dotted: {' and '.join(map(metric.with_unit, marked))}, as required"] if marked else []
+    return notes + ([f"{' and '.join(map(metric.with_unit, beyond))}, as required, beyond the axis"] if beyond else [])
 
 
 def _spread(left: NDArray[np.int64], n: int) -> NDArray[np.intp]:

@@ -1,11 +1,11 @@
 "use strict";
 // What a three-dimensional view draws: the body with its axes, ghosts and vectors, and the Earth with the orbit.
-// `flown` is the motion, `ask.label(text, where, colour)` puts a text at a point of the scene.
+// `flown` is the motion, `ask.label(text, where, arrow)` puts a text at a point of the scene.
 const scene = (gl, { data, coastlines }, flown, ask) => {
   const { Cylinder, Geometry, Mesh, Program, Quat, Sphere, Texture, Transform, Vec3 } = ogl;
   const { cross, size, unit } = motion;
-  const INK = { light: { label: "100%", body: [0.82, 0.84, 0.87], panel: [0.16, 0.25, 0.5], edge: "#1b1f24", axis: "#59636e", desired: "#0a6b3d", planned: "#8a5cd6", estimated: "#b4540a", orbit: "#b4540a", sea: "#c9dcec", land: "#8aa37c", coast: "#4c5f45" },
-    dark: { label: "60%", body: [0.62, 0.65, 0.7], panel: [0.2, 0.33, 0.62], edge: "#e4e7eb", axis: "#9aa4af", desired: "#6fd39b", planned: "#b79af0", estimated: "#f2a050", orbit: "#f2a050", sea: "#1d3a56", land: "#4d6b48", coast: "#8fae86" } };
+  const INK = { light: { label: "100%", body: [0.82, 0.84, 0.87], panel: [0.16, 0.25, 0.5], edge: "#1b1f24", axis: "#2f3740", desired: "#0a6b3d", planned: "#8a5cd6", estimated: "#b4540a", orbit: "#b4540a", sea: "#c9dcec", land: "#8aa37c", coast: "#4c5f45" },
+    dark: { label: "60%", body: [0.62, 0.65, 0.7], panel: [0.2, 0.33, 0.62], edge: "#e4e7eb", axis: "#d3d9df", desired: "#6fd39b", planned: "#b79af0", estimated: "#f2a050", orbit: "#f2a050", sea: "#1d3a56", land: "#4d6b48", coast: "#8fae86" } };
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a5cd6", "#999999", "#b5651d", "#3aa6a0"];
   const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
   const SHADED = {
@@ -97,8 +97,8 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
     };
     return it;
   }
-  function label(text, where, colour) { // where() gives a point of the scene, or null
-    const it = ask.label(text, where);
+  function label(text, where, colour, arrow = false) { // where() gives a point of the scene, or null; the end of an arrow
+    const it = ask.label(text, where, arrow);
     painted.push((ink) => { it.style.color = ink[colour] || `color-mix(in srgb, ${colour} ${ink.label}, white)`; });
   }
   const inWorld = (parent, v) => [...new Vec3(...v).applyMatrix4(parent.worldMatrix)];
@@ -109,7 +109,7 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
       it.reach(value, length);
       arrow.tip = it.visible ? unit(value).map((x) => x * (length + 0.08)) : null;
     };
-    label(v.name, () => (arrow.tip && inWorld(parent, arrow.tip)), colour);
+    label(v.name, () => (arrow.tip && inWorld(parent, arrow.tip)), colour, true);
     return arrow;
   });
   const triad = (parent, length, colour, names) => [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((v, i) => {

@@ -24,12 +24,12 @@
   const labels = [];
   const drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
     wide: () => stage.clientWidth > 480,
-    label(text, where) {
+    label(text, where, arrow) {
       const it = document.createElement("span");
       it.textContent = text;
       it.className = "tag";
       stage.append(it);
-      labels.push({ it, where });
+      labels.push({ it, where, arrow });
       return it;
     },
   });
@@ -110,7 +110,8 @@
     words(q, others, values);
     root.dataset.frames = ++drawnFrames;
   }
-  const ASIDE = [0, -13, 13, -26, 26]; // px, where a label would stand on another one
+  const ASIDE = [0, -13, 13, -26, 26].map((d) => [0, d]); // px, where a label would stand on another one
+  const BESIDE = [[1, 0], [-1, 0], [1, 13], [-1, 13], [1, -13], [-1, -13]]; // its width and px, where it would stand on an arrow
   function tags(wide, high) {
     camera.updateMatrixWorld();
     const taken = [];
@@ -119,17 +120,30 @@
       label.it.hidden = !label.at;
     }
     for (const label of labels) if (label.at) label.half ||= label.it.offsetWidth / 2 + 2;
-    for (const { it, at, half } of labels) {
-      if (!at) continue;
+    const seen = (at) => {
       const p = new Vec3(...at);
       camera.project(p);
+      return p;
+    };
+    const shafts = labels.filter(({ at, arrow }) => at && arrow).flatMap(({ it, at }) => // the outer parts of arrows
+      [0.4, 0.5, 0.6, 0.7, 0.8, 0.9].map((part) => {
+        const p = seen(at.map((v) => part * v));
+        return { it, x: (wide * (1 + p[0])) / 2, y: (high * (1 - p[1])) / 2 };
+      }));
+    for (const { it, at, half } of labels) {
+      if (!at) continue;
+      const p = seen(at);
       const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, far = Math.hypot(across, down) || 1; // from the middle, outwards
       const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / far))), y = high / 2 + down * (1 + 5 / far);
-      const aside = ASIDE.find((d) => !taken.some((o) => Math.abs(o.x - x) < o.half + half && Math.abs(o.y - y - d) < 12));
-      it.hidden = aside === undefined;
+      const places = [...ASIDE, ...BESIDE].map(([a, b]) => ({ it, x: x + 2 * a * half, y: y + b, half }))
+        .filter((p) => p.x >= half - 1e-6 && p.x <= wide - half + 1e-6);
+      const free = (p) => !taken.some((o) => Math.abs(o.x - p.x) < o.half + half && Math.abs(o.y - p.y) < 12);
+      const clear = (p) => !shafts.some((o) => o.it !== it && Math.abs(o.x - p.x) < half + 4 && Math.abs(o.y - p.y) < 9);
+      const place = places.find((p) => free(p) && clear(p)) ?? places.find(free);
+      it.hidden = !place;
       if (it.hidden) continue;
-      taken.push({ x, y: y + aside, half });
-      it.style.transform = `translate(${x}px, ${y + aside}px) translate(-50%, -50%)`;
+      taken.push(place);
+      it.style.transform = `translate(${place.x}px, ${place.y}px) translate(-50%, -50%)`;
     }
   }
   function words(q, { desired, estimated }, values) {

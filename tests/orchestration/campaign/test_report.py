@@ -12,9 +12,11 @@ import pytest
 from orchestration.campaign.file.analysis import Sensitivity
 from orchestration.campaign.flying.rows import Rows
 from orchestration.campaign.report import page as report
+from orchestration.campaign.report import plots
 from orchestration.campaign.report.overview import failures
 from orchestration.campaign.statistics import sensitivity
 from orchestration.cli.campaign_summary import summary
+from orchestration.results.html import Page
 
 from ..results.browser import Tab, box, pixels, values
 from ..results.swing import Reader, data_of, unpacked
@@ -54,6 +56,25 @@ def test_the_page_says_what_came_of_the_campaign(text):
         "0.988 at least 0.9806, at most 0.99307",
     ):
         assert said in words, said
+
+
+def test_a_required_bound_is_on_the_axis_or_told_to_lie_beyond_it():
+    values = np.linspace(2.0, 3.0, 50)
+    for bound, on_it in ((5.5, True), (500.0, False)):
+        metric = plots.Metric("error", "", "deg", values, high=bound, probability=0.9, met=values < bound)
+        made = Page()
+        drawn = plots.distribution(metric, made.arrays, False)
+        assert drawn is not None
+        assert drawn["marks"] == ([bound] if on_it else [])
+        assert drawn["range"][1] == (bound if on_it else 3.0)
+        said = str(report._distribution(metric, made, False))
+        assert (f"dotted: {bound:g} deg, as required" in said) is on_it
+        assert (f"{bound:g} deg, as required, beyond the axis" in said) is not on_it
+
+
+def test_worst_runs_have_the_units_of_the_varied_values(text):
+    assert "plant.h_w0, mN.m.s" in Reader(text).words.partition("Worst runs")[2]
+    assert "rate, rad/s" in Reader(text).words.partition("Worst runs")[2]
 
 
 def test_the_worst_of_a_metric_that_some_run_never_reaches_is_never(text):

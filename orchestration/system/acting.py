@@ -1,0 +1,63 @@
+"""Faults and timeline as they act: at steps of the run, with the units of what they give."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from ..fmu.model import Model
+from ..quantities import ONE
+from ..scenario import timeline
+from ..scenario.faults import Fault, sentence
+from ..scenario.scenario import Scenario
+from .clock import steps_to
+
+
+def faults(scenario: Scenario) -> list[Fault]:
+    """The scenario's faults with the times at which they act, s: the first step at `at` or after it, and at `until`."""
+    return [
+        fault.model_copy(
+            update={
+                "at": _in_force(scenario, fault.at),
+                "until": None if fault.until is None else _in_force(scenario, fault.until),
+            }
+        )
+        for fault in scenario.faults
+    ]
+
+
+def fault_sentences(scenario: Scenario, models: Mapping[str, Model]) -> list[str]:
+    """What goes wrong and when, in words."""
+    return [sentence(fault, _unit(fault, models)) for fault in faults(scenario)]
+
+
+def timeline_sentences(scenario: Scenario) -> list[str]:
+    """What the timeline does and when, in words."""
+    return [
+        timeline.sentence(entry.model_copy(update={"at": _in_force(scenario, entry.at)})) for entry in scenario.timeline
+    ]
+
+
+def _in_force(scenario: Scenario, time: float) -> float:
+    count, exact = steps_to(scenario, time)
+    return time if exact else float(count * Fraction(repr(scenario.step)))
+
+
+def _unit(fault: Fault, models: Mapping[str, Model]) -> str:
+    """The unit of a fault's bare numbers; "" for values that have units of their own, or none."""
+    value = {"set": fault.set.value if fault.set is not None else None, "bias": fault.by, "cut": fault.to}.get(
+        fault.kind
+    )
+    target = fault.target
+    if not _bare(value):
+        return ""
+    variable, positions = models[target.block].find(target.block, target.variable, target.indices)
+    unit = variable.at(positions).unit or ONE
+    return "" if unit.name in ("", "1") else str(unit)
+
+
+def _bare(value: Any) -> bool:
+    if isinstance(value, (list, tuple)):
+        return bool(value) and all(map(_bare, value))
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
