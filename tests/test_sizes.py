@@ -28,7 +28,7 @@ LONG = {
     for path in sorted((ROOT / package).rglob("*"))
     if path.suffix in SUFFIXES and "build" not in path.parts
     for lines in [path.read_text("utf-8").splitlines()]
-    if len(lines) > LINES_MAX and "do not edit" not in "".join(lines[:2])
+    if len(lines) > LINES_MAX and "do not edit" not in "".join(lines[:4])
 }
 
 

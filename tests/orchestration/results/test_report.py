@@ -30,7 +30,7 @@ def test_every_run_leaves_a_page_that_says_what_came_of_it(tmp_path):
         "running values held from 3.1 s to 6 s, then released",
         "a.u = 1, from 8 s to 9 s",
         "mind the gap",
-        "a.on from 3.1 s to 5.9 s",
+        "a.on from 3.1 s to 6 s",
         "shaded: a.on is true",
         "red: a fault acts",
         "a.y = 0 at 1.57 s, 4.71 s",
