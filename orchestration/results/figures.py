@@ -25,7 +25,7 @@ from ..system import acting
 from ..system.panels import unit_of
 from .arrays import LARGEST
 from .data import RunData
-from .keys import FAULT, Keys, below
+from .keys import Keys, below
 from .lettering import plain, undrawn
 from .phases import bands
 
@@ -35,8 +35,8 @@ _PANEL_SIZE = (5.2, 3.4)
 """inches"""
 _ACROSS = 2
 """Panels in a row."""
-_FAULT_BAR = 0.03
-"""Height of the bar that marks a fault, as a share of the panel's."""
+_FAULT_BAR, _FAULT_ROW = 0.025, 0.035
+"""Height of the bar that marks a fault, and from one bar to the next, as shares of the panel's."""
 _LABELLED = 0.02
 """Share of a panel's width from which a phase has its name in it."""
 _TITLE = 56
@@ -166,10 +166,11 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, key
     for fault, text in zip(acting.faults(result.scenario), texts, strict=True):
         begin, end = max(fault.at, low), min(high if fault.until is None else fault.until, high)
         if begin < end:
-            axes.axvspan(begin, end, **FAULT)
-            top = {"ymin": 1.0 - _FAULT_BAR, "color": FAULT["edgecolor"], "linewidth": 1.5}  # seen however short it is
-            axes.axvspan(begin, end, **top)
-            keys.fault(plain(text))
+            row, colour = keys.fault(plain(text))
+            top = 1.0 - row * _FAULT_ROW
+            # Its edge keeps the shortest one visible.
+            axes.axvspan(begin, end, ymin=top - _FAULT_BAR, ymax=top, color=colour, linewidth=1.5)
+            axes.axvline(begin, color=colour, linewidth=0.8)
     axes.set_yscale(panel.scale)
     _draw_bands(axes, result, low, high, keys)
     axes.set_xlim(low, high)
@@ -208,7 +209,7 @@ def _draw_bands(axes: Any, result: RunData, low: float, high: float, keys: Keys)
         if end - begin > _LABELLED * (high - low):
             axes.annotate(
                 plain(band.name),
-                (0.5 * (begin + end), 0.95),
+                (0.5 * (begin + end), 0.95 - len(keys.faults) * _FAULT_ROW),
                 xycoords=axes.get_xaxis_transform(),
                 rotation=90,
                 fontsize=6,

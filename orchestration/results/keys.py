@@ -6,8 +6,8 @@ import textwrap
 from dataclasses import dataclass, field
 from typing import Any
 
-FAULT: dict[str, Any] = {"facecolor": "none", "edgecolor": "#c00000", "hatch": "////", "alpha": 0.45, "linewidth": 0.0}
-"""How the time of a fault is drawn: hatched, so that the colours of phases stay what they are."""
+_FAULTS = ("#c00000", "#e07b00", "#7b1fa2", "#5d4037")
+"""Colours of the bars of faults, in turn."""
 _FONT = 8
 _LETTERS = 14.5
 """Letters of that size on an inch, about."""
@@ -46,19 +46,21 @@ class Keys:
         if signal not in self.shades:
             self.shades.append(signal)
 
-    def fault(self, text: str) -> None:
+    def fault(self, text: str) -> tuple[int, str]:
+        """The row of the fault's bar, from the top, and its colour."""
         if text not in self.faults:
             self.faults.append(text)
+        row = self.faults.index(text)
+        return row, _FAULTS[row % len(_FAULTS)]
 
     def texts(self) -> list[tuple[str, str]]:
-        """What kind of thing each line explains, and the line."""
+        """What kind of thing each line explains, and the line; those of faults follow."""
         several = len(self.lines) > 1
         found = [("line", what + (f" ({', '.join(panels)})" if several else "")) for what, panels in self.lines.items()]
         for signal, times in self.marks.items():
             more = f" and {len(times) - _CROSSINGS} more" if len(times) > _CROSSINGS else ""
             found.append(("mark", f"{signal} = 0 at {', '.join(f'{time:.2f} s' for time in times[:_CROSSINGS])}{more}"))
-        found += [("shade", f"{signal} is true") for signal in self.shades]
-        return found + [("fault", f"fault: {text}") for text in self.faults]
+        return found + [("shade", f"{signal} is true") for signal in self.shades]
 
 
 def below(figure: Any, keys: Keys) -> None:
@@ -72,10 +74,11 @@ def below(figure: Any, keys: Keys) -> None:
         "line": lambda: Line2D([], [], color="0.35", linewidth=0.8, linestyle=(0, (5, 3))),
         "mark": lambda: Line2D([], [], color="0.35", linewidth=0.8, linestyle=":"),
         "shade": lambda: Patch(color="0.85"),
-        "fault": lambda: Patch(**FAULT),
     }
     letters = int(_LETTERS * width) - 6
-    kinds = [(look[kind](), _label(textwrap.fill(text, letters))) for kind, text in keys.texts()]
+    texts = [(look[kind](), text) for kind, text in keys.texts()]
+    texts += [(Patch(color=keys.fault(text)[1]), f"fault: {text}") for text in keys.faults]
+    kinds = [(handle, _label(textwrap.fill(text, letters))) for handle, text in texts]
     phases = [(Patch(**colour), _label(name)) for name, colour in keys.phases.items()]
     widest = 6 + max((len(name) for name in keys.phases), default=0)
     columns = max(1, min(len(phases), letters // widest))

@@ -4,7 +4,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from orchestration.results.keys import FAULT, Keys, below
+from orchestration.results.keys import Keys, below
 
 COLOUR = {"color": "#0072b2", "alpha": 0.16, "linewidth": 0.0}
 
@@ -24,9 +24,18 @@ def keys():
 
 def test_each_thing_is_told_once(keys):
     kinds = [kind for kind, _ in keys.texts()]
-    assert kinds == ["line", "mark", "fault"]
+    assert kinds == ["line", "mark"]
+    assert len(keys.faults) == 1
     assert keys.texts()[0] == ("line", "limits")
     assert keys.texts()[1][1].endswith("5.00 s and 2 more")
+
+
+def test_each_fault_has_a_bar_and_a_colour_of_its_own_in_all_panels():
+    keys = Keys()
+    first, second = keys.fault("one"), keys.fault("another")
+    assert (first[0], second[0]) == (0, 1)
+    assert first[1] != second[1]
+    assert (keys.fault("one"), keys.fault("another")) == (first, second)
 
 
 def test_lines_of_two_kinds_name_their_panels(keys):
@@ -58,4 +67,3 @@ def test_a_figure_without_anything_to_tell_keeps_its_size():
     figure = Figure(figsize=(5.2, 3.4), layout="constrained")
     below(figure, Keys())
     assert figure.get_size_inches().tolist() == [5.2, 3.4]
-    assert FAULT["hatch"]
