@@ -50,7 +50,7 @@ class _BlockOrFile(click.ParamType):
 @click.option("--lenient", is_flag=True, help="Show an FMU whose description is not valid as far as it can be read.")
 @click.option("--json", "json_", is_flag=True, help="Print all of it as JSON.")
 def command(block: str, names: tuple[str, ...], lenient: bool, json_: bool) -> None:
-    """Show a block's equations, ports and parameters: units, defaults, ranges.
+    """Show a block's equations, ports and parameters with units.
 
     BLOCK is one of the project's own, or the path of an FMU. NAMEs show these variables only; '*' stands for any text.
     Nothing of the FMU is run.

@@ -55,7 +55,7 @@ def command(
     out: Path | None,
     json_: bool,
 ) -> None:
-    """Show which wrong signs, axes and units at the ports are detected.
+    """Show which wrong signs, axes and units are detected.
 
     Every port is wired wrongly in every usual way, including transposed attitudes, and the loop is flown until an expectation or a consistency check of the
     scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
