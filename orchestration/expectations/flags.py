@@ -44,9 +44,8 @@ class Judge:
         self._begun = True
         for node, flag in self._flags.items():
             raised = columns[node] != 0.0
-            first = int(raised.argmax())
-            if raised[first]:
-                flag.first = float(time[first]) if flag.first is None else flag.first
+            if flag.first is None and raised.any():
+                flag.first = float(time[raised.argmax()])
             if len(ceased := np.flatnonzero(~raised & np.concatenate(([flag.standing], raised[:-1])))):
                 flag.until = float(time[ceased[-1]])
             flag.standing = bool(raised[-1])

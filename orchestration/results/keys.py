@@ -51,7 +51,7 @@ class Keys:
         if text not in self.faults:
             self.faults.append(text)
         row = self.faults.index(text)
-        return row, _FAULTS[row % len(_FAULTS)]
+        return row, _colour(row)
 
     def texts(self) -> list[tuple[str, str]]:
         """What kind of thing each line explains, and the line; those of faults follow."""
@@ -77,7 +77,7 @@ def below(figure: Any, keys: Keys) -> None:
     }
     letters = int(_LETTERS * width) - 6
     texts = [(look[kind](), text) for kind, text in keys.texts()]
-    texts += [(Patch(color=keys.fault(text)[1]), f"fault: {text}") for text in keys.faults]
+    texts += [(Patch(color=_colour(row)), f"fault: {text}") for row, text in enumerate(keys.faults)]
     kinds = [(handle, _label(textwrap.fill(text, letters))) for handle, text in texts]
     phases = [(Patch(**colour), _label(name)) for name, colour in keys.phases.items()]
     widest = 6 + max((len(name) for name in keys.phases), default=0)
@@ -100,6 +100,11 @@ def below(figure: Any, keys: Keys) -> None:
         legend.set_bbox_to_anchor((0.01, bottom / (height + total)), figure.transFigure)
     share = total / (height + total)
     figure.get_layout_engine().set(rect=(0.0, share, 1.0, 1.0 - share))
+
+
+def _colour(row: int) -> str:
+    """Of the bar of a fault."""
+    return _FAULTS[row % len(_FAULTS)]
 
 
 def _label(text: str) -> str:

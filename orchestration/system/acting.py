@@ -46,9 +46,7 @@ def _in_force(scenario: Scenario, time: float) -> float:
 
 def _unit(fault: Fault, models: Mapping[str, Model]) -> str:
     """The unit of a fault's bare numbers; "" for values that have units of their own, or none."""
-    value = {"set": fault.set.value if fault.set is not None else None, "bias": fault.by, "cut": fault.to}.get(
-        fault.kind
-    )
+    value = fault.set.value if fault.set is not None else fault.by if fault.bias is not None else fault.to
     target = fault.target
     if not _bare(value):
         return ""

@@ -53,6 +53,16 @@ def _lost(*targets: str) -> Callable[[Data], Any]:
     return lambda data: without(data, *targets)
 
 
+def _dead_and_known(data: Data) -> None:
+    _fail({"at": 0.0, "cut": "plant.dipole_cmd[1]"})(data)
+    change(data, {"controller.rod_gains0": [0, 1, 1]})
+
+
+def _by_demand(data: Data) -> None:
+    """The wheel follows the demand alone."""
+    change(without(data, *FEED_FORWARD), {"allocator.desaturation_time": 1e9, "allocator.wheel_weight": 0.02})
+
+
 def _late(data: Data) -> None:
     """One sample later: at a base step of the sample, so that a delay is as long as it."""
     data["step"] = 0.5
@@ -65,6 +75,7 @@ def _dipole_alone(data: Data) -> None:
     change(without(data, "controller.b_B"), {"controller.field_degree": 1})
 
 
+FEED_FORWARD = ("allocator.dipole_ff", "allocator.wheel_torque_ff")
 ANYWHERE: Data = {"along": {"uniform": ["0 deg", "360 deg"]}}
 BODY: Data = {"axes": {"rotation": "uniform"}, "size": {"uniform": [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]}}
 TURNS: Data = {f"turn{i}": {"sphere": 1.0} for i in (1, 2, 3)}
@@ -162,33 +173,26 @@ TRIED = (
     Tried(
         "rod 1 known",
         "rod 1 gives nothing, known before the flight (`rod_gains0`)",
-        lambda data: change(
-            _fail({"at": 0.0, "cut": "plant.dipole_cmd[1]"})(data) or data, {"controller.rod_gains0": [0, 1, 1]}
-        ),
+        _dead_and_known,
     ),
     Tried("wheel stuck", "the wheel does not turn, not known", _start(plant__wheel_torque_max=0.0)),
     Tried("no u_applied", "`u_applied` not connected", _lost("controller.u_applied")),
     Tried("no h_w", "`h_w` of the controller not connected", _lost("controller.h_w")),
     Tried("neither", "neither of the two", _lost("controller.u_applied", "controller.h_w")),
-    Tried(
-        "no feed-forward", "no feed-forward to the allocator", _lost("allocator.dipole_ff", "allocator.wheel_torque_ff")
-    ),
+    Tried("no feed-forward", "no feed-forward to the allocator", _lost(*FEED_FORWARD)),
     Tried("no b_B", "`b_B` of the controller not connected", _lost("controller.b_B")),
     Tried("dipole on board", "a dipole as onboard field model", _start(controller__field_degree=1)),
     Tried("dipole no b_B", "a dipole as onboard field model, `b_B` not connected", _dipole_alone),
     Tried(
         "no feed-forward errors",
         "all errors, no feed-forward to the allocator",
-        _lost("allocator.dipole_ff", "allocator.wheel_torque_ff"),
+        _lost(*FEED_FORWARD),
         errors=True,
     ),
     Tried(
         "no feed-forward by demand errors",
         "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, `wheel_weight` 0.02)",
-        lambda data: change(
-            without(data, "allocator.dipole_ff", "allocator.wheel_torque_ff"),
-            {"allocator.desaturation_time": 1e9, "allocator.wheel_weight": 0.02},
-        ),
+        _by_demand,
         errors=True,
     ),
     Tried("no u_applied errors", "all errors, `u_applied` not connected", _lost("controller.u_applied"), errors=True),
