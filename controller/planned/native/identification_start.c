@@ -116,7 +116,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->bias_density = EXPECTED * EXPECTED * id->limit[0] * id->limit[0] / BIAS_TIME;
     /* The filter at rest then forgets over disturbance_time. */
     id->torque_density =
-        id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (p->disturbance_time * p->disturbance_time) : 0.0;
+        id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (scales->disturbance_time * scales->disturbance_time) : 0.0;
     id->time = T;
     id->watch.pause = PAUSE * T;
     id->lasts = LASTS * T;

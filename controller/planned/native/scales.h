@@ -30,6 +30,7 @@ typedef struct {
     double plan_period;               /* s */
     double steering_limit;            /* N m s */
     double disturbance_max;           /* N m */
+    double disturbance_time;          /* s */
     double residual_dipole_max;       /* A m2 */
 } Scales;
 

@@ -45,6 +45,28 @@ def test_a_gain_that_is_given_wins(name, value):
     assert not np.allclose(torque(**{name: value}), torque(), rtol=1e-6)
 
 
+def at_height(height):
+    """near_target's inputs on a circular orbit at this height, m, over the radius of the field models."""
+
+    def inputs(t):
+        given = near_target(t)
+        r, v = np.array(given["r_N"]), np.array(given["v_N"])
+        radius = 6371.2e3 + height
+        speed = math.sqrt(3.986004418e14 / radius)
+        return {**given, "r_N": radius / np.linalg.norm(r) * r, "v_N": speed / np.linalg.norm(v) * v}
+
+    return inputs
+
+
+@pytest.mark.parametrize(("height", "forgotten"), [(350e3, 100.0), (400e3, 100.0 * math.e**0.5), (600e3, 400.0)])
+def test_the_disturbance_is_forgotten_sooner_where_drag_is_strong(height, forgotten):
+    def disturbance(**changes):
+        return outputs_after(60.0, at_height(height), **changes)["disturbance_B"]
+
+    assert np.allclose(disturbance(), disturbance(disturbance_time=forgotten), rtol=1e-7, atol=0.0)
+    assert not np.allclose(disturbance(), disturbance(disturbance_time=0.7 * forgotten), rtol=1e-6, atol=0.0)
+
+
 # ------------------------------------------------------------------------------------------- gains that cannot be stable
 
 
