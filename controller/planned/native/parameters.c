@@ -105,13 +105,16 @@ static bool check_rods(const ControllerPlannedParameters *p, Fault *f)
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
 {
     const Named positive[] = {
-        {"control_period", p->control_period},     {"dipole_max", p->dipole_max},
-        {"wheel_torque_max", p->wheel_torque_max}, {"wheel_momentum_max", p->wheel_momentum_max},
+        {"control_period", p->control_period},
+        {"dipole_max", p->dipole_max},
+        {"wheel_torque_max", p->wheel_torque_max},
+        {"wheel_momentum_max", p->wheel_momentum_max},
         {"gravitational_parameter", p->gravitational_parameter},
     };
     const Named not_negative[] = {
-        {"attitude_noise", p->attitude_noise},   {"rate_noise", p->rate_noise},           {"plan_period", p->plan_period},
-        {"steering_limit", p->steering_limit},   {"identify_spread", p->identify_spread}, {"rate_bias_max", p->rate_bias_max},
+        {"attitude_noise", p->attitude_noise},   {"rate_noise", p->rate_noise},
+        {"plan_period", p->plan_period},         {"steering_limit", p->steering_limit},
+        {"identify_spread", p->identify_spread}, {"rate_bias_max", p->rate_bias_max},
         {"momentum_weight", p->momentum_weight}, {"disturbance_time", p->disturbance_time},
     };
     const Named bounds[] = {{"disturbance_max", p->disturbance_max}, {"residual_dipole_max", p->residual_dipole_max}};

@@ -106,7 +106,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .plan_period = given_or(p->plan_period, PLAN_PERIOD * T),
         .steering_limit = given_or(p->steering_limit, two_digits(STEERING_LIMIT * momentum)),
         .disturbance_max = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque),
-        .disturbance_time = given_or(p->disturbance_time, drag_forgotten(a)),
+        .disturbance_time = given_or(p->disturbance_time, two_digits(drag_forgotten(a))),
         .residual_dipole_max = p->residual_dipole_max >= 0.0 ? p->residual_dipole_max : RESIDUAL_DIPOLE_MAX * p->dipole_max,
     };
 }

@@ -58,7 +58,7 @@ def at_height(height):
     return inputs
 
 
-@pytest.mark.parametrize(("height", "forgotten"), [(350e3, 100.0), (400e3, 100.0 * math.e**0.5), (600e3, 400.0)])
+@pytest.mark.parametrize(("height", "forgotten"), [(350e3, 100.0), (400e3, 160.0), (600e3, 400.0)])
 def test_the_disturbance_is_forgotten_sooner_where_drag_is_strong(height, forgotten):
     def disturbance(**changes):
         return outputs_after(60.0, at_height(height), **changes)["disturbance_B"]
