@@ -22,7 +22,7 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
 `[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`, `unit`,
-`display_unit`, `frame`, `min`, `max`, `description`. The function NAME in the block's module `inputs` works them out.
+`display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME in the block's module `inputs` works them out.
 
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
 terminals of one name fit each other. `[view]` has what a three-dimensional view of a loop takes of this block: the keys of a scenario's
@@ -36,6 +36,7 @@ gives for it.
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 from .variables import FLAVOURS, STEPS, Causality, Element, Interface, Type, Variable
@@ -165,9 +166,12 @@ def _helpers(entries: dict[str, Any], variables: dict[str, Variable], file: str)
         try:
             if name in variables:
                 raise InterfaceError("a variable has this name")
-            helpers[name] = _variable(
-                name, {**entry, "causality": "parameter", "variability": "fixed", "start": start}, {}, 0
-            )
+            if (gives := entry.get("gives")) not in variables or variables[gives].causality != "parameter":
+                raise InterfaceError(f"gives: expected a parameter, found {gives!r}")
+            stated = {key: value for key, value in entry.items() if key != "gives"}
+            stated |= {"causality": "parameter", "variability": "fixed", "start": start}
+            variable = _variable(name, stated, {}, 0)
+            helpers[name] = replace(variable, gives=gives, description=f"{variable.description}: gives {gives}")
         except InterfaceError as error:
             raise InterfaceError(f"{file}: helpers.{name}: {error}") from None
     return helpers

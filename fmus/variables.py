@@ -52,6 +52,8 @@ class Variable:
     """Of a parameter: the quantity that it states, the same in every block of a loop."""
     steps: str | None = None
     """Of a parameter that is a time: how many steps of its block it has to be, one of `STEPS`."""
+    gives: str = ""
+    """Of a helper input: the parameter that follows from it."""
 
     @property
     def unit(self) -> str | None:

@@ -78,7 +78,7 @@ def in_steps(block: str) -> dict[str, str]:
 def helpers(block: str) -> dict[str, Helper]:
     """The helper inputs of one of the project's own interfaces; none of any other."""
     declared = load(block).helpers.values() if block in own() else ()
-    return {v.name: Helper(_variable(v), partial(start_values, block, v.name)) for v in declared}
+    return {v.name: Helper(_variable(v), v.gives, partial(start_values, block, v.name)) for v in declared}
 
 
 def with_inputs(fmu: Fmu, block: str) -> Model:

@@ -135,8 +135,10 @@ class Helper:
     """An input for engineers, such as an altitude, that stands for start values of parameters."""
 
     variable: Variable
+    gives: str
+    """The parameter that follows from it."""
     function: Callable[[Any, Mapping[str, Any]], Mapping[str, Any]]
-    """Its value and the parameters in force, to the parameters that it gives. Raises ValueError."""
+    """Its value and the parameters in force, to the parameter with its value. Raises ValueError."""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element,
 def _as_helper(model: Model, variable: Variable, value: Any) -> str:
     """The helper input that stands for this variable, where a number that the variable refuses is right for it."""
     for name, helper in model.helpers.items():
-        if not variable.shape and helper.variable.description.endswith(f"gives {variable.name}"):
+        if not variable.shape and helper.gives == variable.name:
             with suppress(QuantityError):
                 scalar(helper.variable, 0, value)
                 return f"; did you mean '{name}: {value}'?"

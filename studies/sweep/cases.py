@@ -18,8 +18,8 @@ WHEEL, GIVEN_UP, ATTITUDE, FIELD = 3, 4, 5, 6
 """Alarms behind those of the rods, in the order of loop.c."""
 IN_HOLD, UNTIL, JUDGED, SOON = 1000.0, 1800.0, 1200.0, 700.0
 """s: when a part fails in the hold; the end of a flight with a failure, and from when its hold is judged; the end where none is."""
-LOW = math.radians(15.0)
-"""Inclination, rad."""
+LOW, NEAR = math.radians(15.0), 6771e3
+"""Inclination, rad; radius of an orbit with strong drag, m."""
 FRICTION = {"plant.wheel_coulomb_friction": 5e-5, "plant.wheel_viscous_friction": 1e-7}
 WHEEL_NOISE, RATE_NOISE = {"sensors.wheel_momentum_noise": 1e-5}, {"sensors.rate_noise": 1e-4}
 FAST = {"plant.omega_B0": [math.radians(15.0) * x / 3.0 for x in (2.0, -1.0, 2.0)]}
@@ -97,13 +97,17 @@ def _small(runs: int) -> list[Flight]:
     return [Flight(given, until=1.5 * ORBIT, hold=0.5 * ORBIT, rate=group.slow) for given in tumbles_of(group)]
 
 
-def _low(runs: int) -> list[Flight]:
-    """The first tumbles below LOW, half of them under all errors, of the satellite that settles in the fewest there."""
-    flights = []
-    for errors in (False, True):
-        group = tumbles_of_satellite("50 kg, wheel along (1, 2, 2)/3", 100, errors)
-        low = [drawn for drawn in group.drawn() if drawn["plant.inclination"] < LOW][: runs // 2]
-        flights += [whole(group, each) for each in low]
+def _below(satellite: str, start: str, limit: float) -> Callable[[int], list[Flight]]:
+    """The first tumbles of a satellite with this start value below a limit, half of them under all errors."""
+
+    def flights(runs: int) -> list[Flight]:
+        found = []
+        for errors in (False, True):
+            group = tumbles_of_satellite(satellite, 100, errors)
+            low = [drawn for drawn in group.drawn() if drawn[start] < limit][: runs // 2]
+            found += [whole(group, each) for each in low]
+        return found
+
     return flights
 
 
@@ -161,7 +165,8 @@ GROUPS = {
     "acquisition": Cases(_acquisition, 40, ("settled",)),
     "hold": Cases(_hold, 10, ("hold",)),
     "small satellite": Cases(_small, 2, ("hold",)),
-    "low inclination": Cases(_low, 12, ("hold",)),
+    "low inclination": Cases(_below("50 kg, wheel along (1, 2, 2)/3", "plant.inclination", LOW), 12, ("hold",)),
+    "strong drag": Cases(_below("3U", "plant.orbit_radius", NEAR), 12, ("hold", "sound")),
     "estimate": Cases(_estimate, 10, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
     "failed sensors": Cases(_failing(SENSORS), len(SENSORS), ("found", "sound", "hold")),

@@ -11,11 +11,11 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 3.0;
-static const double DISTURBANCE_MAX = 0.036;       /* of the rods' torque: more could not be opposed by rods in the hold */
-static const double RESIDUAL_DIPOLE_MAX = 0.05;    /* of dipole_max */
-static const double FORGOTTEN[2] = {100.0, 400.0}; /* s */
-static const double STRONG_DRAG = 370e3;           /* m, the height below which drag is strong */
-static const double DENSITY_HEIGHT = 60e3;         /* m, in which the density of the air falls by e there */
+static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
+static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
+static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0; /* s */
+static const double STRONG_DRAG = 370e3;                         /* m, the height below which drag is strong */
+static const double DENSITY_HEIGHT = 60e3;                       /* m, in which the density of the air falls by e there */
 static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;                             /* T^2 */
@@ -57,10 +57,10 @@ static double given_or(double given, double computed)
     return given > 0.0 ? given : computed;
 }
 
-/* s, from FORGOTTEN[0] where drag is strong and changes along the orbit to FORGOTTEN[1] where it is weak. */
+/* s: the sooner where drag is strong, since it changes along the orbit. */
 static double drag_forgotten(double a)
 {
-    return clip(FORGOTTEN[0] * exp((a - ONBOARD_RADIUS - STRONG_DRAG) / DENSITY_HEIGHT), FORGOTTEN[0], FORGOTTEN[1]);
+    return clip(SOONER_FORGOTTEN * exp((a - ONBOARD_RADIUS - STRONG_DRAG) / DENSITY_HEIGHT), SOONER_FORGOTTEN, FORGOTTEN);
 }
 
 enum { POWERS = 200 };

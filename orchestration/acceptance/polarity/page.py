@@ -20,8 +20,6 @@ from .swaps import Looked
 from .trials import Row, Trials
 
 HEADER = ("port", "", "wrong", "detected", "first", "last", "mostly by")
-_BY = 25
-"""Characters of the last column, so that a line has at most 80."""
 
 
 def ports(rows: Sequence[Row]) -> list[list[Row]]:
@@ -32,7 +30,7 @@ def ports(rows: Sequence[Row]) -> list[list[Row]]:
     return list(groups.values())
 
 
-def table(trials: Trials, wide: bool = False) -> list[tuple[str, ...]]:
+def table(trials: Trials) -> list[tuple[str, ...]]:
     """A line for each port: how many wrong wirings, how many are detected, after how many seconds, and by what mostly."""
     lines = []
     for rows in ports(trials.rows):
@@ -42,7 +40,6 @@ def table(trials: Trials, wide: bool = False) -> list[tuple[str, ...]]:
         text = by[0][0] if by else ""
         if by and next(one.how for one in found if text in one.by) == "refused":
             text = f"refused by {text}"
-        text = text if wide or len(text) <= _BY else text[: _BY - 3] + "..."
         lines.append((port.name, port.causality[:-3], str(len(rows)), str(len(found)), *times, text))
     return lines
 
@@ -96,7 +93,7 @@ def markdown(trials: Trials, title: str) -> str:
     """The tables as a page."""
     lines = [f"# Polarity of {title}", "", f"{verdict(trials)}.", ""]
     header = ("port", "direction", "wrong wirings", "detected", "first after", "last after", "mostly by")
-    lines += _table(header, table(trials, wide=True))
+    lines += _table(header, table(trials))
     if left := unobservable(trials):
         lines += ["", "## Not observable", ""]
         lines += _table(
