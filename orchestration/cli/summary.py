@@ -45,11 +45,10 @@ def summary(result: Result) -> None:
             say(folded(f"  {late.text}"), fg="yellow")
         if len(result.pace.listed) > _LISTED:
             say("  more of them are in the report and in the manifest", fg="yellow")
-    for fault in acting.fault_sentences(result.scenario, result.models):
+    for fault in acting.fault_sentences(result.scenario, result.models, result.reached):
         say(f"fault: {fault}", fg="yellow")
-    for entry, text in zip(result.scenario.timeline, acting.timeline_sentences(result.scenario), strict=True):
-        if entry.at < result.reached:
-            say(f"timeline: {text}")
+    for text in acting.timeline_sentences(result.scenario, result.reached):
+        say(f"timeline: {text}")
     if result.highlights:
         rows = [(h.signal, with_unit(h.final, h.unit), h.text) for h in result.highlights]
         say()

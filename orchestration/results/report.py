@@ -132,8 +132,8 @@ def _events(result: RunData) -> Markup:
     return joined(
         [
             _part("holds", items(holds)),
-            _part("faults", items(acting.fault_sentences(result.scenario, result.models))),
-            _part("timeline", items(acting.timeline_sentences(result.scenario))),
+            _part("faults", items(acting.fault_sentences(result.scenario, result.models, result.reached))),
+            _part("timeline", items(acting.timeline_sentences(result.scenario, result.reached))),
             _part("key_figures", rows(figures)),
             _part("flags", items(result.raised)),
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
@@ -14,8 +15,11 @@ from ..scenario.scenario import Scenario
 from .clock import steps_to
 
 
-def faults(scenario: Scenario) -> list[Fault]:
-    """The scenario's faults with the times at which they act, s: the first step at `at` or after it, and at `until`."""
+def faults(scenario: Scenario, end: float = math.inf) -> list[Fault]:
+    """The scenario's faults with the times at which they act, s: the first step at `at` or after it, and at `until`.
+
+    Without those from `end`, s, on, and those after the run, which an option may have shortened.
+    """
     return [
         fault.model_copy(
             update={
@@ -24,18 +28,21 @@ def faults(scenario: Scenario) -> list[Fault]:
             }
         )
         for fault in scenario.faults
+        if fault.at < min(end, scenario.duration)
     ]
 
 
-def fault_sentences(scenario: Scenario, models: Mapping[str, Model]) -> list[str]:
-    """What goes wrong and when, in words."""
-    return [sentence(fault, _unit(fault, models)) for fault in faults(scenario)]
+def fault_sentences(scenario: Scenario, models: Mapping[str, Model], end: float = math.inf) -> list[str]:
+    """What goes wrong before `end`, s, and when, in words."""
+    return [sentence(fault, _unit(fault, models)) for fault in faults(scenario, end)]
 
 
-def timeline_sentences(scenario: Scenario) -> list[str]:
-    """What the timeline does and when, in words."""
+def timeline_sentences(scenario: Scenario, end: float = math.inf) -> list[str]:
+    """What the timeline does before `end`, s, and when, in words."""
     return [
-        timeline.sentence(entry.model_copy(update={"at": _in_force(scenario, entry.at)})) for entry in scenario.timeline
+        timeline.sentence(entry.model_copy(update={"at": _in_force(scenario, entry.at)}))
+        for entry in scenario.timeline
+        if entry.at < min(end, scenario.duration)
     ]
 
 

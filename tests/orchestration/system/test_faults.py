@@ -391,6 +391,8 @@ def test_the_summary_and_the_manifest_tell_the_faults(loop):
     shorter = CliRunner().invoke(main, [str(loop), "--duration", "0.8"])
     assert shorter.exit_code == 0
     assert "note: does not happen, since the run ends before: motor.speed cut, from 1 s to 1.5 s" in shorter.stderr
+    assert json.loads(Path("results/loop/manifest.json").read_text())["faults"] == manifest["faults"][1:]
+    assert "fault: motor" not in shorter.output.replace(shorter.stderr, "")
     at_end = CliRunner().invoke(main, [str(loop), "--duration", "0.5"])
     assert at_end.exit_code == 0
     assert "note: does not happen, since the run ends before: regulator.gain = -2, from 0.5 s on" in at_end.stderr
