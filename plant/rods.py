@@ -12,8 +12,8 @@ import numpy as np
 
 from .so3 import Array
 
-SNAP = 1e-9
-"""Of a period: a time this near to a switching instant counts as that instant, so that rounding cuts no slivers."""
+SNAP = 1e-6
+"""Of a period: a time this near to a switching instant counts as that instant, so that the rounding of a long sum of steps cuts no slivers."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 #include <stdint.h>
 
-static const double SNAP = 1e-9; /* of a period, so that rounding cuts no slivers */
+static const double SNAP = 1e-6; /* of a period, so that the rounding of a long sum of steps cuts no slivers */
 
 static bool take_turns(const PlantParameters *p)
 {

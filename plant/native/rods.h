@@ -13,7 +13,7 @@ typedef struct {
     bool on;
 } Turn;
 
-/* The turn that lasts from t on; a time within 1e-9 of a period counts as the switching instant next to it. */
+/* The turn that lasts from t on; a time within 1e-6 of a period counts as the switching instant next to it. */
 Turn plant_turn_at(const PlantParameters *p, double t);
 
 /* The duration of the turn's part in [t, t + left]: `left` where it ends no earlier. */

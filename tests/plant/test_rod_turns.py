@@ -179,3 +179,18 @@ def test_more_than_a_million_periods_in_a_step_are_refused():
     p = checked(rod_period=1e-3, rod_duty=0.5, step_max=1e4)
     with pytest.raises(ValueError, match=r"rod_period: expected at least a millionth .* 1001.0 s, found 0.001 s"):
         plant.step(plant.start(p, command()), command(), p, 1001.0)
+
+
+def test_many_steps_added_up_end_on_the_instants_at_which_rods_switch():
+    with Instance("plant") as it:
+        for name, value in {"rod_period": 0.5, "rod_duty": 0.8, "dipole_cmd": [1.0, 2.0, 3.0]}.items():
+            it.set(name, value)
+        it.initialize()
+        time, step = 0.0, 0.1
+        told = []
+        for count in range(1, 60001):
+            it.step(time, step)
+            time += step
+            told.append(it.get("dipole")[0] > 0.0 if count % 5 in (0, 4) else None)
+    assert all(on for on in told[4::5])
+    assert not any(on for on in told[3::5])
