@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -18,7 +17,7 @@ from ..interrupt import held
 from ..results.place import reserved
 from .flying.crew import Batches, Crew, crew
 from .load import Case
-from .record import MANIFEST, manifest, write
+from .record import MANIFEST, earlier_start, manifest, write
 from .report import page as report
 from .statistics import verdicts as statistics
 from .statistics.verdicts import Claim, Verdict
@@ -26,7 +25,7 @@ from .statistics.verdicts import Claim, Verdict
 try:
     from .extras import ANALYSES, analyse, keep
     from .flying.dataset import Dataset
-except ImportError:  # in a place without PyArrow, of which `fly` tells
+except ModuleNotFoundError:  # in a place without PyArrow, of which `fly` tells
     Dataset = None  # type: ignore[assignment, misc]
 
 
@@ -84,7 +83,7 @@ def fly(
         raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
     begun = perf_counter()
     with reserved(folder), ExitStack() as stack:
-        earlier = _earlier(case, folder)
+        earlier = earlier_start(case, folder)
         data = Dataset(folder, case.job, case.runs)
         state, interrupted, verdicts = "running", 0, list[Verdict]()
         if (extended := _extended(case, earlier)) and case.campaign.stop != "decided":
@@ -202,37 +201,3 @@ def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
         why = reason(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
         remark(f"{folder / 'campaign.html'} cannot be written: {why}")
         return None
-
-
-def _is_sound(earlier: Mapping[str, Any]) -> bool:
-    """Whether what is taken over from a manifest has its types."""
-    runs = earlier.get("runs", {})
-    counts = list(runs.values()) if isinstance(runs, dict) else [None]
-    texts = all(isinstance(earlier.get(key, ""), str) for key in ("started", "state"))
-    return texts and all(type(n) is int for n in counts) and type(earlier.get("wall_time", 0.0)) in (int, float)
-
-
-def _earlier(case: Case, folder: Path) -> dict[str, Any]:
-    """The manifest that an earlier start of this campaign left. Raises InputError where it is another campaign's."""
-    path = folder / MANIFEST
-    if not path.exists():
-        if (folder / "runs").exists():
-            raise InputError(f"{folder / 'runs'} stands without {MANIFEST}; remedy: another folder (--out)")
-        return {}
-    found: dict[str, Any] = {}
-    with suppress(OSError, ValueError):
-        found = json.loads(path.read_text("utf-8"))
-    parts = found.get("parts") if isinstance(found, dict) else None
-    if not isinstance(parts, dict) or not _is_sound(found):
-        raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
-    if found.get("fingerprint") != case.fingerprint:
-        differ = [name for name, value in case.parts.items() if parts.get(name) != value]
-        if "sampling" in differ and found.get("sampling") == case.campaign.sampling:
-            wanted = found.get("runs", {}).get("wanted")
-            runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
-            differ[differ.index("sampling")] = runs
-        raise InputError(
-            f"{folder} holds the campaign {str(found.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
-            "remedy: another folder (--out), or remove it"
-        )
-    return found

@@ -56,9 +56,11 @@ class Case:
         """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs does not count."""
         opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
         scenario = opened.plan.scenario.model_dump(mode="json", exclude=_DECIDES_NO_ROW)
+        starts = {name: block.pop("start", {}) for name, block in scenario["blocks"].items()}
         counted = {} if campaign["sampling"] == "random" else {"runs": self.runs}
         content: dict[str, Any] = {
             "scenario": scenario,
+            "start values": {"shared": scenario.pop("shared", {}), **starts},
             "what varies": {"draw": campaign["draw"], "vary": campaign["vary"]},
             "sampling": {"sampling": campaign["sampling"], **counted},
             "seed": campaign["seed"],
@@ -93,6 +95,9 @@ def read_campaign(
     """
     source = extends.extended(campaign) if isinstance(campaign, Source) else extends.read(Path(campaign))
     if isinstance(source.data, dict):
+        if "blocks" in source.data and "scenario" not in source.data:
+            message = "is a scenario; expected a campaign, which names one under 'scenario'; remedy: orchestrate run"
+            raise InputError(source.error((), message))
         for key, value in (overrides or {}).items():
             source = source.with_value(key, value, f"--{key}")
         for name, value in (sets or {}).items():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import platform
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from fmus.versions import version_of
 
-from ..errors import ResultsError, reason
+from ..errors import InputError, ResultsError, reason
 from ..results.data import json_text
 from ..results.place import put
 from .load import Case
@@ -100,3 +102,40 @@ def write(path: Path, record: Mapping[str, Any]) -> None:
         put(path, json_text(record) + "\n")
     except OSError as error:
         raise ResultsError(f"the campaign's manifest cannot be written: {path}: {reason(error)}") from None
+
+
+def _is_sound(earlier: Mapping[str, Any]) -> bool:
+    """Whether what is taken over from a manifest has its types."""
+    runs = earlier.get("runs", {})
+    counts = list(runs.values()) if isinstance(runs, dict) else [None]
+    texts = all(isinstance(earlier.get(key, ""), str) for key in ("started", "state"))
+    return texts and all(type(n) is int for n in counts) and type(earlier.get("wall_time", 0.0)) in (int, float)
+
+
+def earlier_start(case: Case, folder: Path) -> dict[str, Any]:
+    """The manifest that an earlier start of this campaign left, empty where there is none.
+
+    Raises InputError where the folder holds another campaign.
+    """
+    path = folder / MANIFEST
+    if not path.exists():
+        if (folder / "runs").exists():
+            raise InputError(f"{folder / 'runs'} stands without {MANIFEST}; remedy: another folder (--out)")
+        return {}
+    found: dict[str, Any] = {}
+    with suppress(OSError, ValueError):
+        found = json.loads(path.read_text("utf-8"))
+    parts = found.get("parts") if isinstance(found, dict) else None
+    if not isinstance(parts, dict) or not _is_sound(found):
+        raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
+    if found.get("fingerprint") != case.fingerprint:
+        differ = [name for name, value in case.parts.items() if parts.get(name) != value]
+        if "sampling" in differ and found.get("sampling") == case.campaign.sampling:
+            wanted = found.get("runs", {}).get("wanted")
+            runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
+            differ[differ.index("sampling")] = runs
+        raise InputError(
+            f"{folder} holds the campaign {str(found.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
+            "remedy: another folder (--out), or remove it"
+        )
+    return found

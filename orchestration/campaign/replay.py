@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from ..scenario.text import written
 from ..system.starts import resolve
 from .flying.job import Pilot
 from .load import Case
-from .record import MANIFEST
+from .record import earlier_start
 
 
 @dataclass(frozen=True)
@@ -39,25 +38,24 @@ class Replayed:
     """The scenario that was written."""
 
 
-def replay(case: Case, index: int, folder: Path) -> Replayed:
+def replay(case: Case, index: int, folder: Path, results: Path | None = None) -> Replayed:
     """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError, ResultsError.
 
-    Its metrics are those of the campaign's row, bit for bit. A signal that ends it raises Stopped.
+    Its metrics are those of the campaign's row, bit for bit: with `results` it is refused where they are another campaign's.
+    A signal that ends it raises Stopped.
     """
-    if not 0 <= index < case.runs:
-        raise InputError(f"--replay {index}: the campaign has the runs 0 to {case.runs - 1}")
+    earlier = earlier_start(case, results) if results else {}
+    runs = max(case.runs, earlier.get("runs", {}).get("wanted", 0))
+    if not 0 <= index < runs:
+        raise InputError(f"--replay {index}: the campaign has the runs 0 to {runs - 1}; remedy: --runs")
     return at(case, case.job.design.points([index])[0].tolist(), folder, f"Run {index}", f"-{index}")
 
 
 def worst(case: Case, results: Path, folder: Path) -> Replayed:
     """The worst case that a search has found, whose campaign is in `results`, as `replay` does a run. Raises InputError, MetricError."""
-    found: Any = None
-    with suppress(OSError, ValueError):
-        found = json.loads((results / MANIFEST).read_text("utf-8")).get("search")
+    found = earlier_start(case, results).get("search")
     if not isinstance(found, dict) or not found.get("unit_point"):
         raise InputError(f"--replay worst: no search has found a worst case in {results}")
-    if len(found["unit_point"]) != case.job.draws.dimension:
-        raise InputError(f"--replay worst: {results} holds another campaign; remedy: --out")
     return at(case, found["unit_point"], folder, "The worst case", "-worst")
 
 

@@ -129,7 +129,7 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     folder = target / f"replay-{index}"
     check_writable(folder)
     try:
-        again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder)
+        again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder, target)
     except MetricError as error:
         complain(str(error))
         return BLOCK_FAILED

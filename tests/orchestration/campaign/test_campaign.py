@@ -179,6 +179,32 @@ def test_a_replayed_run_gives_its_rows_bits(toy, index):
     assert again.met == {"at rest": row["met: at rest"]}
 
 
+def test_a_run_of_another_campaign_than_the_folders_is_not_replayed(toy):
+    fly(toy, runs=3)
+    result = command(toy, "--out", "out", "--seed", 9, "--replay", 1)
+    assert (result.exit_code, "out holds the campaign 'toy', which differs in seed; remedy" in result.stderr) == (
+        2,
+        True,
+    )
+    result = command(toy, "--out", "out", "--set", "regulator.gain=2", "--replay", 1)
+    assert (result.exit_code, "differs in start values" in result.stderr) == (2, True)
+
+
+def test_a_scenario_in_the_place_of_a_campaign_is_told_in_a_sentence(loop):
+    result = command(loop)
+    assert (result.exit_code, result.stderr) == (
+        2,
+        f"{loop}:1: is a scenario; expected a campaign, which names one under 'scenario'; remedy: orchestrate run\n",
+    )
+
+
+def test_a_run_beyond_the_files_number_is_replayed_where_the_folder_has_it(toy):
+    fly(toy, runs=62)
+    assert command(toy, "--out", "out", "--replay", 61).exit_code in (0, 1)
+    result = command(toy, "--out", "out", "--replay", 62)
+    assert (result.exit_code, result.stderr) == (2, "--replay 62: the campaign has the runs 0 to 61; remedy: --runs\n")
+
+
 def test_a_replayed_run_whose_folder_cannot_be_written_is_told_by_its_status(toy, monkeypatch):
     Path("out/replay-0/scenario.yaml").mkdir(parents=True)
     result = command(toy, "--out", "out", "--replay", 0)
