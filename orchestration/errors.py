@@ -126,6 +126,13 @@ def hint(name: str, names: Iterable[str]) -> str:
     return suggestion(nearest(name, names)) or few
 
 
+def file_hint(file: str, files: Iterable[str]) -> str:
+    """The same for a file among others, by their names without the suffix."""
+    by_stem = {name.rpartition(".")[0]: name for name in files}
+    match = nearest(file.rpartition(".")[0], by_stem)
+    return suggestion(by_stem[match]) if match else hint("", by_stem.values())
+
+
 def as_written(value: Any) -> str:
     """A value as the user wrote it, for "found ..."."""
     if value is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -43,14 +43,25 @@ _LS = "http://fmi-standard.org/fmi-ls-manifest"
 ET.register_namespace("fmi-ls", _LS)
 
 
-def write(fmu: Path, vector: Path, folder: Path, others: Sequence[Path] = ()) -> list[Path]:
+def write(
+    fmu: Path,
+    vector: Path,
+    folder: Path,
+    others: Sequence[Path] = (),
+    remark: Callable[[str], None] = lambda text: None,
+) -> list[Path]:
     """Writes the files into a folder and returns them. `others` are FMUs of other flavours of the block.
 
+    They have the first ROWS instants of the vector, since they are part of the FMU; `remark` is told where it has more.
     Raises InputError where the vector does not fit the FMU, or where the FMU fails; ResultsError where a file cannot be written.
     """
     opened = open_fmu(fmu)
     model = opened.model
     header, table = read_table(vector / "vector.csv")
+    if len(table) > ROWS:
+        remark(
+            f"of {vector / 'vector.csv'} to {table[-1, 0]:.10g} s the first {ROWS} instants, to {table[ROWS - 1, 0]:.10g} s"
+        )
     table = table[:ROWS]
     columns = columns_of(model, header, vector)
     given = {

@@ -97,6 +97,7 @@ def _share(value: Any) -> Bound:
     if (
         isinstance(number, bool)
         or not isinstance(number, (int, float))
+        or not 0.0 <= number < math.inf
         or (unit is not None and unit.exponents != ONE.exponents)
     ):
         raise QuantityError(f"expected a share such as 1e-6 or '0.1 %', found {as_written(value)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import click
 from ..acceptance.check import check
 from ..acceptance.suggest import suggest as proposed
 from ..acceptance.vector import play
+from ..errors import InputError
 from ..fmu.archive import shown
 from ..runner.read import load, read
 from ..swap.findings import Finding
@@ -78,6 +80,8 @@ def command(
     The FMU is run only with --vector, and where it carries reference data. With --suggest a mapping is printed instead of the
     findings. Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
+    if not 0.0 <= tolerance < math.inf:
+        raise InputError(f"--tolerance {tolerance:g}: expected a number from 0, such as 1e-6")
     judged = load(read(scenario)) if scenario is not None else None
     findings, fitted = check(fmu, as_, map_, lenient, judged, tolerance if play_ else None)
     if vector is not None and fitted is not None and not _errors(findings):

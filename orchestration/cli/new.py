@@ -119,19 +119,19 @@ def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
 
 
 def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:
-    """The values that follow from given ones. Raises InputError for one that is no number."""
+    """The values that follow from given ones, and from those. Raises InputError for one that is no number."""
     values = {}
     for name, entry in found.values.items():
         if "expression" not in entry:
             continue
         expression = Expression(entry["expression"], found.values, list(found.values))
-        needed = expression.uses & found.values.keys()
-        if needed <= given.keys():
-            numbers = {used: _number(used, given[used]) for used in needed}
+        needed, known = expression.uses & found.values.keys(), {**values, **given}
+        if needed <= known.keys():
+            numbers = {used: _number(used, known[used]) for used in needed}
             try:
                 values[name] = f"{expression.value(numbers):.7g} {entry['unit']}"
             except QuantityError:
-                used = ", ".join(f"--set {used}={given[used]}" for used in sorted(needed))
+                used = ", ".join(f"--set {used}={known[used]}" for used in sorted(needed))
                 raise InputError(
                     f"{used}: the value of {name} cannot be computed from it; it is {entry['what']}"
                 ) from None
@@ -151,8 +151,7 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
     """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
     if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
         given = {"name": own, **given}
-    given = {**_computed(found, given), **given}
-    files = {folder / name: text for name, text in found.filled(given).items()}
+    files = {folder / name: text for name, text in found.filled(given, _computed(found, given)).items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
     new = not folder.exists()

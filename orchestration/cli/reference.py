@@ -12,11 +12,11 @@ from fmus.interface import load
 
 from ..acceptance.reference_data import write
 from ..acceptance.vector import record, scenario_of
-from ..errors import InputError
-from ..fmu.archive import shown
+from ..errors import InputError, hint
+from ..fmu.archive import examined, shown
 from ..fmu.interfaces import is_path, own
 from ..results.place import check_writable
-from .console import say
+from .console import notes, say
 from .help import examples
 from .paths import PATH
 
@@ -38,13 +38,13 @@ def command(fmu: str, vector: Path | None, out: Path) -> None:
     check_writable(out)
     if is_path(fmu):
         if vector is None:
+            examined(Path(fmu))  # that it is not there is told first
             raise InputError(f"{fmu}: expected --vector DIR, the test vector of its kit")
-        files = write(Path(fmu), vector, out)
+        files = write(Path(fmu), vector, out, remark=lambda text: notes([text]))
     else:
         if fmu not in own():
-            raise InputError(
-                f"there is no block {fmu!r}; expected a path that ends in .fmu, or one of {', '.join(own())}"
-            )
+            expected = f"; expected a path that ends in .fmu, or one of {', '.join(own())}"
+            raise InputError(f"there is no block {fmu!r}{hint(fmu, own()) or expected}")
         flavours = [ensure(fmu, flavour) for flavour in sorted(load(fmu).flavours)]  # native before python
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) if vector is None else vector

@@ -23,11 +23,14 @@ class Flag:
     """When it ceased to be true for the last time: excluded, as the end of a hold or a fault is; None for never."""
     standing: bool = False
     """Whether it is true at the end of the run."""
+    times: int = 0
+    """How often it became true."""
 
     @property
     def text(self) -> str:
-        """From when to when it was true, at the most; it was true at some time."""
-        return f"{self.name} from {self.first:.5g} s to {'the end' if self.standing else f'{self.until:.5g} s'}"
+        """From when to when it was true, and how often where it was false between; it was true at some time."""
+        often = f" {self.times} times" if self.times > 1 else ""
+        return f"{self.name}{often} from {self.first:.5g} s to {'the end' if self.standing else f'{self.until:.5g} s'}"
 
 
 class Judge:
@@ -46,7 +49,9 @@ class Judge:
             raised = columns[node] != 0.0
             if flag.first is None and raised.any():
                 flag.first = float(time[raised.argmax()])
-            if len(ceased := np.flatnonzero(~raised & np.concatenate(([flag.standing], raised[:-1])))):
+            before = np.concatenate(([flag.standing], raised[:-1]))
+            flag.times += int((raised & ~before).sum())
+            if len(ceased := np.flatnonzero(~raised & before)):
                 flag.until = float(time[ceased[-1]])
             flag.standing = bool(raised[-1])
 

@@ -19,7 +19,7 @@ from fmus import places
 from fmus.kept import code, kept
 from fmus.versions import version_of
 
-from ..errors import InputError, hint
+from ..errors import InputError, file_hint
 from . import zipped
 from .aliases import aliases, set_together
 from .co_simulation import CoSimulation
@@ -185,7 +185,7 @@ def _open(path: Path, lenient: bool) -> Fmu:
 def examined(path: Path, lenient: bool = False) -> Fmu:
     """An FMU as `open_fmu` reads it, whether it has a binary for this platform or not. Raises InputError."""
     if not path.exists():
-        near = hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
+        near = file_hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
     zipped.names(path, "FMU")
     head = read_head(path)

@@ -29,23 +29,34 @@ class Template:
     values: dict[str, dict[str, Any]]
     """By name: what it is, and a default, an example, or an expression of others with its unit."""
 
-    def filled(self, given: Mapping[str, Any]) -> dict[str, str]:
+    def filled(self, given: Mapping[str, Any], computed: Mapping[str, Any]) -> dict[str, str]:
         """The texts of the files by their names, each @NAME@ as YAML. Raises InputError for a value that is unknown or missing."""
         for name in given:
             if name not in self.values:
                 known = hint(name, self.values) or f"; expected one of {', '.join(self.values)}"
                 raise InputError(f"--set {name}: {self.folder.name} has no such value{known}")
-        if missing := [name for name in self.values if name not in given and "example" in self.values[name]]:
+        instead = {name: self._instead_of(name, given) for name in self.values if "example" in self.values[name]}
+        for name, other in instead.items():
+            if other and name in given:
+                raise InputError(
+                    f"--set {name}, --set {other}: expected one of them, since {other} follows from {name}"
+                )
+        if missing := [name for name, other in instead.items() if name not in given and not other]:
             lines = [
                 f'  --set "{name}={self.values[name]["example"]}"   {self.values[name]["what"]}' for name in missing
             ]
             raise InputError("\n".join([f"{self.folder.name}: expected these values, for instance", *lines]))
-        chosen = {name: given.get(name, entry.get("default")) for name, entry in self.values.items()}
+        chosen = {name: entry.get("default") for name, entry in self.values.items()} | {**computed, **given}
         return {
             path.name: re.sub(r"@(\w+)@", lambda match: _flow(chosen[match[1]]), path.read_text("utf-8"))
             for path in sorted(self.folder.glob("*.yaml"))
             if path.name != VALUES
         }
+
+    def _instead_of(self, name: str, given: Mapping[str, Any]) -> str | None:
+        """The value that is given and would follow from this one."""
+        follows = (other for other in given if re.search(rf"\b{name}\b", self.values[other].get("expression", "")))
+        return next(follows, None)
 
     def told(self, message: str, folder: Path) -> str:
         """A message about a file made in a folder, of which nothing stays: with `--set NAME` in the place of a line that was left

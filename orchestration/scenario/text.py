@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from ..errors import InputError, hint, reason
+from ..errors import InputError, file_hint, reason
 from .source import Key, Source
 
 _NODES_MAX, _DEPTH_MAX = 100_000, 50
@@ -27,7 +27,7 @@ def read(path: Path) -> Source:
         text = path.read_text("utf-8")
     except FileNotFoundError:
         names = path.parent.glob("*.ssp" if path.suffix == ".ssp" else "*.y*ml") if path.parent.is_dir() else ()
-        near = hint(path.name, sorted(p.name for p in names if not p.name.startswith(".")))
+        near = file_hint(path.name, sorted(p.name for p in names if not p.name.startswith(".")))
         raise InputError(f"{path}: there is no such file{near}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: expected text in UTF-8") from None

@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import cache
 
-from ...errors import BlockError
+from ...errors import BlockError, InputError, hint
 from ...scenario.source import Source
 from .fly import Found, Loop
 from .ports import Port, ports
@@ -65,7 +65,7 @@ def run(
     nominal, _ = loop.fly()
     if nominal is not None:
         return Trials(scenario.name, scenario.duration, nominal, [], [], loop.notes, {})
-    found = [port for port in ports_of(loop, blocks) if not chosen or _named(port, chosen)]
+    found = _chosen(ports_of(loop, blocks), chosen)
     tasks = [(port, wrongs(port)) for port in found]
     parts = [(port, some[i : i + _PART]) for port, some in tasks for i in range(0, len(some), _PART)]
     total = sum(len(some) for _, some in tasks)
@@ -86,8 +86,19 @@ def ports_of(loop: Loop, blocks: Iterable[str] | None = None) -> list[Port]:
     return ports(loop.plan.models, loop.plan.wiring, signals, blocks)
 
 
-def _named(port: Port, chosen: Sequence[str]) -> bool:
-    return any(port.name == name or f"{port.block}.{port.variable}" == name for name in chosen)
+def _chosen(found: list[Port], names: Sequence[str]) -> list[Port]:
+    """The ports of these names, or all without names. Raises InputError where there is none."""
+    if not found:
+        raise InputError("no port is connected, so none can be wired wrongly")
+    for name in names:
+        if not any(_named(port, name) for port in found):
+            known = dict.fromkeys(f"{port.block}.{port.variable}" for port in found)
+            raise InputError(f"--port {name}: no port of this name is connected{hint(name, known)}")
+    return [port for port in found if not names or any(_named(port, name) for name in names)]
+
+
+def _named(port: Port, name: str) -> bool:
+    return name in (port.name, f"{port.block}.{port.variable}")
 
 
 def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], workers: int) -> Iterator[list[Row]]:

@@ -200,6 +200,7 @@ def test_the_page_holds_all_that_it_shows(tmp_path, monkeypatch):
         ("voltage=1 rpm", "the unit 'rpm' does not fit that of voltage, V"),
         ("voltage=high", "expected a number with a unit"),
         ("1 V", "expected a share such as 1e-6 or '0.1 %'"),
+        ("-1 %", "expected a share such as 1e-6 or '0.1 %', found '-1 %'"),
         ("bounds.yaml", "bounds.yaml:1: voltage: expected largest and rms, found most"),
     ],
 )

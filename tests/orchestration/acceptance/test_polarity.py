@@ -130,6 +130,13 @@ def test_a_flipped_sign_in_a_small_loop_is_shown_by_its_expectation_and_all_is_w
     assert "| stimulus | after | output | expected change |" in Path("out/card.md").read_text()
 
 
+def test_a_port_that_is_not_connected_is_told_with_the_nearest_one(loop):
+    loop.write_text(SCENARIO + "isolation: none\n")
+    result = orchestrate("polarity", loop, "--out", "out", "--port", "regulator.sped")
+    told = "--port regulator.sped: no port of this name is connected; did you mean 'regulator.speed'?\n"
+    assert (result.exit_code, result.stderr) == (2, told)
+
+
 def test_a_loop_that_does_not_meet_its_expectations_as_wired_is_told_apart(loop):
     loop.write_text(SCENARIO.replace("below: 30 rpm", "below: 1 rpm") + "isolation: none\n")
     result = orchestrate("polarity", loop, "--out", "out")

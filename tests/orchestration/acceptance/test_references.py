@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from fmus.build import FLAVOURS, blocks_of, ensure
 from fmus.contents.references import FOLDER
 from orchestration.acceptance import experiments, references
+from orchestration.acceptance.vector import record, scenario_of
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
 from tests.commands import orchestrate
@@ -101,6 +102,14 @@ def test_a_command_of_an_fmu_writes_what_its_fmu_carries(tmp_path):
     with zipfile.ZipFile(ensure("allocator")) as archive:
         for path in tmp_path.iterdir():
             assert path.read_bytes() == archive.read(f"{FOLDER}/{path.name}"), path.name
+
+
+def test_that_the_data_have_only_the_beginning_of_the_vector_is_told(tmp_path):
+    record(scenario_of("allocator"), "allocator", tmp_path / "vector")
+    lines = len((tmp_path / "vector" / "vector.csv").read_text().splitlines()) - 1
+    result = orchestrate("reference", ensure("allocator"), "--vector", tmp_path / "vector", "--out", tmp_path / "data")
+    told = f"vector.csv to {0.1 * (lines - 1):.10g} s the first 61 instants, to 6 s"
+    assert (result.exit_code, told in " ".join(result.stderr.split())) == (0, lines > 61), result.stderr
 
 
 def test_a_folder_that_cannot_be_written_is_told_before_a_run_and_a_file_in_it_with_its_own_status(
@@ -255,9 +264,11 @@ def test_the_manifest_is_of_the_draft_that_it_names():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("reference", "alocator"), "there is no block 'alocator'"),
-        (("reference", "x.fmu"), "x.fmu: expected --vector DIR, the test vector of its kit"),
+        (("reference", "alocator"), "there is no block 'alocator'; did you mean 'allocator'?"),
+        (("reference", "x.fmu"), "there is no FMU x.fmu"),
         (("reference", "x.fmu", "--vector", "v"), "there is no FMU"),
+        (("check", "x.fmu", "--as", "plant", "--tolerance", "nan"), "--tolerance nan: expected a number from 0"),
+        (("check", "x.fmu", "--as", "plant", "--tolerance", "-1"), "--tolerance -1: expected a number from 0"),
     ],
 )
 def test_a_wrong_call_is_refused(arguments, message, tmp_path, monkeypatch):

@@ -54,6 +54,20 @@ def test_the_period_is_that_of_the_orbit(tmp_path, radius, period):
     assert orchestration.load(tmp_path / "cube" / "tumble.yaml").cycle.period == pytest.approx(period, abs=0.1)
 
 
+def test_the_orbit_is_stated_by_its_height_or_by_its_radius(tmp_path):
+    values = {name: value for name, value in GIVEN.items() if name != "orbit_radius"}
+    sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
+    assert orchestrate("new", "satellite", str(tmp_path / "cube"), *sets, "--set", "altitude=500 km").exit_code == 0
+    scenario = orchestration.load(tmp_path / "cube" / "tumble.yaml")
+    assert scenario.cycle.period == pytest.approx(5677.0, abs=0.1)  # Kepler's third law at 6878.137 km
+    asked = orchestrate("new", "satellite", str(tmp_path / "other"), *sets).stderr
+    assert '--set "altitude=500 km"' in asked
+    assert "orbit_radius" not in asked
+    both = made(tmp_path / "other", altitude="500 km")
+    told = "--set altitude, --set orbit_radius: expected one of them, since orbit_radius follows from altitude\n"
+    assert (both.exit_code, both.stderr) == (2, told)
+
+
 def test_the_drag_body_lies_along_the_axis_that_is_given(tmp_path):
     made(tmp_path / "cube")
     assert "body_axis: z\n" in (tmp_path / "cube" / "satellite.yaml").read_text()
@@ -123,4 +137,5 @@ def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_
 def test_each_file_uses_values_that_are_declared_and_all_are_used():
     found = template.read("satellite")
     text = "".join(path.read_text() for path in found.folder.glob("*.yaml") if path.name != template.VALUES)
-    assert {name for name in found.values if f"@{name}@" in text} == set(found.values)
+    expressions = " ".join(entry.get("expression", "") for entry in found.values.values())
+    assert {name for name in found.values if f"@{name}@" in text or name in expressions} == set(found.values)

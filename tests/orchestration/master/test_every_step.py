@@ -67,6 +67,18 @@ def test_a_flag_stands_to_the_end_where_the_last_step_has_it(last, raised):
     assert coarse.raised == [raised]
 
 
+def test_it_is_told_how_often_a_flag_was_raised():
+    block = spiky()
+
+    def evaluate(b):
+        b["x"], b["on"] = 0.0, b.state % 3 == 1
+
+    block.evaluate = evaluate
+    for interval in (0.1, 0.5):
+        result = run_mocks([block], {"step": 0.1, "duration": 2, "record": {"interval": interval}})
+        assert result.raised == ["a.on 7 times from 0.1 s to 2 s"]  # at 0.1, 0.4, ... 1.9 s
+
+
 def test_what_was_seen_up_to_a_failure_counts():
     block = spiky()
     advance = block.advance

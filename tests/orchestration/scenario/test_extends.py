@@ -170,6 +170,10 @@ def test_paths_start_at_the_folder_of_the_file_that_names_them(loop):
             "over.yaml:3: extends[1]: lop.yaml: there is no such file; did you mean 'loop.yaml'?",
         ),
         (
+            {"over.yaml": "name: x\nextends: nosuch.yaml\n", "sug.yaml": "name: y\n"},
+            "over.yaml:2: extends: nosuch.yaml: there is no such file; there are loop.yaml, over.yaml, sug.yaml",
+        ),
+        (
             {"over.yaml": 'name: x\nextends: "a\\0b.yaml"\n'},
             "over.yaml:2: extends: 'a\\x00b.yaml' is no path: embedded null byte",
         ),
