@@ -67,7 +67,7 @@ class Hold:
         if len(self.spans) == 1:
             return f"{what} to {last:.6g} s, then released"
         longest = max(end - start for start, end in self.spans if end is not None)
-        return f"{what}; {len(self.spans)} times in all, the longest for {longest:.6g} s, released for good at {last:.6g} s"
+        return f"{what}; {len(self.spans)} times in all, the longest for {longest:.6g} s, released for the last time at {last:.6g} s"
 
 
 def _releases(n: int) -> str:

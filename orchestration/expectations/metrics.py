@@ -96,7 +96,7 @@ def prepare(
     return Measure(metric, unit, f"{metric.statistic} of {seen.name}{window(metric)}", seen, none)
 
 
-_WORDS = {"settles": "time from which for good", "reaches": "first time at which", "share": "share of time in which"}
+_WORDS = {"settles": "time from which to the end", "reaches": "first time at which", "share": "share of time in which"}
 
 
 def _is(held: Limits) -> str:

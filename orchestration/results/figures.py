@@ -140,11 +140,15 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, key
     legend = False
     colours = iter(COLOURS * 4)
     for reference in panel.signals:
+        beneath = (
+            len(panel.signals) > 1 and reference is panel.signals[0]
+        )  # wider, so that a like curve does not hide it
         unit, drawn = curves(result, reference, panel)
         for name, values in drawn:
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else plain(name)
-            axes.plot(time, _drawable(values[shown_rows], panel.scale), color=next(colours), linewidth=1.2, label=shown)
+            style = {"color": next(colours), "linewidth": 2.6 if beneath else 1.2, "label": shown}
+            axes.plot(time, _drawable(values[shown_rows], panel.scale), **style)
             legend = legend or position > 0
     notes = []
     if not any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
@@ -187,7 +191,7 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, key
         above.set_xlabel(cycle.name, fontsize=8)
         above.tick_params(labelsize=7)
     if legend:
-        axes.legend(fontsize=8, frameon=False)
+        axes.legend(fontsize=8, edgecolor="none", framealpha=0.7)
 
 
 def _drawable(values: Any, scale: str) -> Floats:
@@ -216,6 +220,7 @@ def _draw_bands(axes: Any, result: RunData, low: float, high: float, keys: Keys)
                 color="0.35",
                 horizontalalignment="center",
                 verticalalignment="top",
+                bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.8},
             )
 
 

@@ -21,7 +21,7 @@ class Metric(Span):
     statistic: Literal["final", "maximum", "mean", "minimum", "peak", "rms"] | None = None
     """Its last value, the largest, the mean, the smallest, the largest magnitude, or the root of the mean square."""
     settles: Bound | None = None
-    """The time from which the signal meets the bound for good, s; infinite where it does not at the end."""
+    """The time from which the signal meets the bound to the end, s; infinite where it does not at the end."""
     reaches: Bound | None = None
     """The first time at which the signal meets the bound, s; infinite where it never does."""
     share: Bound | None = None

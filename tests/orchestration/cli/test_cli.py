@@ -42,7 +42,7 @@ def test_a_failed_expectation_gives_status_1(loop):
         (("zzz",), "zzz: there is no such command or scenario"),
         (("loop.ymal",), "loop.ymal: there is no such file; did you mean 'loop.yaml'?"),
         (("lop.ssp",), "lop.ssp: there is no such file; did you mean 'loop.ssp'?"),
-        (("lint.yaml",), "lint.yaml: there is no such file; did you mean 'loop.yaml'?"),
+        (("lint.yaml",), "lint.yaml: there is no such file; there is only loop.yaml"),
         (
             ("motor.fmu",),
             "motor.fmu: this is an FMU, expected a scenario; remedy: orchestrate check motor.fmu --as BLOCK, "

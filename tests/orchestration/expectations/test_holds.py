@@ -40,7 +40,7 @@ def test_a_running_value_that_is_held_and_released_is_told_with_both_times():
 def test_several_holds_are_counted_and_the_longest_is_told():
     hold = outcome([0, 1, 0, 1, 1, 1, 0, 0])
     assert hold.spans == [(0.5, 1.0), (1.5, 3.0)]
-    assert hold.text.endswith("2 times in all, the longest for 1.5 s, released for good at 3 s")
+    assert hold.text.endswith("2 times in all, the longest for 1.5 s, released for the last time at 3 s")
 
 
 def test_a_hold_of_zero_from_the_first_sample_is_not_called_a_hold_of_running_values():

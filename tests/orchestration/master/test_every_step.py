@@ -68,13 +68,12 @@ def test_a_flag_stands_to_the_end_where_the_last_step_has_it(last, raised):
 
 
 def test_it_is_told_how_often_a_flag_was_raised():
-    block = spiky()
-
     def evaluate(b):
         b["x"], b["on"] = 0.0, b.state % 3 == 1
 
-    block.evaluate = evaluate
     for interval in (0.1, 0.5):
+        block = spiky()
+        block.evaluate = evaluate
         result = run_mocks([block], {"step": 0.1, "duration": 2, "record": {"interval": interval}})
         assert result.raised == ["a.on 7 times from 0.1 s to 2 s"]  # at 0.1, 0.4, ... 1.9 s
 
