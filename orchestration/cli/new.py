@@ -120,7 +120,7 @@ def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
 
 def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:
     """The values that follow from given ones, and from those. Raises InputError for one that is no number."""
-    values = {}
+    values: dict[str, str] = {}
     for name, entry in found.values.items():
         if "expression" not in entry:
             continue

@@ -139,15 +139,13 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, key
     time = result.time[shown_rows]
     legend = False
     colours = iter(COLOURS * 4)
-    for reference in panel.signals:
-        beneath = (
-            len(panel.signals) > 1 and reference is panel.signals[0]
-        )  # wider, so that a like curve does not hide it
+    for place, reference in enumerate(panel.signals):
+        width = 2.6 if place == 0 and len(panel.signals) > 1 else 1.2  # a like curve does not hide the wider one
         unit, drawn = curves(result, reference, panel)
         for name, values in drawn:
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else plain(name)
-            style = {"color": next(colours), "linewidth": 2.6 if beneath else 1.2, "label": shown}
+            style = {"color": next(colours), "linewidth": width, "label": shown}
             axes.plot(time, _drawable(values[shown_rows], panel.scale), **style)
             legend = legend or position > 0
     notes = []
