@@ -141,6 +141,16 @@ def test_blocks_without_a_flavour_are_told_where_all_are_built_or_listed(tmp_pat
         assert "allocator.fmu" not in {path.name for path in (tmp_path / folder).iterdir()}
 
 
+def test_another_fmu_of_the_same_name_is_not_replaced_by_a_copy(tmp_path):
+    assert orchestrate("fmus", "--copy", tmp_path).exit_code == 0
+    assert orchestrate("fmus", "--copy", tmp_path).exit_code == 0, "they are the same"
+    (tmp_path / "plant.fmu").write_bytes(b"of another team")
+    result = orchestrate("fmus", "--copy", tmp_path)
+    told = f"{tmp_path / 'plant.fmu'} is there already and differs; expected a folder without it\n"
+    assert (result.exit_code, result.stderr) == (2, told)
+    assert (tmp_path / "plant.fmu").read_bytes() == b"of another team"
+
+
 def test_help_names_the_commands_and_the_exit_status():
     text = orchestrate("--help").output
     assert all(word in text for word in ("build", "schema", "run", "Exit status"))
