@@ -39,8 +39,9 @@ def command(copy: Path | None, flavour: str) -> None:
         paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:
         raise InputError(str(error)) from None
-    for path in paths if copy is not None else ():
-        if (there := copy / path.name).exists() and not (there.is_file() and filecmp.cmp(path, there, shallow=False)):
+    for path in paths:
+        there = None if copy is None else copy / path.name
+        if there and there.exists() and not (there.is_file() and filecmp.cmp(path, there, shallow=False)):
             raise InputError(f"{there} is there already and differs; expected a folder without it")
     for path in paths:
         say(f"{shown(path if copy is None else copied(path, copy))}  {path.stat().st_size / 1000:.0f} kB")
