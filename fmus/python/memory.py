@@ -155,7 +155,19 @@ def _bounds(variable: Variable) -> tuple[float, float] | None:
     return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
 
 
-_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": bool, "string": str}
+def _boolean(value: Any) -> bool:
+    if not isinstance(value, (bool, np.bool_, int)):  # None, say, would be false
+        raise TypeError
+    return bool(value)
+
+
+def _string(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError
+    return value
+
+
+_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": _boolean, "string": _string}
 
 
 def _start(variable: Variable, start: Any) -> Any:
