@@ -88,7 +88,7 @@ class Layout:
                     raise ContractError  # told below
                 values[first:after] = write(value)
             finite = math.isfinite(sum(self._reals(values)))
-        except (AttributeError, TypeError, ValueError, OverflowError):
+        except (AttributeError, LookupError, TypeError, ValueError, OverflowError):
             raise self._differs(outputs) from None
         if not finite:
             for r in self._real_places:
@@ -108,7 +108,7 @@ class Layout:
                 )
             try:
                 _writer(variable)(value)
-            except (TypeError, ValueError, OverflowError):
+            except (LookupError, TypeError, ValueError, OverflowError):
                 kind = f"one of {', '.join(variable.items)}" if variable.items else f"a scalar, {variable.type}"
                 return ContractError(f"output {variable.name}: expected {kind}, found {value!r}")
         return ContractError("the outputs of the block are not as its interface says")
@@ -133,8 +133,7 @@ def _writer(variable: Variable) -> Callable[[Any], Any]:
     return _SCALARS[variable.type]
 
 
-_ASKED_MAX = 100
-"""Lists of value references that are kept."""
+_ASKED_MAX = 100  # lists of value references that are kept
 FMI_TYPES = ("Real", "Integer", "Boolean", "String")
 """Those with functions to get and set; an enumeration goes as an Integer in FMI 2.0."""
 
@@ -155,19 +154,8 @@ def _bounds(variable: Variable) -> tuple[float, float] | None:
     return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
 
 
-def _boolean(value: Any) -> bool:
-    if not isinstance(value, (bool, np.bool_, int)):  # None, say, would be false
-        raise TypeError
-    return bool(value)
-
-
-def _string(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError
-    return value
-
-
-_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": _boolean, "string": _string}
+_TRUTH = {False: False, True: True}.__getitem__  # bool(None) would be false, and str(None) a text
+_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": _TRUTH, "string": str.__str__}
 
 
 def _start(variable: Variable, start: Any) -> Any:

@@ -140,13 +140,12 @@ def draw_panel(axes: Any, panel: Panel, entry: FigureEntry, result: RunData, key
     legend = False
     colours = iter(COLOURS * 4)
     for place, reference in enumerate(panel.signals):
-        width = 2.6 if place == 0 and len(panel.signals) > 1 else 1.2  # a like curve does not hide the wider one
+        size = 2.6 if place == 0 and len(panel.signals) > 1 else 1.2  # a like curve does not hide the wider one
         unit, drawn = curves(result, reference, panel)
         for name, values in drawn:
             position = len(axes.lines)
             shown = panel.names[position] if position < len(panel.names) else plain(name)
-            style = {"color": next(colours), "linewidth": width, "label": shown}
-            axes.plot(time, _drawable(values[shown_rows], panel.scale), **style)
+            axes.plot(time, _drawable(values[shown_rows], panel.scale), color=next(colours), lw=size, label=shown)
             legend = legend or position > 0
     notes = []
     if not any(np.isfinite(line.get_ydata()).any() for line in axes.lines):

@@ -64,7 +64,8 @@ typedef struct {
     double attitude_noise;
     /* rad/s; Standard deviation of the measured rate in each axis, as the estimator assumes it */
     double rate_noise;
-    /* s; Time over which old data lose their weight in the estimate of the disturbance */
+    /* s; Time over which old data lose their weight in the estimate of the disturbance; zero: computed from
+     * the orbit's height */
     double disturbance_time;
     /* N.m; Upper bound of the estimated disturbance torque; negative: computed from the satellite's data */
     double disturbance_max;

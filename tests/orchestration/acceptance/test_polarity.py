@@ -161,7 +161,7 @@ def test_what_the_allocator_does_not_use_is_the_only_wrong_rate_that_nothing_sho
 
 
 CHECKED = sorted(path.stem for path in SCENARIOS.glob("*.yaml") if read(path).data.get("consistency"))
-LONG = ["flight_hold"]
+LONG = ["flight_cubesat", "flight_hold"]
 
 
 @pytest.mark.fly
