@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from ..errors import InputError, as_written, hint
 from ..fmu.model import Model, Variable
@@ -94,15 +94,14 @@ def _both(bound: Bound) -> Tolerance:
 
 def _share(value: Any) -> Bound:
     number, unit = parse(value) if isinstance(value, str) else (value, None)
-    if (
-        isinstance(number, bool)
-        or not isinstance(number, (int, float))
-        or not 0.0 <= number < math.inf
-        or (unit is not None and unit.exponents != ONE.exponents)
-    ):
+    if not _is_size(number) or (unit is not None and unit.exponents != ONE.exponents):
         raise QuantityError(f"expected a share such as 1e-6 or '0.1 %', found {as_written(value)}")
     share = number * (unit.factor if unit else 1.0)
     return Bound(share=share, text=f"{share:g} of ours")
+
+
+def _is_size(number: Any) -> TypeGuard[float]:
+    return isinstance(number, (int, float)) and not isinstance(number, bool) and 0.0 <= number < math.inf
 
 
 def _tolerance(value: Any, variable: Variable) -> dict[str, Bound]:
@@ -117,7 +116,7 @@ def _bound(value: Any, variable: Variable) -> Bound:
     if value == ANY:
         return Bound(absolute=math.inf, text=ANY)
     number, unit = parse(value) if isinstance(value, str) else (value, None)
-    if isinstance(number, bool) or not isinstance(number, (int, float)) or not 0.0 <= number < float("inf"):
+    if not _is_size(number):
         raise QuantityError(
             f"expected a tolerance such as '0.1 %' or '0.2 {variable.unit or ONE}', found {as_written(value)}"
         )

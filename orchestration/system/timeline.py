@@ -12,6 +12,7 @@ from ..quantities import QuantityError
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..scenario.timeline import TimelineEntry, sentence
+from .disturbances import LATE
 from .faults import Setting, count_of, is_unseen, setting
 from .wiring import Node, Wiring
 
@@ -74,7 +75,7 @@ def _is_late(scenario: Scenario, key: Key, entry: TimelineEntry, errors: list[st
     if entry.at < scenario.duration:
         return False
     if ("duration",) in scenario.source.options:
-        notes.append(f"does not happen, since the run ends before: {sentence(entry)}")
+        notes.append(LATE.format(sentence(entry)))
     else:
         message = f"{entry.at:.10g} s lies at or after the end of the run, {scenario.duration:.10g} s; no step sees it"
         errors.append(scenario.error((*key, "at"), message))
