@@ -281,16 +281,6 @@ def test_a_dependency_names_an_element_a_row_a_column_or_all(depends_on, expecte
         parse(SMALL.format(depends_on="vector[i,:]"))
 
 
-def test_a_helper_input_names_the_parameter_that_it_gives():
-    helper = '[helpers.size]\nunit = "m"\ndescription = "how large"\ngives = "{}"\n'
-    text = SMALL.format(depends_on="matrix") + WIDTH
-    helpers = parse(text + helper.format("width")).helpers
-    assert (helpers["size"].gives, helpers["size"].description) == ("width", "how large: gives width")
-    for wrong in ("vector", "nothing"):
-        with pytest.raises(InterfaceError, match=f"helpers.size: gives: expected a parameter, found '{wrong}'"):
-            parse(text + helper.format(wrong))
-
-
 SMALL = """
 [block]
 name = "small"
@@ -313,12 +303,4 @@ causality = "output"
 shape = [2, 2]
 description = "out"
 depends_on = ["{depends_on}"]
-"""
-WIDTH = """
-[variables.width]
-causality = "parameter"
-variability = "fixed"
-unit = "m"
-description = "of the body"
-start = 1.0
 """
