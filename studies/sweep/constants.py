@@ -75,6 +75,7 @@ CONSTANTS = tuple(
         ("decide.c", "SETTLED_RATE_TIME", "time in which the rate may turn by a radian there", "hold"),
         ("decide.c", "SETTLED_TIME", "how long both last until then", "hold"),
         ("decide.c", "LOST_ANGLE", "angle from which the hold is left", "hold, low inclination"),
+        ("scales.c", "NUTATION", "rate of nutation from which stages are implicit", "small satellite, low inclination"),
         ("renew.h", "HOLD_COST", "cost of a plan that has a turn in it", "hold, low inclination"),
         ("decide.c", "STRAINED_ANGLE", "angle from which a hold is strained", "low inclination"),
         ("estimate.c", "STRAINED_WEIGHT", "of the angle's weight in a strained hold", "low inclination"),

@@ -65,14 +65,27 @@ static Vector dipole(const Model *model, const double u[CONTROLS])
     return add(model->residual_B, rods_dipole(model, u));
 }
 
-Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
+/* Of field, gravity and disturbance, of the wheel and of the rate itself, N m. */
+static Vector torque(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
 {
     const Vector B = apply_transposed(x->R, around->B_N);
     Vector tau = add(cross(momentum_of(model, x), x->Omega), cross(dipole(model, u), B));
     tau = add(tau, gravity_gradient(model->J, around, x->R));
     tau = add(tau, model->disturbance_B);
-    tau = subtract(tau, scale(model->wheel_torque_max * u[3], model->wheel_axis));
-    return apply(model->J_inverse, tau);
+    return subtract(tau, scale(model->wheel_torque_max * u[3], model->wheel_axis));
+}
+
+Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
+{
+    return apply(model->J_inverse, torque(model, around, x, u));
+}
+
+/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1 with the
+ * derivative G of the gyroscopic torque by the rate. So the rate of the middle is that of the implicit midpoint rule, and
+ * nutation neither grows nor decays, however long the stage is. */
+static Matrix inverse_over(const Model *model, Matrix G, double h)
+{
+    return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
 }
 
 double controller_planned_wheel_within(const Model *model, double l, double u, double h)
@@ -87,7 +100,8 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
 
 Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
 {
-    const Vector first = controller_planned_acceleration(model, around, x, u);
+    const Matrix J_inverse = inverse_over(model, hat(momentum_of(model, x)), h);
+    const Vector first = apply(J_inverse, torque(model, around, x, u));
     const double dl = h * model->wheel_torque_max * u[3];
     const Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), add(x->Omega, scale(0.5 * h, first)),
                            x->l + 0.5 * dl};
@@ -127,24 +141,27 @@ static Matrix hats(Vector u, Vector v)
     return with_diagonal(-dot(u, v), (Matrix){scale(v.x, u), scale(v.y, u), scale(v.z, u)});
 }
 
-/* J^-1 of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta) + dM_g, where
- * dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
+/* J^-1, or what inverse_over has for it, of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta)
+ * + dM_g, where dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
 typedef struct {
-    Matrix angle, rate;
+    Matrix J_inverse, angle, rate;
     Vector wheel;
 } Jacobian;
 
-static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l, Vector m)
+static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l, Vector m,
+                            double h)
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
     const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
+    const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J))), J_inverse = inverse_over(model, by_rate, h);
     const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));
     const Matrix angle = sum(hats(m, B), times(3.0 * around->rate_squared, times_hat(tilt, rho)));
     return (Jacobian){
-        .angle = multiply(model->J_inverse, angle),
-        .rate = multiply(model->J_inverse, sum(hat(Pi), times(-1.0, hat_times(Omega, J)))),
-        .wheel = apply(model->J_inverse, cross(model->wheel_axis, Omega)),
+        .J_inverse = J_inverse,
+        .angle = multiply(J_inverse, angle),
+        .rate = multiply(J_inverse, by_rate),
+        .wheel = apply(J_inverse, cross(model->wheel_axis, Omega)),
     };
 }
 
@@ -163,16 +180,19 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
     const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
     const Vector B = apply_transposed(R, around->B_N);
-    const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u));
+    const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u), h);
     /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the stage is
-     * `over` = h I + h^2/2 rate. */
+     * `over` = h I + h^2/2 rate, or h I where F has more than J^-1. */
+    const bool fast = model->scales.fast_nutation;
     const double s = 0.5 * h * h;
-    const Matrix over = with_diagonal(h, times(s, F.rate));
+    const Matrix over = with_diagonal(h, times(fast ? 0.0 : s, F.rate));
+    const Matrix over_angle = fast ? times(h, F.angle) : multiply(over, F.angle);
+    const Matrix over_rate = fast ? times(h, F.rate) : multiply(over, F.rate);
     const Matrix turned = sum(hats(Omega, Omega), F.angle);
     put_columns(A, 0, with_diagonal(1.0, sum(times(-h, hat(Omega)), times(s, turned))));
-    put_columns(A, 3, sum(multiply(over, F.angle), times(-s, times_hat(F.angle, Omega))));
+    put_columns(A, 3, sum(over_angle, times(-s, times_hat(F.angle, Omega))));
     put_columns(A + 3, 0, with_diagonal(h, times(s, sum(F.rate, times(-1.0, hat(Omega))))));
-    put_columns(A + 3, 3, with_diagonal(1.0, sum(times(s, F.angle), multiply(over, F.rate))));
+    put_columns(A + 3, 3, with_diagonal(1.0, sum(times(s, F.angle), over_rate)));
     store(scale(s, F.wheel), A[6]);
     store(apply(over, F.wheel), A[6] + 3);
     for (int j = 0; j < ERRORS; ++j) {
@@ -180,7 +200,7 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     }
     for (int j = 0; j < CONTROLS; ++j) {
         const Vector tau = j < 3 ? cross(model->rods[j], B) : scale(-model->wheel_torque_max, model->wheel_axis);
-        const Vector g = apply(model->J_inverse, tau);
+        const Vector g = apply(F.J_inverse, tau);
         const double l = j < 3 ? 0.0 : model->wheel_torque_max;
         store(scale(s, g), G[j]);
         store(add(apply(over, g), scale(s * l, F.wheel)), G[j] + 3);

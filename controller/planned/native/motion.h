@@ -118,7 +118,7 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
 /* The wheel's control, -1 to 1, within what its momentum l, N m s, leaves room for over h, s. */
 double controller_planned_wheel_within(const Model *model, double l, double u, double h);
 
-/* The motion after h under constant controls, by the midpoint rule. */
+/* The motion after h under constant controls, by the midpoint rule; the rate of the middle implicitly, where nutation is fast. */
 Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
 
 /* The same with the wheel's control within its limit. */

@@ -29,7 +29,7 @@ static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
     return horizon;
 }
 
-void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
+bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *expected, const Motion *now, const Plan *was, int32_t *work)
 {
     const bool urgent = controller_planned_is_urgent(x, usual), hold = x->phase == PHASE_HOLD && has_wheel(usual);
@@ -44,8 +44,12 @@ void controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
         controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, &law->workspace, work);
         controller_planned_hasten(&law->trial);
         const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
-        if (!lost || x->longer <= least || *work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
-            return;
+        if (!lost || x->longer <= least) {
+            return true;
+        }
+        if (*work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
+            x->longer = (x->longer + least - 1) / 2;
+            return false;
         }
     }
 }

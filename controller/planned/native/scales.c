@@ -11,6 +11,7 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 3.0;
+static const double NUTATION = 1.0;             /* from which it is fast */
 static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
 static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
 static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0; /* s */
@@ -76,6 +77,12 @@ double controller_planned_largest_of(Matrix J, Matrix S)
     return dot(v, apply(M, v));
 }
 
+/* rad/s, of a body with a wheel whose momentum is l along the axis a: the eigenvalues of J^-1 (l a)^ are 0 and +-i times it. */
+static double nutation(Matrix J, Vector a, double l)
+{
+    return l * sqrt(dot(a, apply(J, a)) / determinant(J));
+}
+
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
 {
     const Matrix J = matrix(p->J_B);
@@ -91,6 +98,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .orbit_rate = sqrt(p->gravitational_parameter / (a * a * a)),
         .least_moment = least,
         .torque = torque,
+        .fast_nutation = nutation(J, vector(p->wheel_axis), h) > NUTATION / T,
         .weight_angle = WEIGHT_ANGLE,
         .weight_rate = WEIGHT_RATE * T * T,
         .weight_control = WEIGHT_CONTROL,

@@ -16,6 +16,7 @@ typedef struct {
     double momentum, torque; /* J/T, N m s; J/T^2, N m */
     double orbit_rate;       /* rad/s, the mean one */
     double least_moment;     /* the least principal one, kg m2 */
+    bool fast_nutation;      /* by more than a radian in T, with the wheel at its limit */
     double weight_angle;     /* of a plan's cost */
     double weight_far;       /* the same of what an angle is beyond a limit; none but by rods alone */
     double weight_rate;      /* the same, s^2 */

@@ -107,6 +107,7 @@ static Model model_of(const FlatModel *f)
     p.momentum_weight = 0.018;
     p.dipole_max = f->dipole_max;
     p.wheel_momentum_max = f->wheel_momentum_max;
+    memcpy(p.wheel_axis, f->wheel_axis, sizeof p.wheel_axis);
     p.gravitational_parameter = 3.986004418e14;
     m.scales = controller_planned_scales(&p, f->semi_major_axis);
     m.horizon = controller_planned_horizon(m.scales.time);
@@ -400,13 +401,13 @@ int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int
     state.scales = model.scales;
     state.phase = phase;
     state.longer = *longer;
-    controller_planned_renew(&law, &state, &model, &ahead, &now, &now, &plans[0], account);
+    const bool renewed = controller_planned_renew(&law, &state, &model, &ahead, &now, &now, &plans[0], account);
     memcpy(h, law.trial.h, (size_t)law.trial.stages * sizeof h[0]);
     *longer = state.longer;
     found[0] = law.trial.cost;
     found[1] = law.trial.settles;
     found[2] = law.trial.until;
-    return law.trial.stages;
+    return renewed ? law.trial.stages : 0;
 }
 
 /* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the account. */
