@@ -80,9 +80,9 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
     return apply(model->J_inverse, torque(model, around, x, u));
 }
 
-/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1 with the
- * derivative G of the gyroscopic torque by the rate. So the rate of the middle is that of the implicit midpoint rule, and
- * nutation neither grows nor decays, however long the stage is. */
+/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1. With G = Pi^
+ * the rate of the middle is that of the implicit midpoint rule for a body that turns little in a stage, and its nutation neither
+ * grows nor decays, however long the stage is. The derivatives have the whole G, Pi^ - Omega^ J, which is the same there. */
 static Matrix inverse_over(const Model *model, Matrix G, double h)
 {
     return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
@@ -182,7 +182,7 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     const Vector B = apply_transposed(R, around->B_N);
     const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u), h);
     /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the stage is
-     * `over` = h I + h^2/2 rate, or h I where F has more than J^-1. */
+     * `over` = h I + h^2/2 rate; h I where nutation is fast, since F then has the rest in it. */
     const bool fast = model->scales.fast_nutation;
     const double s = 0.5 * h * h;
     const Matrix over = with_diagonal(h, times(fast ? 0.0 : s, F.rate));
