@@ -19,6 +19,7 @@ import numpy as np
 
 from ..variables import Interface, Variable
 from .asked import Asked, look
+from .written import SCALARS, writer
 
 Values = list[Any]
 
@@ -60,8 +61,8 @@ class Layout:
         self._asked: dict[tuple[str, tuple[int, ...]], Asked] = {}
         scalars, arrays = ([v for v in outputs if bool(v.shape) is shaped] for shaped in (False, True))
         self._get_scalars, self._get_arrays = (_all(attrgetter, [v.name for v in some]) for some in (scalars, arrays))
-        self._scalar_places = [(v.value_references[0], _writer(v)) for v in scalars]
-        self._array_places = [(v.value_references[0], v.value_references[-1] + 1, v.shape, _writer(v)) for v in arrays]
+        self._scalar_places = [(v.value_references[0], writer(v)) for v in scalars]
+        self._array_places = [(v.value_references[0], v.value_references[-1] + 1, v.shape, writer(v)) for v in arrays]
         self._outputs = outputs
         self._real_places = [r for v in outputs if v.type == "real" for r in v.value_references]
         self._reals = _all(itemgetter, self._real_places)
@@ -88,7 +89,7 @@ class Layout:
                     raise ContractError  # told below
                 values[first:after] = write(value)
             finite = math.isfinite(sum(self._reals(values)))
-        except (AttributeError, LookupError, TypeError, ValueError, OverflowError):
+        except (AttributeError, TypeError, ValueError, OverflowError):
             raise self._differs(outputs) from None
         if not finite:
             for r in self._real_places:
@@ -107,8 +108,8 @@ class Layout:
                     f"output {variable.name}: expected an array of shape {variable.shape}, found {found}"
                 )
             try:
-                _writer(variable)(value)
-            except (LookupError, TypeError, ValueError, OverflowError):
+                writer(variable)(value)
+            except (TypeError, ValueError, OverflowError):
                 kind = f"one of {', '.join(variable.items)}" if variable.items else f"a scalar, {variable.type}"
                 return ContractError(f"output {variable.name}: expected {kind}, found {value!r}")
         return ContractError("the outputs of the block are not as its interface says")
@@ -122,18 +123,8 @@ def _all(getter: Callable[..., Any], names: Sequence[Any]) -> Callable[[Any], Se
     return lambda whole: tuple(get(whole) for get in getters)
 
 
-def _writer(variable: Variable) -> Callable[[Any], Any]:
-    """What makes the elements of a variable of its value, a list of an array's."""
-    if len(variable.shape) == 1:
-        return np.ndarray.tolist
-    if variable.shape:
-        return lambda value: value.ravel().tolist()
-    if variable.type == "enumeration":
-        return lambda value: variable.items.index(value) + 1
-    return _SCALARS[variable.type]
-
-
-_ASKED_MAX = 100  # lists of value references that are kept
+_ASKED_MAX = 100
+"""Lists of value references that are kept."""
 FMI_TYPES = ("Real", "Integer", "Boolean", "String")
 """Those with functions to get and set; an enumeration goes as an Integer in FMI 2.0."""
 
@@ -154,14 +145,10 @@ def _bounds(variable: Variable) -> tuple[float, float] | None:
     return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
 
 
-_TRUTH = {False: False, True: True}.__getitem__  # bool(None) would be false, and str(None) a text
-_SCALARS: dict[str, Callable[[Any], Any]] = {"real": float, "integer": int, "boolean": _TRUTH, "string": str.__str__}
-
-
 def _start(variable: Variable, start: Any) -> Any:
     if variable.type == "enumeration":
         return 1 if start is None else int(start)
-    return _SCALARS[variable.type](start or "") if variable.type == "string" else _SCALARS[variable.type](start or 0)
+    return SCALARS[variable.type](start or "") if variable.type == "string" else SCALARS[variable.type](start or 0)
 
 
 def _fields(interface: Interface, block: ModuleType, causality: str, record: str) -> list[str]:

@@ -4,7 +4,7 @@ Inside the FMU all Python code stands in one package whose name ends in the hash
 two versions of one, run their own code in one process:
 
     resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py, memory.py, slave.py
+    resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py, memory.py, slave.py, written.py
     resources/plant_0123456789ab_code/plant/    the block, with the data that it carries in tables/
     resources/plant_0123456789ab_code/pythonfmu/
 """
@@ -34,6 +34,7 @@ RUNTIME = (
     "python/calls.py",
     "python/memory.py",
     "python/slave.py",
+    "python/written.py",
 )
 """The modules of `fmus` that an FMU carries."""
 CAPABILITIES = Capabilities(needsExecutionTool=True)

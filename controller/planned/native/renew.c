@@ -38,7 +38,7 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
     const int32_t least = (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
     Model model = *usual;
     x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
-    for (;; x->longer = (x->longer + least - 1) / 2) {
+    for (;;) {
         model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
         controller_planned_lay_stages(&model, ahead, now, x->t, urgent, was, &law->trial, law->workspace.stage, work);
         controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, &law->workspace, work);
@@ -47,8 +47,8 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
         if (!lost || x->longer <= least) {
             return true;
         }
+        x->longer = (x->longer + least - 1) / 2;
         if (*work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
-            x->longer = (x->longer + least - 1) / 2;
             return false;
         }
     }

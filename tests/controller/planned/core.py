@@ -354,7 +354,8 @@ class Renewed:
 def renewed(
     m: Satellite, a: Ahead, x: Motion, phase: int, longer: int = 0, account: int = WORK_OF_SAMPLE, until: float = 0.0
 ) -> Renewed:
-    """A plan without controls, to reach the target by `until`, s, that is renewed in a phase (2: acquisition, 3: hold)."""
+    """A plan without controls, to reach the target by `until`, s, that is renewed in a phase (2: acquisition, 3: hold);
+    without stages where it is not to be flown."""
     (hs, h), found, count, left = _room(STAGES), _doubles([0.0, 0.0, until]), c_int32(longer), c_int32(account)
     n = library().probe_renew(m.c(), a.c(), x.c(), phase, byref(left), byref(count), hs, found)
     return Renewed(h()[:n], count.value, found[0], found[1], found[2], left.value)

@@ -21,6 +21,8 @@ T = 16.0
 ONE_U = core.Satellite(np.diag([2.47e-3, 2.47e-3, 2.17e-3]), 0.2 * np.eye(3), dipole_max=0.2)
 ONE_U = replace(ONE_U, wheel_torque_max=1e-4, wheel_momentum_max=1e-3)
 PLENTY = 10**9
+LITTLE = 20_000
+"""Of work: for a plan of the usual horizon, and not for cutting it."""
 
 
 def off(angle: float) -> core.Motion:
@@ -68,14 +70,13 @@ def test_no_other_plan_grows_or_is_cut(satellite, phase, angle, length):
 
 @pytest.mark.parametrize(("satellite", "time"), [(ONE_U, T), (core.Satellite(), 50.0)])
 def test_a_holds_plan_with_a_turn_in_it_is_cut_down_to_the_first_ten_T_and_grows_again(satellite, time):
+    refused = core.renewed(satellite, AHEAD, off(1.5), HOLD, account=LITTLE)
+    once = core.renewed(satellite, AHEAD, off(0.0), HOLD, refused.longer)
+    assert once.h.sum() == pytest.approx(20.5 * time, abs=0.5 * time)
     cut = core.renewed(satellite, AHEAD, off(1.5), HOLD, account=PLENTY)
     assert cut.h.sum() == pytest.approx(10 * time)
     again = core.renewed(satellite, AHEAD, off(0.0), HOLD, cut.longer)
     assert again.h.sum() == pytest.approx(10.5 * time)
-
-
-LITTLE = 20_000
-"""Of work: for a plan of the usual horizon, and not for cutting it."""
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.05, 0.1])

@@ -64,6 +64,7 @@ def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_saf
         ),
         ({"speed": None}, "output speed: expected a scalar, real, found None"),
         ({"holding": None}, "output holding: expected a scalar, boolean, found None"),
+        ({"holding": 1.0}, "output holding: expected a scalar, boolean, found 1.0"),
         ({"label_used": None}, "output label_used: expected a scalar, string, found None"),
         ({"mode_used": "slow"}, "output mode_used: expected one of leaky, exact, found 'slow'"),
     ],
