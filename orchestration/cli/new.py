@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -88,6 +89,7 @@ def command(
         )
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file; expected a folder")
+    new = not target.exists()
     try:
         with writing(target):
             kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
@@ -95,6 +97,10 @@ def command(
             files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang)
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
+    except (ResultsError, KeyboardInterrupt):
+        if new:
+            shutil.rmtree(target, ignore_errors=True)
+        raise
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     there = shlex.quote(str(target))
     if link_:

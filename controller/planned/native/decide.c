@@ -152,8 +152,9 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
     const Search *search = &x->search;
     const Motion there =
         of_search ? expected(x, model, ahead, &search->best, &search->x, search->t, x->t - search->t) : x->reference;
-    if (controller_planned_renew(law, x, model, ahead, &there, now, of_search ? &search->best : &x->plan, work) &&
-        (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN))) {
+    if (!controller_planned_renew(law, x, model, ahead, &there, now, of_search ? &search->best : &x->plan, work)) {
+        x->next_plan = x->t;
+    } else if (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN)) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
     }

@@ -80,12 +80,25 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
     return apply(model->J_inverse, torque(model, around, x, u));
 }
 
-/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1. With G = Pi^
- * the rate of the middle is that of the implicit midpoint rule for a body that turns little in a stage, and its nutation neither
- * grows nor decays, however long the stage is. The derivatives have the whole G, Pi^ - Omega^ J, which is the same there. */
+/* v^ M. */
+static Matrix hat_times(Vector v, Matrix m)
+{
+    return (Matrix){subtract(scale(v.y, m.c), scale(v.z, m.b)), subtract(scale(v.z, m.a), scale(v.x, m.c)),
+                    subtract(scale(v.x, m.b), scale(v.y, m.a))};
+}
+
+/* Of Pi x Omega by the rate: Pi^ - Omega^ J. */
+static Matrix gyroscopic(const Model *model, Vector Omega, double l)
+{
+    const Vector Pi = add(apply(model->J, Omega), scale(l, model->wheel_axis));
+    return sum(hat(Pi), times(-1.0, hat_times(Omega, model->J)));
+}
+
+/* (J - h/2 G)^-1 of G = gyroscopic(), in the place of J^-1 over the first half of a stage where nutation is fast: the rate of
+ * the middle is that of the implicit midpoint rule, linearised, and nutation neither grows nor decays, however long the stage. */
 static Matrix inverse_over(const Model *model, Matrix G, double h)
 {
-    return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
+    return inverse(sum(model->J, times(-0.5 * h, G)));
 }
 
 double controller_planned_wheel_within(const Model *model, double l, double u, double h)
@@ -100,7 +113,8 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
 
 Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
 {
-    const Matrix J_inverse = inverse_over(model, hat(momentum_of(model, x)), h);
+    const bool fast = model->scales.fast_nutation;
+    const Matrix J_inverse = fast ? inverse_over(model, gyroscopic(model, x->Omega, x->l), h) : model->J_inverse;
     const Vector first = apply(J_inverse, torque(model, around, x, u));
     const double dl = h * model->wheel_torque_max * u[3];
     const Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), add(x->Omega, scale(0.5 * h, first)),
@@ -120,13 +134,6 @@ Motion controller_planned_advanced(const Model *model, const Around *around, con
 static Matrix with_diagonal(double s, Matrix m)
 {
     return (Matrix){{m.a.x + s, m.a.y, m.a.z}, {m.b.x, m.b.y + s, m.b.z}, {m.c.x, m.c.y, m.c.z + s}};
-}
-
-/* v^ M. */
-static Matrix hat_times(Vector v, Matrix m)
-{
-    return (Matrix){subtract(scale(v.y, m.c), scale(v.z, m.b)), subtract(scale(v.z, m.a), scale(v.x, m.c)),
-                    subtract(scale(v.x, m.b), scale(v.y, m.a))};
 }
 
 /* M v^. */
@@ -153,8 +160,8 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
-    const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
-    const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J))), J_inverse = inverse_over(model, by_rate, h);
+    const Matrix by_rate = gyroscopic(model, Omega, l);
+    const Matrix J_inverse = model->scales.fast_nutation ? inverse_over(model, by_rate, h) : model->J_inverse;
     const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));
     const Matrix angle = sum(hats(m, B), times(3.0 * around->rate_squared, times_hat(tilt, rho)));
     return (Jacobian){

@@ -9,7 +9,7 @@ from tests.native.driver import Instance
 
 from . import core
 from .block import AS_MEASURED, feed, orbit
-from .test_plan import differences
+from .states import differences
 
 # ------------------------------------------------------------------------------------------- the plan's feedback
 

@@ -10,10 +10,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from . import core
+from .states import AHEAD
 
 ACQUISITION, HOLD = 2, 3
-R0, V0 = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
-AHEAD = core.Ahead(R0, V0)
 QUARTER = 0.5 * math.pi * math.sqrt(6.971e6**3 / core.MU)
 """s, by Kepler's third law."""
 T = 16.0
@@ -90,7 +89,18 @@ def test_a_holds_plan_that_costs_less_than_twice_T_is_flown(angle):
 def test_a_holds_plan_that_costs_more_is_not_flown_where_there_is_no_work_left_to_cut_it(angle):
     plan = core.renewed(ONE_U, AHEAD, off(angle), HOLD, account=LITTLE)
     assert plan.cost > 2.0 * T
-    assert (len(plan.h), plan.longer) == (0, -20)
+    assert (len(plan.h), plan.longer) == (0, -21)
+
+
+def test_a_plan_that_is_refused_again_and_again_is_shorter_each_time_until_it_is_flown():
+    """To the first ten T, whatever it costs: a search challenges it there."""
+    refused = [85]
+    while not len((plan := core.renewed(ONE_U, AHEAD, off(1.5), HOLD, refused[-1], account=LITTLE)).h):
+        refused.append(plan.longer)
+    assert refused == sorted(set(refused), reverse=True)
+    assert len(refused) < 12
+    assert plan.h.sum() == pytest.approx(10 * T)
+    assert plan.cost > 2.0 * T
 
 
 @pytest.mark.parametrize("angle", [0.5, 1.0, 2.0])

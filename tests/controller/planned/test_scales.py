@@ -10,9 +10,8 @@ from tests.native.driver import Instance, Refused
 
 from . import core
 from .block import BLOCK, feed, near_target, same, started, tumbling
-from .test_plan import FULL_J, R0, V0
+from .states import AHEAD, FULL_J, R0, V0
 
-AHEAD = core.Ahead(R0, V0)
 GIVEN = {
     "K0": [4.5e-4, 5.0e-4, 5.5e-4],
     "L0": 0.05 * np.eye(3),

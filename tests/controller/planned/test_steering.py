@@ -13,9 +13,9 @@ from tests.blocks import parameters
 from tests.plant.motion import checked
 
 from . import core, steering
+from .states import R0, V0
 
 RHO = 28.0
-R0, V0 = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
 
 
 def ahead(latitude=0.0, node=0.0):
@@ -196,7 +196,6 @@ def test_where_two_rods_give_alike_along_the_field_the_direction_is_kept_and_no_
 
 def test_without_a_field_there_is_no_direction_to_steer_in():
     """A field of degree 0 is zero everywhere: the costate stays what it was."""
-    r, v = np.array([6.971e6, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
-    lam, time = core.steer(core.Ahead(r, v, degree=0), 0.0, np.array([0.0, 0.02, 0.01]), 25.0)
+    lam, time = core.steer(core.Ahead(R0, V0, degree=0), 0.0, np.array([0.0, 0.02, 0.01]), 25.0)
     assert not lam.any()
     assert time == 0.0

@@ -49,13 +49,14 @@ def test_a_full_disk_is_told_of_the_place_that_was_to_be_written(arguments, mess
     assert not list(Path().glob("k/*"))
 
 
-def test_a_kit_on_a_full_disk_is_told_of_its_folder(tmp_path, monkeypatch):
+def test_a_kit_on_a_full_disk_leaves_nothing_and_is_told_of_its_folder(tmp_path, monkeypatch):
     monkeypatch.setattr(kit, "write", lambda _interface, folder, _language: full(folder))
     told = orchestrate("new", "allocator", str(tmp_path / "k"))
     assert (told.exit_code, told.stderr.strip()) == (
         4,
         f"{tmp_path / 'k'} cannot be written: the disk is full",
     )
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="no such device")
