@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -89,18 +90,13 @@ def command(
         )
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file; expected a folder")
-    new = not target.exists()
     try:
-        with writing(target):
+        with writing(target), _undone(target):
             kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
             rows = record(run, block, target / "vector")
             files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang)
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
-    except (ResultsError, KeyboardInterrupt):
-        if new:
-            shutil.rmtree(target, ignore_errors=True)
-        raise
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
     there = shlex.quote(str(target))
     if link_:
@@ -113,6 +109,21 @@ def command(
     say(f"\n  cd {there} && {build}")
     say(f"  orchestrate check {block}.fmu --as {block}")
     _two_ways(f"{block}.fmu", block, run, ["make vector"] if lang == "c" else [])
+
+
+@contextmanager
+def _undone(folder: Path) -> Iterator[None]:
+    """What fails inside leaves nothing in a folder that was missing or empty."""
+    new = next((path for path in (*reversed(folder.parents), folder) if not path.exists()), None)
+    empty = new is not None or not any(folder.iterdir())
+    try:
+        yield
+    except BaseException:
+        if empty:
+            shutil.rmtree(new or folder, ignore_errors=True)
+        if empty and new is None:
+            folder.mkdir(exist_ok=True)
+        raise
 
 
 def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:

@@ -152,18 +152,12 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
     const Search *search = &x->search;
     const Motion there =
         of_search ? expected(x, model, ahead, &search->best, &search->x, search->t, x->t - search->t) : x->reference;
-    const int32_t longer = x->longer;
-    const bool renewed =
-        controller_planned_renew(law, x, model, ahead, &there, now, of_search ? &search->best : &x->plan, work);
-    if (renewed && (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN))) {
+    if (controller_planned_renew(law, x, model, ahead, &there, now, of_search ? &search->best : &x->plan, work) &&
+        (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN))) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
-    } else if (x->challenged) {
-        x->longer = longer;
-    } else {
-        x->next_plan = x->t;
     }
-    x->challenged = !of_search && renewed && has_come(x, early);
+    x->challenged = !of_search && has_come(x, early);
     if (of_search) {
         x->search.ready = x->provisional = false;
         x->next_challenge = x->t + CHALLENGE_PERIOD * x->scales.time;

@@ -80,25 +80,12 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
     return apply(model->J_inverse, torque(model, around, x, u));
 }
 
-/* v^ M. */
-static Matrix hat_times(Vector v, Matrix m)
+/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1. With G = Pi^
+ * the rate of the middle is that of the implicit midpoint rule for a body that turns little in a stage, and its nutation neither
+ * grows nor decays, however long the stage is. The derivatives have the whole G, Pi^ - Omega^ J, which is the same there. */
+static Matrix inverse_over(const Model *model, Matrix G, double h)
 {
-    return (Matrix){subtract(scale(v.y, m.c), scale(v.z, m.b)), subtract(scale(v.z, m.a), scale(v.x, m.c)),
-                    subtract(scale(v.x, m.b), scale(v.y, m.a))};
-}
-
-/* Of Pi x Omega by the rate: Pi^ - Omega^ J. */
-static Matrix gyroscopic(const Model *model, Vector Omega, double l)
-{
-    const Vector Pi = add(apply(model->J, Omega), scale(l, model->wheel_axis));
-    return sum(hat(Pi), times(-1.0, hat_times(Omega, model->J)));
-}
-
-/* (J - h/2 G)^-1 of G = gyroscopic(); J^-1 where nutation is slow. */
-static Matrix inverse_over(const Model *model, Vector Omega, double l, double h)
-{
-    return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, gyroscopic(model, Omega, l))))
-                                       : model->J_inverse;
+    return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
 }
 
 double controller_planned_wheel_within(const Model *model, double l, double u, double h)
@@ -111,22 +98,15 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
     return clip(v, -1.0, 1.0); /* a wheel beyond its limit is brought back as fast as it can be */
 }
 
-/* By the explicit midpoint rule; where nutation is fast, by Kahan's: linearly implicit and symmetric, so that nutation neither grows
- * nor decays, however long the stage is, and a free turn stays bounded. */
 Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
 {
+    const Matrix J_inverse = inverse_over(model, hat(momentum_of(model, x)), h);
+    const Vector first = apply(J_inverse, torque(model, around, x, u));
     const double dl = h * model->wheel_torque_max * u[3];
-    Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), x->Omega, x->l + 0.5 * dl};
-    Vector change;
-    if (model->scales.fast_nutation) {
-        const Matrix over = inverse_over(model, x->Omega, middle.l, h);
-        change = scale(h, apply(over, torque(model, around, &middle, u)));
-        middle.Omega = add(x->Omega, scale(0.5, change));
-    } else {
-        middle.Omega = add(x->Omega, scale(0.5 * h, controller_planned_acceleration(model, around, x, u)));
-        change = scale(h, controller_planned_acceleration(model, around, &middle, u));
-    }
-    return (Motion){multiply(x->R, rotation_exp(scale(h, middle.Omega))), add(x->Omega, change), x->l + dl};
+    const Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), add(x->Omega, scale(0.5 * h, first)),
+                           x->l + 0.5 * dl};
+    const Vector second = controller_planned_acceleration(model, around, &middle, u);
+    return (Motion){multiply(x->R, rotation_exp(scale(h, middle.Omega))), add(x->Omega, scale(h, second)), x->l + dl};
 }
 
 Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
@@ -140,6 +120,13 @@ Motion controller_planned_advanced(const Model *model, const Around *around, con
 static Matrix with_diagonal(double s, Matrix m)
 {
     return (Matrix){{m.a.x + s, m.a.y, m.a.z}, {m.b.x, m.b.y + s, m.b.z}, {m.c.x, m.c.y, m.c.z + s}};
+}
+
+/* v^ M. */
+static Matrix hat_times(Vector v, Matrix m)
+{
+    return (Matrix){subtract(scale(v.y, m.c), scale(v.z, m.b)), subtract(scale(v.z, m.a), scale(v.x, m.c)),
+                    subtract(scale(v.x, m.b), scale(v.y, m.a))};
 }
 
 /* M v^. */
@@ -157,20 +144,23 @@ static Matrix hats(Vector u, Vector v)
 /* J^-1, or what inverse_over has for it, of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta)
  * + dM_g, where dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
 typedef struct {
-    Matrix angle, rate;
+    Matrix J_inverse, angle, rate;
     Vector wheel;
 } Jacobian;
 
-static Jacobian jacobian_of(const Model *model, const Around *around, Matrix J_inverse, Matrix R, Vector B, Vector Omega,
-                            double l, Vector m)
+static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l, Vector m,
+                            double h)
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
+    const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
+    const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J))), J_inverse = inverse_over(model, by_rate, h);
     const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));
     const Matrix angle = sum(hats(m, B), times(3.0 * around->rate_squared, times_hat(tilt, rho)));
     return (Jacobian){
+        .J_inverse = J_inverse,
         .angle = multiply(J_inverse, angle),
-        .rate = multiply(J_inverse, gyroscopic(model, Omega, l)),
+        .rate = multiply(J_inverse, by_rate),
         .wheel = apply(J_inverse, cross(model->wheel_axis, Omega)),
     };
 }
@@ -188,14 +178,12 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
                                   const double u[CONTROLS], double h, Square A, double G[CONTROLS][ERRORS])
 {
     const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
-    const bool fast = model->scales.fast_nutation;
-    const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, fast ? x->Omega : Omega)));
+    const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
     const Vector B = apply_transposed(R, around->B_N);
-    const double l = 0.5 * (x->l + next->l);
-    const Matrix J_inverse = inverse_over(model, x->Omega, l, h);
-    const Jacobian F = jacobian_of(model, around, J_inverse, R, B, Omega, l, dipole(model, u));
+    const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u), h);
     /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the stage is
      * `over` = h I + h^2/2 rate; h I where nutation is fast, since F then has the rest in it. */
+    const bool fast = model->scales.fast_nutation;
     const double s = 0.5 * h * h;
     const Matrix over = with_diagonal(h, times(fast ? 0.0 : s, F.rate));
     const Matrix over_angle = fast ? times(h, F.angle) : multiply(over, F.angle);
@@ -212,10 +200,10 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     }
     for (int j = 0; j < CONTROLS; ++j) {
         const Vector tau = j < 3 ? cross(model->rods[j], B) : scale(-model->wheel_torque_max, model->wheel_axis);
-        const Vector g = apply(J_inverse, tau);
-        const double motor = j < 3 ? 0.0 : model->wheel_torque_max;
+        const Vector g = apply(F.J_inverse, tau);
+        const double l = j < 3 ? 0.0 : model->wheel_torque_max;
         store(scale(s, g), G[j]);
-        store(add(apply(over, g), scale(s * motor, F.wheel)), G[j] + 3);
-        G[j][6] = h * motor;
+        store(add(apply(over, g), scale(s * l, F.wheel)), G[j] + 3);
+        G[j][6] = h * l;
     }
 }

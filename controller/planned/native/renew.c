@@ -49,7 +49,6 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
         }
         x->longer = (x->longer + least - 1) / 2;
         if (*work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {
-            --x->longer; /* by which the next one grows */
             return false;
         }
     }

@@ -17,7 +17,7 @@ static inline bool controller_planned_is_urgent(const ControllerPlannedState *x,
 }
 
 /* law->trial: the plan that was, from x->t and `now` on, as far as x->longer then says; its motion should have come to `expected`.
- * False where it would be lost and the account may not last for a shorter one, which is due in the next sample then. */
+ * False where it would be lost and the account may not last for a shorter one: then the plan that was goes on, and the next is shorter. */
 bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *expected, const Motion *now, const Plan *was, int32_t *work);
 

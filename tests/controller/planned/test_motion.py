@@ -65,25 +65,19 @@ def test_a_stage_comes_to_scipys_motion_in_second_order(seed, satellite, rng):
     assert sizes[-1] < (2e-5 if satellite is SATELLITE else 5e-5)
 
 
-ONE_U = core.Satellite(np.diag([2.47e-3, 2.47e-3, 2.17e-3]), 0.2 * np.eye(3), motion.E1, 1e-4, 1e-3, dipole_max=0.2)
-"""Nutates by up to 7 rad in its T = 16 s."""
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.4, 1.0])
 @pytest.mark.parametrize("h", [1.0, 8.0, 16.0, 50.0])
 @pytest.mark.parametrize("axis", np.eye(3), ids=["e1", "e2", "e3"])
-def test_nutation_neither_grows_nor_decays_however_long_a_stage_is(axis, h, turn):
-    """Of a 1U with its wheel at the limit, which turns about it by so many rad in a stage: the energy across the axis."""
-    satellite, across = replace(ONE_U, wheel_axis=axis), 1.0 - axis
+def test_nutation_neither_grows_nor_decays_however_long_a_stage_is(axis, h):
+    """Of a 1U with its wheel at the limit; without torque its energy is constant, of which a stage of 16 s turns it by 7 rad."""
+    satellite = core.Satellite(np.diag([2.47e-3, 2.47e-3, 2.17e-3]), 0.2 * np.eye(3), axis, 1e-4, 1e-3, dipole_max=0.2)
     free = core.Around(np.zeros(3), np.array([1.0, 0.0, 0.0]), 0.0)
-    x = core.Motion(np.eye(3), 1e-4 * across + turn / h * axis, 1e-3)
+    across = np.array([1.0, 1.0, 1.0]) - axis
+    x = core.Motion(np.eye(3), 1e-4 * across, 1e-3)
     energies = []
-    for _ in range(400):
-        energies.append((across * x.Omega) @ satellite.J @ x.Omega)
+    for _ in range(200):
+        energies.append(x.Omega @ satellite.J @ x.Omega)
         x = core.advanced(satellite, free, x, np.zeros(4), h)
-    first, last = np.max(energies[:100]), np.max(energies[300:])
-    assert last == pytest.approx(first, rel=0.01)
-    assert min(energies) > 0.5 * first
+    assert energies == pytest.approx([energies[0]] * 200, rel=0.05)
 
 
 def test_the_wheel_stops_at_its_limit():
@@ -107,21 +101,3 @@ def test_a_stages_derivatives_come_to_the_differences_of_its_motion_in_third_ord
     assert max(off[1]) < 0.01
     for before, after in zip(*off, strict=True):
         assert after < before / 6.0 or before < 1e-8
-
-
-@pytest.mark.parametrize("h", [8.0, 16.0])
-@pytest.mark.parametrize("seed", range(5))
-def test_a_long_stages_derivatives_are_those_of_its_motion_where_nutation_is_fast(seed, h):
-    """A turn by 0.4 rad in a stage, in which a 1U nutates by 3 and 6 rad: of a rate that is kept or turned, a fifth."""
-    rng = np.random.default_rng(seed)
-    x = core.Motion(turned(seed), rng.normal(size=3), 9e-4)
-    x = replace(x, Omega=0.4 / h * x.Omega / np.linalg.norm(x.Omega))
-    a, u = around(seed), rng.uniform(-0.3, 0.3, 4) * [1.0, 1.0, 1.0, 0.1]
-    found, expected = core.linearised(ONE_U, a, x, u, h), differences(x, a, u, h, ONE_U)
-    A, G = (np.abs(f - e) for f, e in zip(found, expected, strict=True))
-    angle, rate = slice(0, 3), slice(3, 6)
-    assert A[angle, angle].max() < 0.05
-    assert A[angle, rate].max() < 0.2 * h
-    assert A[rate, angle].max() < 0.1 / h
-    assert A[rate, rate].max() < 0.2
-    assert G[rate].max() < 0.1 * np.abs(expected[1][rate]).max()

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from fmus import kit
+from fmus.native.toolchain import CompilerError
 from orchestration.results import place
 from tests.commands import orchestrate
 
@@ -49,14 +50,35 @@ def test_a_full_disk_is_told_of_the_place_that_was_to_be_written(arguments, mess
     assert not list(Path().glob("k/*"))
 
 
-def test_a_kit_on_a_full_disk_leaves_nothing_and_is_told_of_its_folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(kit, "write", lambda _interface, folder, _language: full(folder))
-    told = orchestrate("new", "allocator", str(tmp_path / "k"))
+@pytest.mark.parametrize("folder", ["k", "a/b/c", "empty"])
+def test_a_kit_on_a_full_disk_leaves_nothing_and_is_told_of_its_folder(folder, tmp_path, monkeypatch):
+    (tmp_path / "empty").mkdir()
+
+    def half(_interface: object, folder: Path, _language: str) -> None:
+        (folder / "Makefile").write_text("all:")
+        full(folder)
+
+    monkeypatch.setattr(kit, "write", half)
+    told = orchestrate("new", "allocator", str(tmp_path / folder))
     assert (told.exit_code, told.stderr.strip()) == (
         4,
-        f"{tmp_path / 'k'} cannot be written: the disk is full",
+        f"{tmp_path / folder} cannot be written: the disk is full",
     )
+    assert list(tmp_path.rglob("*")) == [tmp_path / "empty"]
+
+
+@pytest.mark.parametrize("error", [CompilerError("no compiler"), KeyboardInterrupt()], ids=["compiler", "Ctrl-C"])
+def test_a_kit_that_cannot_be_made_leaves_nothing_and_one_that_is_there_is_kept(error, tmp_path, monkeypatch):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(kit, "write", fail)
+    assert orchestrate("new", "allocator", str(tmp_path / "k")).exit_code in (2, 130)
     assert not list(tmp_path.iterdir())
+    (tmp_path / "k").mkdir()
+    (tmp_path / "k" / "mine.txt").write_text("kept")
+    assert orchestrate("new", "allocator", str(tmp_path / "k")).exit_code in (2, 130)
+    assert (tmp_path / "k" / "mine.txt").read_text() == "kept"
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="no such device")
