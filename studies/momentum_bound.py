@@ -116,7 +116,6 @@ class MomentumBalance:
         # B's distance from its chord is h^2/8 max |B''|; differences see |B''| at the nodes, hence the factor 2.
         self._chord_error = 2.0 * math.sqrt(3.0) * bend * SAMPLE**2 / 8.0
         self._B_max = float(np.linalg.norm(self._B, axis=1).max()) + self._chord_error
-        self._G = _across(self._B)
         x = plant.start(p, plant.Inputs(np.zeros(3), 0.0))
         self.H0 = x.R @ x.Pi
         self._turn = max(float(np.linalg.norm(self._reference(t).Omega_d)) for t in times[:: max(1, len(times) // 50)])
@@ -171,19 +170,19 @@ class MomentumBalance:
         return self._tolerance + self._disturbance * T
 
     def _chords(self, T: float) -> tuple[Array, Array]:
-        """G at the corners of the chords over [0, T] and the corners' trapezoidal weights, s; the last corner is at T."""
+        """B (n, 3) at the corners of the chords over [0, T] and the corners' trapezoidal weights, s; the last corner is at T."""
         n = math.floor(T / SAMPLE)
         rest = T - n * SAMPLE
         w = np.full(n + 2, SAMPLE)
         w[0], w[n + 1] = 0.5 * SAMPLE, 0.5 * rest
         w[n] = 0.5 * rest + (0.5 * SAMPLE if n else 0.0)
         end = self._B[n] + rest / SAMPLE * (self._B[n + 1] - self._B[n])
-        return np.concatenate((self._G[: n + 1], [_across(end)])), w
+        return np.concatenate((self._B[: n + 1], [end])), w
 
     def impulse(self, p: Array, T: float) -> float:
         """At least rho times the integral of |B x p| over [0, T], N m s."""
-        G, w = self._chords(T)
-        across = np.sqrt(np.maximum((G @ p) @ p, 0.0))
+        B, w = self._chords(T)
+        across = np.linalg.norm(np.cross(B, p), axis=1)  # exact for p along B, where p.G p is what rounding leaves
         return self.rho * (float(w @ across) + float(w.sum()) * self._chord_error * float(np.linalg.norm(p)))
 
     def gap(self, p: Array, T: float) -> float:
@@ -210,7 +209,8 @@ class MomentumBalance:
 
     def _optimise(self, start: Array, D: Array, a: Array, T: float) -> Array:
         """Maximises g over the unit ball; l_max |p.a| becomes l_max u with -u <= p.a <= u. Returns a unit vector."""
-        G, w = self._chords(T)
+        B, w = self._chords(T)
+        G = _across(B)
         scale = 1.0 / float(np.linalg.norm(D))
         steady = self.slack(T) + self.rho * float(w.sum()) * self._chord_error
 
