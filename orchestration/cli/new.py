@@ -115,13 +115,13 @@ def command(
 def _undone(folder: Path) -> Iterator[None]:
     """What fails inside leaves nothing in a folder that was missing or empty."""
     new = next((path for path in (*reversed(folder.parents), folder) if not path.exists()), None)
-    empty = new is not None or not any(folder.iterdir())
+    empty = new is None and not any(folder.iterdir())
     try:
         yield
     except BaseException:
-        if empty:
+        if new is not None or empty:
             shutil.rmtree(new or folder, ignore_errors=True)
-        if empty and new is None:
+        if empty:
             folder.mkdir(exist_ok=True)
         raise
 
