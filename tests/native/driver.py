@@ -184,3 +184,29 @@ _KINDS: dict[str, tuple[str, Any]] = {
 
 def references(*numbers: int) -> Any:
     return (c_uint * len(numbers))(*numbers)
+
+
+def running(block: str, **changes: Any) -> Instance:
+    it = Instance(block)
+    for name, value in changes.items():
+        it.set(name, value)
+    it.initialize()
+    return it
+
+
+def saved(it: Instance) -> c_void_p:
+    state = c_void_p()
+    it.call("GetFMUstate", byref(state))
+    return state
+
+
+def serialized(it: Instance, state: c_void_p) -> bytes:
+    size = c_size_t()
+    it.call("SerializedFMUstateSize", state, byref(size))
+    data = ctypes.create_string_buffer(size.value)
+    it.call("SerializeFMUstate", state, data, size.value)
+    return data.raw
+
+
+def same(a: dict[str, Any], b: dict[str, Any]) -> bool:
+    return all(np.array_equal(a[name], b[name]) for name in a)

@@ -14,8 +14,8 @@ from orchestration import load as load_scenario
 from orchestration import run
 from tests.blocks import inputs, module, parameters
 
+from .drawn import inertia, plant_case
 from .driver import ROOT, Instance
-from .test_flavours import inertia, plant_case
 
 RELATIVE = 1e-9
 WIRES = {

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from .driver import ERROR, GUID, Callbacks, Instance, Refused, library
+from .driver import ERROR, GUID, Callbacks, Instance, Refused, library, saved
 
 OURS = "expected a state that fmi2GetFMUstate of this FMU gave"
 
@@ -25,12 +25,6 @@ class Named(Instance):
 
 def instantiate(callbacks: Any, guid: bytes | None = GUID.encode()) -> Any:
     return library("allocator").fmi2Instantiate(b"it", 1, guid, None, byref(callbacks), 0, 0)
-
-
-def state_of(it: Instance) -> c_void_p:
-    state = c_void_p()
-    it.call("GetFMUstate", byref(state))
-    return state
 
 
 def test_no_guid_gives_no_instance_but_a_message() -> None:
@@ -100,7 +94,7 @@ def test_a_category_that_is_null_is_refused_and_one_of_errors_leaves_events_as_t
 
 def test_a_state_of_another_fmu_is_neither_written_over_nor_serialized() -> None:
     with Instance("controller") as it, Instance("allocator") as other:
-        own, foreign = state_of(it), state_of(other)
+        own, foreign = saved(it), saved(other)
         size, room = c_size_t(), ctypes.create_string_buffer(100_000)
         it.call("SerializedFMUstateSize", own, byref(size))
         it.call("SerializeFMUstate", own, room, size.value)
@@ -120,7 +114,7 @@ def test_a_state_of_another_fmu_is_neither_written_over_nor_serialized() -> None
 
 def test_missing_arguments_of_the_states_functions_are_refused() -> None:
     with Instance("controller") as it:
-        own, none = state_of(it), c_void_p()
+        own, none = saved(it), c_void_p()
         size, room = c_size_t(), ctypes.create_string_buffer(100_000)
         with pytest.raises(Refused, match="size is NULL"):
             it.call("SerializedFMUstateSize", own, None)

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from tests.blocks import inputs, module, parameters
 
+from .agreement import assert_same
 from .driver import Instance, Refused
-from .test_flavours import assert_same
 
 R = Rotation.from_rotvec([0.4, -0.7, 0.2]).as_matrix()
 TURN = Rotation.from_rotvec([0.3, 0.5, -0.2]).as_matrix()

@@ -10,7 +10,7 @@ from allocator import bounded
 from fmus.interface import load
 from tests.blocks import inputs, parameters
 
-from .test_bounded import BLOCK, P, commands, given, problem
+from .problems import BLOCK, P, commands, given, problem
 
 
 def test_the_first_command_is_that_of_the_inputs_at_the_start_and_steps_remember_nothing(rng):

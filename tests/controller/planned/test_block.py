@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.native.driver import Refused
-from tests.native.test_shell import saved, serialized
+from tests.native.driver import Refused, saved, serialized
 
 from .block import KNOWN, alike, at_target, feed, near_target, run, same, started, tumbling
 
