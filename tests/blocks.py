@@ -39,9 +39,9 @@ def inputs(block: str, **changes: Any) -> Any:
     return _build(block, "input", "Inputs", changes)
 
 
-def some(blocks: Iterable[str], *quick: str) -> list[Any]:
-    """Blocks as a test's parameters: these in every run, the others in a thorough one."""
-    return [block if block in quick else pytest.param(block, marks=pytest.mark.thorough) for block in blocks]
+def some(cases: Iterable[Any], *quick: Any) -> list[Any]:
+    """Cases as a test's parameters, such as blocks: the quick ones in every run, the others in a thorough one."""
+    return [case if case in quick else pytest.param(case, marks=pytest.mark.thorough) for case in cases]
 
 
 def _build(block: str, causality: Any, record: str, changes: dict[str, Any]) -> Any:

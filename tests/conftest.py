@@ -68,6 +68,7 @@ MARKERS = {
     ),
     "thorough": (
         "docs/test_site.py",
+        "native/test_linking.py",
         "native/test_sanitizers.py",
         "packaging/test_wheel.py",
         "tools",

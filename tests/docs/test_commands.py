@@ -38,14 +38,10 @@ NOT_RUN = {
 }
 """Commands that are not run, each with the reason."""
 
-SHOWN = [
-    page if page == "README.md" else pytest.param(page, marks=pytest.mark.thorough)
-    for page in PAGES
-    if any(True for _ in commands(page))
-]
+SHOWN = [page for page in PAGES if any(True for _ in commands(page))]
 
 
-@pytest.mark.compile
+@pytest.mark.thorough
 @pytest.mark.parametrize("page", SHOWN)
 def test_the_commands_of_a_page_do_what_it_says(page: str, tmp_path: Path) -> None:
     given = [command for command in commands(page) if command.bare not in NOT_RUN]

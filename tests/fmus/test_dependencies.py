@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from fmus.build import ensure
 from fmus.interface import BLOCKS, InterfaceError, element_name, load, parse
+from tests.blocks import some
 
 from .feedthrough import declared_pairs, real_pairs, settings
 
@@ -229,10 +230,17 @@ UNSEEN = {
 """Declared, and never seen: by output, all of them where it is empty, and element of an input."""
 
 
+# The flavours give the same outputs (tests/native/test_flavours.py).
 @pytest.mark.parametrize(
-    ("block", "flavour"), [(block, flavour) for block in BLOCKS for flavour in load(block).flavours]
+    "case",
+    some(
+        [(block, flavour) for block in BLOCKS for flavour in load(block).flavours],
+        *((block, "native") for block in BLOCKS),
+    ),
+    ids="-".join,
 )
-def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(block, flavour):
+def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(case):
+    block, flavour = case
     real, declared = real_pairs(ensure(block, flavour), block, POINTS.get(block, 24)), declared_pairs(block)
     assert sorted(real - declared) == []
     listed = UNSEEN.get(block, {})

@@ -19,7 +19,7 @@ import controller
 from fmus.interface import load
 from fmus.native import lay_out
 from fmus.native.toolchain import FLAGS, FREESTANDING
-from tests.blocks import folder, inputs, parameters
+from tests.blocks import folder, inputs, parameters, some
 
 from .driver import ROOT
 
@@ -157,7 +157,7 @@ def test_the_page_states_the_memory_of_both_laws(flight: ctypes.CDLL) -> None:
     assert stated in (ROOT / "docs" / "embedding.md").read_text("utf-8")
 
 
-@pytest.mark.parametrize("block", FLOWN)
+@pytest.mark.parametrize("block", some(FLOWN, "controller", "allocator"))
 def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
     native = folder(block) / "native"
     lay_out(load(block), folder(block), "{}", tmp_path)  # the tables that the build writes

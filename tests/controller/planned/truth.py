@@ -18,17 +18,15 @@ RADIUS = 6.971e6
 SPEED = math.sqrt(core.MU / RADIUS)
 NORMAL = np.array([0.0, -math.cos(math.radians(8.0)), -math.sin(math.radians(8.0))])
 """Of a circular orbit of 98 degrees inclination through the x axis."""
+E_X = np.array([1.0, 0.0, 0.0])
+ALONG = np.cross(NORMAL, E_X)
 DAYS = 3508.5  # 2009-08-10T00:00:00Z
 
 
 def orbit(t: float) -> tuple[Array, Array]:
     angle = SPEED / RADIUS * t
-    along = np.cross(NORMAL, [1.0, 0.0, 0.0])
-    e_x = np.array([1.0, 0.0, 0.0])
-    return (
-        RADIUS * (math.cos(angle) * e_x + math.sin(angle) * along),
-        SPEED * (math.cos(angle) * along - math.sin(angle) * e_x),
-    )
+    c, s = math.cos(angle), math.sin(angle)
+    return RADIUS * (c * E_X + s * ALONG), SPEED * (c * ALONG - s * E_X)
 
 
 def turned(z: Array) -> Array:
@@ -72,7 +70,9 @@ class Truth:
             dz = w + 0.5 * zw + bend * motion.cross(z, zw)
             return [*dz, *motion.rate_of_change(s, R, w, y[6], m_B, dl), dl]
 
-        end = solve_ivp(rates, (0.0, h), [0.0, 0.0, 0.0, *self.Omega, self.h_w], rtol=1e-7, atol=1e-10).y[:, -1]
+        end = solve_ivp(rates, (0.0, h), [0.0, 0.0, 0.0, *self.Omega, self.h_w], rtol=1e-7, atol=1e-10, first_step=h).y[
+            :, -1
+        ]
         self.R = Rotation.from_matrix(start @ turned(end[:3])).as_matrix()  # which makes it a rotation again
         self.Omega, self.h_w, self.t = end[3:6], float(end[6]), self.t + h
 

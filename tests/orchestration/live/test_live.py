@@ -104,6 +104,7 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
     assert page.complaints == []
 
 
+@pytest.mark.thorough
 def test_faults_that_overlap_on_one_element_have_the_hash_of_the_native_run(elsewhere, tmp_path):
     own = [
         {"set": "plant.rod_gain[1] = 0", "at": 2, "until": 6},
