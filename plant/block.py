@@ -164,7 +164,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         H_N=H_N,
         energy=energy,
         density=around.density,
-        dipole_saturated=max(map(abs, u.dipole_cmd.tolist())) > p.dipole_max,
+        dipole_saturated=bool((np.abs(u.dipole_cmd) > p.dipole_limit).any()),
         wheel_torque_saturated=abs(command) > p.wheel_torque_max,
         wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
         field_extrapolated=p.field_extrapolated,
@@ -176,7 +176,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
 
 def dipoles(dipole_cmd: Array, p: Parameters, on: bool) -> Array:
     """The dipoles (3,) A m2 that the rods give while they are on or off."""
-    return rods.dipoles(dipole_cmd, p.dipole_max, p.rod_gain, on)
+    return rods.dipoles(dipole_cmd, p.dipole_limit, p.rod_gain, on)
 
 
 def magnetic_moment(dipole_B: Array, b_B: Array) -> Array:

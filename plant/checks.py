@@ -13,7 +13,7 @@ from .drag import AXES
 from .parameters import Parameters
 from .so3 import Array
 
-ROD_GAIN_MAX = 2.0
+ROD_GAIN_MAX, ROD_LIMIT_MIN = 2.0, 0.01
 ROD_PERIOD_MIN = 1e-3
 """s."""
 
@@ -71,6 +71,8 @@ def check(p: Parameters) -> None:
         raise ValueError(
             f"wheel_axis: expected a vector of unit length, to 1e-06, found {length:.9g}: {p.wheel_axis.tolist()}"
         )
+    if not ((p.rod_limits >= ROD_LIMIT_MIN) & (p.rod_limits <= 1.0)).all():
+        raise ValueError(f"rod_limits: expected {ROD_LIMIT_MIN:g} to 1, found {p.rod_limits.tolist()}")
     if not (np.abs(p.rod_gain) <= ROD_GAIN_MAX).all():
         raise ValueError(f"rod_gain: expected -{ROD_GAIN_MAX:g} to {ROD_GAIN_MAX:g}, found {p.rod_gain.tolist()}")
     if not (p.rod_period == 0.0 or p.rod_period >= ROD_PERIOD_MIN):

@@ -33,6 +33,7 @@ class Parameters:
     wheel_viscous_friction: float
     wheel_coulomb_friction: float
     dipole_max: float
+    rod_limits: Array
     rod_axes: Array
     rod_gain: Array
     rod_period: float
@@ -91,6 +92,11 @@ class Parameters:
     def rods_to_body(self) -> Array:
         """(3,3), columns u_i: takes the rods' dipoles to the body's."""
         return (self.rod_axes / np.linalg.norm(self.rod_axes, axis=1)[:, None]).T
+
+    @cached_property
+    def dipole_limit(self) -> Array:
+        """(3,) A m2: the largest dipole of each rod."""
+        return self.dipole_max * self.rod_limits
 
     @cached_property
     def rod_turns(self) -> Turns:

@@ -62,6 +62,6 @@ class Turns:
         return self.period == 0.0 or self.duty in (0.0, 1.0)
 
 
-def dipoles(command: Array, limit: float, gain: Array, on: bool) -> Array:
-    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit; none while they are off."""
+def dipoles(command: Array, limit: Array, gain: Array, on: bool) -> Array:
+    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit (3,); none while they are off."""
     return gain * np.minimum(np.maximum(command, -limit), limit) if on else np.zeros(3)

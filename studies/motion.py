@@ -44,7 +44,7 @@ def rates(p: plant.Parameters, turn: Array, x: ca.SX, u: ca.SX, field: ca.SX) ->
     q, Omega, l_w = x[:4], x[4:7] / SECONDS, x[7] / SECONDS
     Q_T = matrix(q).T
     omega = Omega - Q_T @ turn
-    dipole_B = ca.DM(p.rods_to_body * p.rod_gain) @ (p.dipole_max * u[:3]) + p.residual_dipole_B
+    dipole_B = ca.DM(p.rods_to_body * p.rod_gain * p.dipole_limit) @ u[:3] + p.residual_dipole_B
     down = -Q_T[:, 2]
     gravity = 3.0 * float(turn @ turn) * ca.cross(down, J @ down)
     tau_w = p.wheel_torque_max * u[3]

@@ -15,9 +15,9 @@ from .box import Array, least_squares
 
 
 class Limits(NamedTuple):
-    """What may be commanded: |m_i| <= dipole, A m2; wheel_low <= dl_w/dt <= wheel_high, N m."""
+    """What may be commanded: |m_i| <= dipole_i, (3,) A m2; wheel_low <= dl_w/dt <= wheel_high, N m."""
 
-    dipole: float
+    dipole: Array
     wheel_low: float
     wheel_high: float
     wheel_torque: float
@@ -58,14 +58,14 @@ def spin_torque(omega_B: Array, h_w: float, axis: Array) -> Array:
     return np.array((h_w * (O3 * a2 - O2 * a3), h_w * (O1 * a3 - O3 * a1), h_w * (O2 * a1 - O1 * a2)))
 
 
-def limits(h_w: float, period: float, dipole_max: float, torque_max: float, momentum_max: float) -> Limits:
-    """The limits of a command that stands for `period` s: |h_w + period dl_w/dt| <= momentum_max too, h_w in N m s.
+def limits(h_w: float, period: float, dipole: Array, torque_max: float, momentum_max: float) -> Limits:
+    """The limits of a command that stands for `period` s: |h_w + period dl_w/dt| <= momentum_max too, h_w in N m s; dipole (3,) A m2.
 
     Zero is always within them. A wheel that is past its limit is not driven back by them, only not further out.
     """
     low = -min(max((momentum_max + h_w) / period, 0.0), torque_max)
     high = min(max((momentum_max - h_w) / period, 0.0), torque_max)
-    return Limits(dipole_max, low, high, torque_max)
+    return Limits(dipole, low, high, torque_max)
 
 
 def allocate(r: Array, R: Array, axis: Array, limit: Limits, preference: Preference) -> Allocated:
@@ -73,7 +73,7 @@ def allocate(r: Array, R: Array, axis: Array, limit: Limits, preference: Prefere
 
     A preference beyond a limit counts as the limit.
     """
-    scale = np.array((limit.dipole, limit.dipole, limit.dipole, limit.wheel_torque))
+    scale = np.array((*limit.dipole.tolist(), limit.wheel_torque))
     low = np.array((-1.0, -1.0, -1.0, limit.wheel_low / limit.wheel_torque))
     high = np.array((1.0, 1.0, 1.0, limit.wheel_high / limit.wheel_torque))
     wanted = np.array((*preference.dipole.tolist(), preference.wheel_torque)) / scale

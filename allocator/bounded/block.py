@@ -19,6 +19,7 @@ FIELD_MIN = 1e-12
 """T. A field below a thousandth of a nanotesla counts as none, and then nothing is asked of the rods."""
 ABSENT_MIN = 0.999e9
 """An optional input that holds this or more is not connected; its start is 1e9, which a host may have rounded."""
+ROD_LIMIT_MIN = 0.01
 ROD_WEIGHT_MIN = 1e-8
 """T. Below it the preference along the field would drown in rounding."""
 FRACTION_CAP = 1e6
@@ -31,6 +32,7 @@ class Parameters:
 
     rod_axes: Array
     dipole_max: float
+    rod_limits: Array
     wheel_axis: Array
     wheel_torque_max: float
     wheel_momentum_max: float
@@ -89,6 +91,8 @@ def check(p: Parameters) -> None:
     for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max", "command_period", "desaturation_time"):
         if not 0.0 < (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
+    if not ((p.rod_limits >= ROD_LIMIT_MIN) & (p.rod_limits <= 1.0)).all():
+        raise ValueError(f"rod_limits: expected {ROD_LIMIT_MIN:g} to 1, found {p.rod_limits.tolist()}")
     for name, least in (("rod_weight", ROD_WEIGHT_MIN), ("wheel_weight", 0.0), ("wheel_weight_ff", 0.0)):
         if not least <= (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number of at least {least:g}, found {value!r}")
@@ -128,7 +132,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
     R = rod_matrix(u.b_B, p.U) * gains if B >= FIELD_MIN else np.zeros((3, 3))
     spin = spin_torque(u.omega_B, u.h_w, p.axis)
-    limit = limits(u.h_w, p.command_period, p.dipole_max, p.wheel_torque_max, p.wheel_momentum_max)
+    limit = limits(u.h_w, p.command_period, p.dipole_max * p.rod_limits, p.wheel_torque_max, p.wheel_momentum_max)
     given = allocate(u.tau_cmd_B - spin, R, p.axis, limit, _preference(u, p, B >= FIELD_MIN))
     if not math.isfinite(sum(given.dipole.tolist()) + given.wheel_torque):
         given = Allocated(np.zeros(3), 0.0, math.inf)  # inputs so large that their products overflow

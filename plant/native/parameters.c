@@ -118,7 +118,8 @@ bool plant_check(const PlantParameters *p, Fault *f)
     Epoch date;
     Orbit orbit;
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_inertia(inertia(p), "J_B + J_error_B", f) ||
-        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f)) {
+        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) ||
+        !are_rod_limits(p->rod_limits, f)) {
         return false;
     }
     static const char *const gains[] = {"rod_gain[1]", "rod_gain[2]", "rod_gain[3]"};

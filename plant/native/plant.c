@@ -215,6 +215,9 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     y->wheel_speed = x->l_w / p->wheel_inertia;
     y->field_extrapolated = plant->field_extrapolated;
     plant_see_sun(&plant->environment.sun, x->t, &motion.r, y->sun_N, &y->sunlight);
-    y->dipole_saturated = largest(vector(u->dipole_cmd)) > p->dipole_max;
+    y->dipole_saturated = false;
+    for (int i = 0; i < 3; ++i) {
+        y->dipole_saturated = y->dipole_saturated || fabs(u->dipole_cmd[i]) > p->dipole_max * p->rod_limits[i];
+    }
     return true;
 }

@@ -51,11 +51,13 @@ typedef struct {
     /* N.m; Coulomb friction of the wheel's bearing; a wheel at rest stays at rest under smaller motor torques
      * */
     double wheel_coulomb_friction;
-    /* A.m2; Largest dipole of each rod */
+    /* A.m2; Largest dipole of each rod; rod_limits has the share of it that each one gives */
     double dipole_max;
+    /* Largest dipole of each rod over dipole_max, such as 0.4 for an air coil beside two rods with a core */
+    double rod_limits[3];
     /* frame B; Rows: the rods' unit axes u1, u2, u3 [16]; of unit length to 1e-6 (normalised on use) */
     double rod_axes[3][3];
-    /* Ratio of each rod's dipole to its command, which is clipped at dipole_max first: 0 for a dead rod, -1
+    /* Ratio of each rod's dipole to its command, which is clipped at its limit first: 0 for a dead rod, -1
      * for a reversed one */
     double rod_gain[3];
     /* s; Period in which the rods are first on and then off, so that the field can be measured, from t = 0.
@@ -137,7 +139,8 @@ typedef struct {
 } PlantParameters;
 
 typedef struct {
-    /* A.m2; frame rods; Demanded dipole of each rod along its axis u_i; clipped at dipole_max */
+    /* A.m2; frame rods; Demanded dipole of each rod along its axis u_i; clipped at dipole_max times
+     * rod_limits */
     double dipole_cmd[3];
     /* N.m; Demanded dl_w/dt, the torque on the rotor: a positive torque raises h_w, and the body receives the
      * opposite torque; clipped at wheel_torque_max */
@@ -166,9 +169,9 @@ typedef struct {
     double tau_drag_B[3];
     /* N.m; frame B; Moment of the rods' and the residual dipole in the field [16] */
     double tau_mag_B[3];
-    /* A.m2; frame rods; Dipole of each rod at this instant: rod_gain times the command clipped at dipole_max;
-     * zero while the rods are off. In a record, its command is the one that acted before the time stamp, over
-     * the step that ends there */
+    /* A.m2; frame rods; Dipole of each rod at this instant: rod_gain times the command clipped at dipole_max
+     * times rod_limits; zero while the rods are off. In a record, its command is the one that acted before
+     * the time stamp, over the step that ends there */
     double dipole[3];
     /* N.m; True dl_w/dt: the command clipped at wheel_torque_max, minus friction; zero where it would drive
      * h_w beyond its limit */
@@ -184,7 +187,7 @@ typedef struct {
     double energy;
     /* kg/m3; Density of the air at the satellite (NRLMSISE-00, hot oxygen included); zero with drag false */
     double density;
-    /* A demanded dipole is beyond dipole_max and is clipped */
+    /* A demanded dipole is beyond dipole_max times rod_limits and is clipped */
     bool dipole_saturated;
     /* The demanded wheel torque is beyond wheel_torque_max and is clipped */
     bool wheel_torque_saturated;

@@ -36,11 +36,10 @@ Turn plant_next_turn(Turn turn)
 
 Vector plant_rod_dipoles(const PlantParameters *p, const PlantInputs *u, bool on)
 {
-    const double limit = p->dipole_max;
-    const double *cmd = u->dipole_cmd, *gain = p->rod_gain;
-    if (!on) {
-        return (Vector){0.0, 0.0, 0.0};
+    double dipole[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; on && i < 3; ++i) {
+        const double limit = p->dipole_max * p->rod_limits[i];
+        dipole[i] = p->rod_gain[i] * clip(u->dipole_cmd[i], -limit, limit);
     }
-    return (Vector){gain[0] * clip(cmd[0], -limit, limit), gain[1] * clip(cmd[1], -limit, limit),
-                    gain[2] * clip(cmd[2], -limit, limit)};
+    return vector(dipole);
 }

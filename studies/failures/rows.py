@@ -164,6 +164,7 @@ ROWS = (
         for push in ((1e-6, 1e-5) if how == "dead" else (1e-5,))
     ),
     _stuck("stuck from the start", 1e-6),
+    _stuck("stuck from the start", 1e-5),
     _stuck("stuck from the start, without a disturbance", 0.0),
     _stuck("stuck from the start with 1 mN m s", 0.0, momentum=1e-3),
     _stuck("stuck after 6000 s, in the hold", 1e-6, at=HOLD),

@@ -175,6 +175,14 @@ TRIED = (
         "rod 1 gives nothing, known before the flight (`rod_gains0`)",
         _dead_and_known,
     ),
+    Tried(
+        "rod 3 limited",
+        "rod 3 gives 10 A m² at most, known (`rod_limits`)",
+        lambda data: change(
+            data, {f"{block}.rod_limits": [1, 1, 0.4] for block in ("plant", "controller", "allocator")}
+        ),
+    ),
+    Tried("rod 3 limited unknown", "the same, not known", _start(plant__rod_limits=[1, 1, 0.4])),
     Tried("wheel stuck", "the wheel does not turn, not known", _start(plant__wheel_torque_max=0.0)),
     Tried("no u_applied", "`u_applied` not connected", _lost("controller.u_applied")),
     Tried("no h_w", "`h_w` of the controller not connected", _lost("controller.h_w")),

@@ -27,6 +27,7 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
     """The page."""
     best = {hold.tumble: hold for hold in holds if hold.closed and not (hold.last or hold.even)}
     least, left = _least(holds), waiting(flights, holds)
+    of_wheel = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
         Path(__file__).parent,
@@ -38,6 +39,11 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         if min(counts) == max(counts)
         else f"{min(counts)} to {max(counts)} of each row",
         settled=int(np.isfinite(_times(flights.lines)).sum()),
+        again=int((_lost(flights.lines) & np.isfinite(_at_end(flights.lines))).sum()),
+        again_with_wheel=int((_lost(of_wheel) & np.isfinite(_at_end(of_wheel))).sum()),
+        settled_with_wheel=int(np.isfinite(_times(of_wheel)).sum()),
+        with_wheel=len(of_wheel),
+        late_with_wheel=int((np.isfinite(_times(of_wheel)) & (_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, best, least),
         held=_held(flights, best),
         sample=SAMPLE,
@@ -70,13 +76,19 @@ def _key(line: Mapping[str, str]) -> Tumble:
     return line["satellite"], line["condition"], line["run"]
 
 
-def _times(lines: Sequence[Mapping[str, str]]) -> Array:
+def _lost(lines: Sequence[Mapping[str, str]]) -> Array:
+    """Which were settled at EARLY and left again (n,), also if they settled once more."""
+    return np.isfinite(column(lines, "early_s")) & (_at_end(lines) > EARLY)
+
+
+def _at_end(lines: Sequence[Mapping[str, str]]) -> Array:
+    """From when on they are settled to the end, s (n,); infinite for never."""
     return column(lines, "settled_5deg_s", math.inf)
 
 
-def _lost(lines: Sequence[Mapping[str, str]]) -> Array:
-    """Which were settled at EARLY and left again (n,)."""
-    return np.isfinite(column(lines, "early_s")) & (_times(lines) > EARLY)
+def _times(lines: Sequence[Mapping[str, str]]) -> Array:
+    """When they settle, s (n,); infinite for those that never do or are lost again."""
+    return np.where(_lost(lines), math.inf, _at_end(lines))
 
 
 def _data(name: str, it: Satellite) -> list[str]:
@@ -96,6 +108,7 @@ def _row(flights: Flights, name: str, condition: str) -> list[str]:
     spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 0.9, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
     again = f"{lost.sum()}, to {degrees(float(column(lines, 'later_max_deg')[lost].max()))}" if lost.any() else "0"
+    again += f"; {back} settle once more" if (back := int((lost & np.isfinite(_at_end(lines))).sum())) else ""
     return [
         name,
         NAMES[condition],

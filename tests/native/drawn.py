@@ -96,6 +96,7 @@ def allocator_bounded_case(rng: np.random.Generator) -> tuple[Any, Any]:
         "allocator_bounded",
         rod_axes=axes / np.linalg.norm(axes, axis=1)[:, None],
         dipole_max=rng.uniform(1.0, 50.0),
+        rod_limits=rng.choice([1.0, rng.uniform(0.01, 1.0)], 3),
         wheel_torque_max=rng.uniform(1e-3, 1e-2),
         command_period=rng.choice([0.1, 2.0, 20.0]),
         desaturation_time=rng.uniform(1.0, 300.0),
@@ -126,6 +127,7 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
         wheel_viscous_friction=rng.choice([0.0, 1e-7, 2e-5]),  # the last decays in 0.7 s
         wheel_coulomb_friction=rng.choice([0.0, 1e-4]),
         rod_axes=axes / np.linalg.norm(axes, axis=1)[:, None],
+        rod_limits=rng.choice([1.0, rng.uniform(0.01, 1.0)], 3),
         rod_gain=rng.uniform(0.0, 2.0, 3),
         rod_period=rng.choice([0.0, 0.07, 0.13, 0.2]),
         rod_duty=rng.choice([0.0, rng.uniform(), 0.5, 1.0]),

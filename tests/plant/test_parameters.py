@@ -85,6 +85,8 @@ REFUSED = {
         "at least 0",
     ),
     "a negative dipole limit": ({"dipole_max": -25.0}, "dipole_max", "-25.0", "at least 0"),
+    "a rod without a dipole": ({"rod_limits": [1.0, 0.0, 1.0]}, "rod_limits", "0.0", "0.01 to 1"),
+    "a rod that is larger than the largest": ({"rod_limits": [1.0, 1.0, 1.1]}, "rod_limits", "1.1", "0.01 to 1"),
     "a rod that gives too much of the opposite": ({"rod_gain": [1.0, -2.1, 1.0]}, "rod_gain", "-2.1", "-2 to 2"),
     "a rod that gives too much": ({"rod_gain": [1.0, 1.0, 2.1]}, "rod_gain", "2.1", "-2 to 2"),
     "turns shorter than a millisecond": ({"rod_period": 5e-4}, "rod_period", "0.0005 s", "at least 0.001 s"),

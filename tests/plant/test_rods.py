@@ -45,6 +45,15 @@ def test_a_demand_beyond_the_rods_is_clipped_to_their_limit_and_flagged(beyond):
     assert np.array_equal(y.tau_mag_B, clipped.tau_mag_B)
 
 
+def test_each_rod_is_clipped_at_a_limit_of_its_own():
+    y = at_start(command([20.0, -20.0, 20.0]), rod_limits=[0.4, 1.0, 0.8])
+    assert y.dipole == pytest.approx([10.0, -20.0, 20.0], rel=1e-15)
+    assert y.dipole_saturated
+    assert not at_start(command([10.0, -20.0, 20.0]), rod_limits=[0.4, 1.0, 0.8]).dipole_saturated
+    weak = at_start(command([20.0, -20.0, 20.0]), rod_limits=[0.4, 1.0, 0.8], rod_gain=[0.5, 1.0, -1.0])
+    assert weak.dipole == pytest.approx([5.0, -20.0, -20.0], rel=1e-15)
+
+
 def test_the_motion_feels_the_clipped_dipole_not_the_demand():
     p = checked()
     over, at_limit = (fly(p, command(d), 0.5, 4)[-1] for d in ([90.0, -4.0, -70.0], [25.0, -4.0, -25.0]))

@@ -21,7 +21,8 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
     if (!has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) ||
-        !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) || !all_positive(positive, COUNT(positive), f)) {
+        !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) || !are_rod_limits(p->rod_limits, f) ||
+        !all_positive(positive, COUNT(positive), f)) {
         return false;
     }
     if (!(p->rod_weight >= ROD_WEIGHT_MIN && isfinite(p->rod_weight))) {
@@ -47,14 +48,14 @@ static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedI
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
     const double h_w = u->h_w;
     const double torque_max = p->wheel_torque_max;
-    const Vector A[BOX_N] = {scale(p->dipole_max, rods[0]), scale(p->dipole_max, rods[1]), scale(p->dipole_max, rods[2]),
+    const Vector limit = scale(p->dipole_max, vector(p->rod_limits));
+    const Vector A[BOX_N] = {scale(limit.x, rods[0]), scale(limit.y, rods[1]), scale(limit.z, rods[2]),
                              scale(-torque_max, vector(law->axis))};
-    const double rod_weight = p->rod_weight * p->dipole_max;
     const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
-    const double weight[BOX_N] = {rod_weight, rod_weight, rod_weight, wheel_weight};
+    const double weight[BOX_N] = {p->rod_weight * limit.x, p->rod_weight * limit.y, p->rod_weight * limit.z, wheel_weight};
     const double dh_w_p = with_wheel_ff ? u->wheel_torque_ff : -h_w / p->desaturation_time;
     const Vector m_p = with_rods_ff ? vector(u->dipole_ff) : (Vector){0.0, 0.0, 0.0};
-    const double preferred[BOX_N] = {m_p.x / p->dipole_max, m_p.y / p->dipole_max, m_p.z / p->dipole_max, dh_w_p / torque_max};
+    const double preferred[BOX_N] = {m_p.x / limit.x, m_p.y / limit.y, m_p.z / limit.z, dh_w_p / torque_max};
 
     /* The wheel stays within its momentum over a period. Zero is always allowed, so the box is never empty. */
     const double down = larger((p->wheel_momentum_max + h_w) / p->command_period, 0.0);
@@ -77,7 +78,8 @@ static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedI
     for (int i = 0; i < BOX_N; ++i) {
         fraction = larger(fraction, fabs(unbounded[i]));
     }
-    return (Commands){scale(p->dipole_max, (Vector){x[0], x[1], x[2]}), torque_max * x[3], smaller(fraction, FRACTION_CAP)};
+    const Vector dipole = {limit.x * x[0], limit.y * x[1], limit.z * x[2]};
+    return (Commands){dipole, torque_max * x[3], smaller(fraction, FRACTION_CAP)};
 }
 
 bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,

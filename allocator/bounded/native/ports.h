@@ -13,8 +13,10 @@ typedef struct {
     /* frame B; Rows: the rods' unit axes u1, u2, u3 that the allocation assumes [16]; of unit length to 1e-6
      * (normalised on use), linearly independent */
     double rod_axes[3][3];
-    /* A.m2; Largest dipole of each rod */
+    /* A.m2; Largest dipole of each rod; rod_limits has the share of it that each one gives */
     double dipole_max;
+    /* Largest dipole of each rod over dipole_max, such as 0.4 for an air coil beside two rods with a core */
+    double rod_limits[3];
     /* frame B; Unit axis of the wheel that the allocation assumes; of unit length to 1e-6 (normalised on use)
      * */
     double wheel_axis[3];
@@ -60,7 +62,8 @@ typedef struct {
 } AllocatorBoundedInputs;
 
 typedef struct {
-    /* A.m2; frame rods; Commanded dipole of each rod along its axis u_i, within dipole_max */
+    /* A.m2; frame rods; Commanded dipole of each rod along its axis u_i, within dipole_max times rod_limits
+     * */
     double dipole_cmd[3];
     /* N.m; Commanded dl_w/dt, the torque on the rotor; within wheel_torque_max, and such that h_w stays
      * within its limit */

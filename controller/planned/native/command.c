@@ -11,7 +11,7 @@ static const double TINY = 1e-300;    /* keeps a rod that gives nothing from div
 static void store_controls(const ControllerPlannedParameters *p, const double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     for (int i = 0; i < 3; ++i) {
-        y->dipole_ff[i] = p->dipole_max * controls[i];
+        y->dipole_ff[i] = p->dipole_max * p->rod_limits[i] * controls[i];
     }
     y->wheel_torque_ff = p->wheel_torque_max * controls[3];
 }

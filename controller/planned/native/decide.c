@@ -197,12 +197,22 @@ static void fly_what_there_is(ControllerPlannedState *x, const Motion *now)
     }
 }
 
+/* What a rod gives of dipole_max on average. */
+static double rods_share(const ControllerPlannedLaw *law, const Identification *id)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        sum += law->p.rod_limits[i] * fabs(id->p[GAINS + i]);
+    }
+    return sum / 3.0;
+}
+
 static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Standing *s, double dt,
                   bool due, int32_t *work)
 {
     if (due) {
         *work -= WORK_STEERING;
-        const double dipole = STEERING_DIPOLE * law->p.dipole_max * controller_planned_rods_gain(&x->identification);
+        const double dipole = STEERING_DIPOLE * law->p.dipole_max * rods_share(law, &x->identification);
         controller_planned_steer(ahead, x->t, s->D_N, dipole, x->scales.time, law->steering_field, &x->steering);
     } else {
         x->steering.time = larger(x->steering.time - dt, 0.0);

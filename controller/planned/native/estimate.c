@@ -10,11 +10,12 @@ static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keep
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
 /* The rods' dipoles at their limit. */
-static void set_rods(const ControllerPlannedLaw *law, double dipole_max, Model *model)
+static void set_rods(const ControllerPlannedLaw *law, Model *model)
 {
-    model->rods[0] = scale(dipole_max, law->rod_axes.a);
-    model->rods[1] = scale(dipole_max, law->rod_axes.b);
-    model->rods[2] = scale(dipole_max, law->rod_axes.c);
+    const Vector limit = scale(law->p.dipole_max, vector(law->p.rod_limits));
+    model->rods[0] = scale(limit.x, law->rod_axes.a);
+    model->rods[1] = scale(limit.y, law->rod_axes.b);
+    model->rods[2] = scale(limit.z, law->rod_axes.c);
 }
 
 Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *scales)
@@ -27,7 +28,7 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
                    .scales = *scales};
     model.horizon = controller_planned_horizon(scales->time);
     model.J_inverse = inverse(model.J);
-    set_rods(law, p->dipole_max, &model);
+    set_rods(law, &model);
     if (controller_planned_has_K0(p)) {
         model.scales.K = vector(p->K0);
     }
@@ -115,7 +116,7 @@ static void applied(const ControllerPlannedLaw *law, ControllerPlannedState *x, 
     memcpy(given, x->u, sizeof x->u);
     if (controller_planned_has_u_applied(u)) {
         for (int i = 0; i < 3; ++i) {
-            given[i] = u->u_applied[i] / p->dipole_max;
+            given[i] = u->u_applied[i] / (p->dipole_max * p->rod_limits[i]);
         }
         given[3] = u->u_applied[3] / p->wheel_torque_max;
     }

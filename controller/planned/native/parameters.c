@@ -99,7 +99,8 @@ static double left_out(const GaussModel *model, int degree)
 static bool check_rods(const ControllerPlannedParameters *p, Fault *f)
 {
     const Vector gains = vector(p->rod_gains0);
-    return norm(gains) > 0.0 || fault(f, "rod_gains0", 0.0, "at least one rod that is not dead");
+    return are_rod_limits(p->rod_limits, f) &&
+           (norm(gains) > 0.0 || fault(f, "rod_gains0", 0.0, "at least one rod that is not dead"));
 }
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)

@@ -41,8 +41,10 @@ typedef struct {
     /* What each rod is known to give of its command before the flight: 1 sound, 0 dead, negative reversed. A
      * gain of 0 is kept as it is; the others are identified from these values */
     double rod_gains0[3];
-    /* A.m2; Largest dipole of each rod */
+    /* A.m2; Largest dipole of each rod; rod_limits has the share of it that each one gives */
     double dipole_max;
+    /* Largest dipole of each rod over dipole_max, such as 0.4 for an air coil beside two rods with a core */
+    double rod_limits[3];
     /* frame B; Unit axis of the wheel; of unit length to 1e-6 (normalised on use) */
     double wheel_axis[3];
     /* N.m; Largest torque of the wheel's motor */

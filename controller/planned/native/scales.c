@@ -87,7 +87,8 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
 {
     const Matrix J = matrix(p->J_B);
     const double inertia = (J.a.x + J.b.y + J.c.z) / 3.0, ratio = ONBOARD_RADIUS / a;
-    const double T = two_digits(sqrt(inertia / (p->dipole_max * SURFACE_FIELD * ratio * ratio * ratio)));
+    const double dipole = p->dipole_max * ((p->rod_limits[0] + p->rod_limits[1] + p->rod_limits[2]) / 3.0); /* of a rod, mean */
+    const double T = two_digits(sqrt(inertia / (dipole * SURFACE_FIELD * ratio * ratio * ratio)));
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);
     const double least = 1.0 / controller_planned_largest_of(J, identity);
@@ -115,6 +116,6 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .steering_limit = given_or(p->steering_limit, two_digits(STEERING_LIMIT * momentum)),
         .disturbance_max = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque),
         .disturbance_time = given_or(p->disturbance_time, two_digits(drag_forgotten(a))),
-        .residual_dipole_max = p->residual_dipole_max >= 0.0 ? p->residual_dipole_max : RESIDUAL_DIPOLE_MAX * p->dipole_max,
+        .residual_dipole_max = p->residual_dipole_max >= 0.0 ? p->residual_dipole_max : RESIDUAL_DIPOLE_MAX * dipole,
     };
 }

@@ -203,6 +203,18 @@ static inline bool has_independent_unit_rows(Matrix U, const char *name, Fault *
     return true;
 }
 
+/* Whether each is the share of dipole_max that a rod gives at most. */
+static inline bool are_rod_limits(const double rod_limits[3], Fault *f)
+{
+    static const char *const names[] = {"rod_limits[1]", "rod_limits[2]", "rod_limits[3]"};
+    for (int i = 0; i < 3; ++i) {
+        if (!(rod_limits[i] >= 0.01 && rod_limits[i] <= 1.0)) {
+            return fault(f, names[i], rod_limits[i], "0.01 to 1");
+        }
+    }
+    return true;
+}
+
 /* Whether K0 is the diagonal of a gain of the law [8]: no two elements alike, so that its critical points are apart [9]. */
 static inline bool is_ascending(const double K0[3], Fault *f)
 {

@@ -65,6 +65,8 @@ def test_inputs_that_are_not_finite_are_refused_by_name(name, bad):
 WRONG = [
     ({"rod_axes": 1.001 * P.rod_axes}, r"rod_axes: expected rows of unit length to 1e-06, found \|u1\| = 1.001"),
     ({"rod_axes": [[1, 0, 0], [0.6, 0.8, 0], [0, 1, 0]]}, "rod_axes: expected linearly independent axes.*found 0"),
+    ({"rod_limits": np.array([1.0, 0.0, 1.0])}, "rod_limits: expected 0.01 to 1, found"),
+    ({"rod_limits": np.array([1.0, 1.0, 1.1])}, "rod_limits: expected 0.01 to 1, found"),
     ({"rod_axes": np.full((3, 3), math.nan)}, "rod_axes: expected finite"),
     ({"rod_weight": 9e-9}, "rod_weight: expected a finite number of at least 1e-08, found 9e-09"),
     ({"rod_weight": math.nan}, "rod_weight: expected"),

@@ -1,4 +1,4 @@
-"""The bounded allocator with rods that give less than they are told, nothing, or the opposite."""
+"""The bounded allocator with rods of limits of their own, and rods that give less than they are told, nothing, or the opposite."""
 
 from dataclasses import replace
 
@@ -43,3 +43,28 @@ def test_a_weak_rod_gives_all_that_it_has():
     y = given(replace(weak, dipole_ff=np.array([20.0 / 0.9, 0.0, 0.0])))
     assert y.dipole_cmd[0] == pytest.approx(20.0 / 0.9, rel=1e-6)
     assert np.linalg.norm(y.tau_residual_B) < 1e-12
+
+
+def test_with_limits_of_the_rods_scipy_finds_no_better_commands(rng):
+    at_limit = 0
+    for u, p in PROBLEMS["any"][:100]:
+        shares = rng.uniform(0.01, 1.0, 3)
+        A, y, low, high = cost_and_box(u, p)
+        within = np.array([*(25.0 * shares), np.inf])
+        low, high = np.maximum(low, -within), np.minimum(high, within)
+        x = commands(given(u, replace(p, rod_limits=shares)))
+        assert ((low - 1e-12 <= x) & (x <= high + 1e-12)).all()
+        scale = np.array([*(25.0 * shares), 3e-3])
+        y[3:6] = np.clip(
+            y[3:6], p.rod_weight * low[:3], p.rod_weight * high[:3]
+        )  # a preference beyond a limit counts as the limit
+        best = lsq_linear(A * scale, y, (low / scale, high / scale), method="bvls", tol=1e-15).cost
+        assert 0.5 * np.sum((A @ x - y) ** 2) <= best * (1.0 + 1e-9) + 1e-22
+        at_limit += bool((np.abs(x[:3]) > 24.9 * shares).any())
+    assert at_limit > 30
+
+
+def test_rods_that_all_give_half_are_rods_of_half_the_dipole():
+    for u, p in PROBLEMS["any"][:100]:
+        shares = given(u, replace(p, rod_limits=np.full(3, 0.5)))
+        np.testing.assert_array_equal(commands(shares), commands(given(u, replace(p, dipole_max=12.5))))

@@ -106,6 +106,7 @@ static Model model_of(const FlatModel *f)
     p.control_period = 0.5;
     p.momentum_weight = 0.018;
     p.dipole_max = f->dipole_max;
+    p.rod_limits[0] = p.rod_limits[1] = p.rod_limits[2] = 1.0;
     p.wheel_momentum_max = f->wheel_momentum_max;
     memcpy(p.wheel_axis, f->wheel_axis, sizeof p.wheel_axis);
     p.gravitational_parameter = 3.986004418e14;

@@ -44,6 +44,25 @@ def test_a_gain_that_is_given_wins(name, value):
     assert not np.allclose(torque(**{name: value}), torque(), rtol=1e-6)
 
 
+@pytest.mark.parametrize("inputs", [near_target, tumbling])
+def test_rods_that_all_give_half_are_rods_of_half_the_dipole(inputs):
+    half = outputs_after(15.0, inputs, dipole_max=12.5)
+    assert same(outputs_after(15.0, inputs, rod_limits=[0.5, 0.5, 0.5]), half)
+    assert not same(outputs_after(15.0, inputs), half)
+
+
+def test_no_rod_is_asked_for_more_than_its_limit_and_the_plan_uses_it():
+    limits = np.array([1.0, 0.4, 0.2])
+    with started(tumbling, rod_limits=limits) as it:
+        used = np.zeros(3)
+        for i in range(200):
+            feed(it, tumbling(0.5 * (i + 1)))
+            it.step(0.5 * i, 0.5)
+            used = np.maximum(used, np.abs(it.outputs()["dipole_ff"]))
+    assert (used <= 25.0 * limits * (1.0 + 1e-12)).all()
+    assert (used > 24.0 * limits).all()
+
+
 def at_height(height):
     """near_target's inputs on a circular orbit at this height, m, over the radius of the field models."""
 
