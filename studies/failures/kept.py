@@ -10,7 +10,7 @@ from pathlib import Path
 from orchestration.campaign.flying.rows import Rows
 
 from .. import files
-from ..flight.cases import ALARMS, LONG
+from ..flight.cases import ALARMS
 from ..flight.cases import HOLD as LAST
 from .rows import Row
 
@@ -70,7 +70,7 @@ def flight(row: Row, run: int, m: Mapping[str, float], remark: str = "") -> Flig
         row.name,
         run,
         found_s=_from(row, m[flag]),
-        settled_s=settled if settled <= row.at + LONG - LAST else math.inf,
+        settled_s=settled if settled <= row.end - LAST else math.inf,
         within_15_s=_from(row, m["within_15"]),
         within_5_s=_from(row, m["within_5"]),
         given_up_s=_from(row, m["given_up"]),

@@ -13,7 +13,7 @@ from ..flight.kept import angle, quantile
 from ..markdown import finite, orbits
 from ..paper import ORBIT, Array
 from .kept import Flight
-from .rows import RODS, ROWS, SENSORS, UNSEARCHED, WHEEL, Row
+from .rows import OTHERS, RODS, ROWS, SENSORS, UNSEARCHED, WHEEL, Row
 
 LOST = 5.0
 """deg: below it the attitude is held."""
@@ -24,7 +24,7 @@ SOON = 1.5
 def text(flights: Sequence[Flight]) -> str:
     """The page."""
     of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
-    columns = {RODS: _rod, SENSORS: _sensor, UNSEARCHED: _unsearched, WHEEL: _wheel}
+    columns = {RODS: _rod, OTHERS: _other, SENSORS: _sensor, UNSEARCHED: _unsearched, WHEEL: _wheel}
     tables = {
         table: [columns[table](row, of[row.name]) for row in ROWS if row.table == table and of[row.name]]
         for table in columns
@@ -52,7 +52,7 @@ def _counts(numbers: Sequence[int]) -> str:
 
 
 def _torque(row: Row) -> str:
-    return f"{1e6 * row.push:g} µN m" if row.push else "none"
+    return f"{1e6 * row.push:.3g} µN m" if row.push else "none"
 
 
 def _column(flights: Sequence[Flight], name: str) -> Array:
@@ -81,6 +81,12 @@ def _hold(flights: Sequence[Flight]) -> list[str]:
 def _rod(row: Row, flights: Sequence[Flight]) -> list[str]:
     found, settled = _found(_column(flights, "found_s")), _spread(_column(flights, "settled_s"))
     return [row.text, _torque(row), *found, *settled, *_hold(flights)]
+
+
+def _other(row: Row, flights: Sequence[Flight]) -> list[str]:
+    times = _column(flights, "settled_s")
+    spread = [f"{t:,.0f} s" if math.isfinite(t := quantile(times, q)) else "not settled" for q in (0.5, 0.9, 1.0)]
+    return [row.text, _torque(row), *_found(_column(flights, "found_s")), finite(times), *spread, *_hold(flights)]
 
 
 def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:

@@ -6,16 +6,16 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from orchestration.campaign.load import Case
 
 from .. import crew
-from ..flight.cases import ALARMS, DRAWN, EARLY, LONG, RATE, tumbles
+from ..flight.cases import ALARMS, EARLY, LONG, tumbles
 from ..flight.schemes import Data, base, change
 from ..paper import ORBIT
+from ..satellites import classes
 
 SEED = 600
 HELD, HOLD = 3000.0, 6000.0
@@ -24,7 +24,7 @@ GAIN = 0.9
 """What a rod gives that has not failed."""
 ASKED = 1e-8
 """N m: below it nothing is asked of the wheel."""
-TABLES = RODS, SENSORS, UNSEARCHED, WHEEL = "rods", "sensors", "unsearched", "wheel"
+TABLES = RODS, OTHERS, SENSORS, UNSEARCHED, WHEEL = "rods", "others", "sensors", "unsearched", "wheel"
 """The tables of the page."""
 
 
@@ -43,6 +43,8 @@ class Row:
     """Which rod fails; 0: none."""
     start: Mapping[str, Any] = field(default_factory=dict, hash=False)
     """Start values beside those of the tumbles."""
+    satellite: str = ""
+    """One of docs/satellites.md with its tumbles; empty: the paper's, on its orbit."""
 
     @property
     def at(self) -> float:
@@ -54,7 +56,14 @@ class Row:
         """From when on the hold counts, s: of rods alone over the third orbit; else from a failure in the hold, or from EARLY."""
         if self.table == WHEEL:
             return self.at + 2.0 * ORBIT
+        if self.satellite:
+            return classes.EARLY
         return self.at if self.at >= HELD else EARLY
+
+    @property
+    def end(self) -> float:
+        """When the flight ends, s: three orbits after the failure, or more."""
+        return self.at + (classes.DURATION if self.satellite else LONG)
 
     @property
     def name(self) -> str:
@@ -63,30 +72,34 @@ class Row:
 
     def case(self, flights: int) -> Case:
         """The campaign, checked. Raises InputError."""
-        data = change(base("failures"), self.start)
-        data |= {"faults": [dict(fault) for fault in self.faults], "duration": self.at + LONG}
-        vary = tumbles(self.name, SEED, 1, errors=True).vary
-        vary["plant.disturbance_torque_B"] = f"{self.push} * push"
+        data = base("failures")
+        group = (
+            classes.tumbles(self.satellite, flights, errors=True, data=data)
+            if self.satellite
+            else tumbles(self.name, SEED, flights, errors=True, data=data)
+        )
+        data = change(group.scenario, self.start)
+        data |= {"faults": [dict(fault) for fault in self.faults], "duration": self.end}
+        vary = {**group.vary, "plant.disturbance_torque_B": f"{self.push} * push"}
         campaign = {
             "name": re.sub(r"\W+", "_", self.name),
             "scenario": data,
-            "draw": DRAWN,
+            "draw": group.draw,
             "vary": {name: {"expression": text} for name, text in vary.items()},
             "runs": flights,
-            "seed": SEED,
-            "metrics": [{"name": name, **metric} for name, metric in self._metrics.items()],
+            "seed": group.seed,
+            "metrics": [{"name": name, **metric} for name, metric in self._metrics(group.slow).items()],
         }
         return crew.case(campaign, Path(__file__).parent)
 
-    @cached_property
-    def _metrics(self) -> dict[str, Data]:
+    def _metrics(self, slow: float) -> dict[str, Data]:
         angle: Data = {"signal": "judge.attitude_error"}
         rate: Data = {"signal": "judge.rate_error_B", "measure": "norm"}
         from_it, held = {"after": self.at}, {"after": self.since}
         wheel: Data = {"signal": "allocator.wheel_torque_cmd"}
         return {
             "angle": {**angle, "settles": {"below": "5 deg"}},
-            "rate": {**rate, "settles": {"below": f"{RATE} rad/s"}},
+            "rate": {**rate, "settles": {"below": f"{slow} rad/s"}},
             "within_15": {**angle, "settles": {"below": "15 deg"}, **from_it},
             "within_5": {**angle, "settles": {"below": "5 deg"}, **from_it},
             "given_up": {**wheel, "settles": {"within": f"{ASKED} N.m"}, **from_it},
@@ -124,6 +137,11 @@ def _stuck(text: str, push: float, *more: Data, at: float = 0.0, momentum: float
     return Row(WHEEL, text, faults, push, "wheel_failed", start={"plant.h_w0": momentum})
 
 
+def _other(satellite: str, i: int, how: str) -> Row:
+    push = classes.ALL[satellite].disturbance(errors=True)
+    return Row(OTHERS, f"{satellite}: rod {i} {how}", _rod(i, _GAINS[how]), push, rod=i, satellite=satellite)
+
+
 _CALM: Data = {"at": ORBIT, "set": "plant.disturbance_torque_B = [0, 0, 0]"}
 _GAINS = {"dead": 0.0, "gives half": 0.5 * GAIN, "reversed": -GAIN}
 ROWS = (
@@ -134,6 +152,16 @@ ROWS = (
         for push in (1e-6, 1e-5)
     ),
     *(Row(RODS, f"rod {i} dies after 6000 s, in the hold", _rod(i, 0.0, HOLD), rod=i) for i in (1, 2, 3)),
+    _other("1U", 1, "dead"),
+    _other("3U", 1, "dead"),
+    _other("3U", 3, "gives half"),
+    _other("6U", 2, "dead"),
+    _other("12U", 2, "reversed"),
+    _other("12U, wheel along e3", 1, "dead"),
+    _other("150 kg", 3, "dead"),
+    _other("500 kg", 1, "dead"),
+    _other("50 kg, flat", 2, "dead"),
+    _other("50 kg, elongated", 3, "reversed"),
     Row(
         SENSORS,
         "attitude frozen for 600 s, after 300 s",

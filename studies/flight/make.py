@@ -14,8 +14,8 @@ from ..paper import ROOT
 from . import figures, kept, page
 from .bound import bound, starts
 from .calls import calls
+from .groups import all_groups
 from .schemes import base
-from .tried import all_groups
 
 FOLDER = STUDIES / "flight"
 BOUNDED = {"nominal", "errors", "vb", "vc"}

@@ -1,4 +1,4 @@
-"""What else docs/flight.md flies: tumbles with one thing different; and the list of all groups."""
+"""Tumbles with one thing different."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fmus.interface import load
 from .. import setup
 from ..paper import INERTIA, SCENARIOS
 from ..setup import Loop
-from .cases import BESIDE, DRAWN, SEEDS, TRIES, Group, hold, manoeuvre, pairings, share, tumbles
+from .cases import DRAWN, SEEDS, Group, tumbles
 from .schemes import Data, base, change, without
 
 
@@ -76,6 +76,9 @@ def _dipole_alone(data: Data) -> None:
 
 
 FEED_FORWARD = ("allocator.dipole_ff", "allocator.wheel_torque_ff")
+LOW = {"plant__orbit_radius": 6.771e6, "plant__f107": 230.0, "plant__f107_average": 230.0}
+"""Start values of an orbit at 400 km near the maximum of the Sun."""
+ANY: Data = {"any": {"sphere": 1.0}}
 ANYWHERE: Data = {"along": {"uniform": ["0 deg", "360 deg"]}}
 BODY: Data = {"axes": {"rotation": "uniform"}, "size": {"uniform": [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]}}
 TURNS: Data = {f"turn{i}": {"sphere": 1.0} for i in (1, 2, 3)}
@@ -163,6 +166,36 @@ TRIED = (
         "wheel with 0.05 mN m Coulomb and 10⁻⁷ N m s/rad viscous friction (0.2 mN m at full speed), not known",
         _start(plant__wheel_coulomb_friction=5e-5, plant__wheel_viscous_friction=1e-7),
     ),
+    Tried("rate noise", "noise of 5·10⁻⁴ rad/s on the rate, not known", _start(sensors__rate_noise=5e-4)),
+    Tried(
+        "rate noise known",
+        "the same, known (`rate_noise`)",
+        _start(sensors__rate_noise=5e-4, controller__rate_noise=5e-4),
+    ),
+    Tried(
+        "rate bias",
+        "a bias of 10⁻⁴ rad/s on the rate, in any direction",
+        draw=ANY,
+        vary=lambda: {"sensors.rate_bias_B": "1e-4 * any"},
+    ),
+    Tried(
+        "residual dipole",
+        "a residual dipole of 1.25 A m², in any direction",
+        draw=ANY,
+        vary=lambda: {"plant.residual_dipole_B": "1.25 * any"},
+    ),
+    Tried("low orbit", "400 km, F10.7 of 230", _start(**LOW)),
+    Tried("low orbit errors", "400 km, F10.7 of 230, all errors together", _start(**LOW), errors=True),
+    Tried(
+        "drag",
+        "400 km, F10.7 of 230, ten times the drag (0.06 mN m)",
+        _start(plant__drag_factor=10.0, **LOW),
+    ),
+    Tried(
+        "drag unsearched",
+        "the same with ten times the drag, no search for failures (`find_failures` false)",
+        _start(plant__drag_factor=10.0, controller__find_failures=False, **LOW),
+    ),
     Tried("one sample late", "commands a sample (0.5 s) late, not known", _late),
     *(
         Tried(
@@ -211,14 +244,3 @@ TRIED = (
         vary=lambda: {"plant.omega_B0": f"{math.radians(30.0)} * omega / norm(omega)"},
     ),
 )
-
-
-def all_groups(n: int) -> list[Group]:
-    """Everything that is flown, with n random tumbles under each condition, and of the smaller sets in proportion."""
-    groups = [tumbles(kind, SEEDS[kind], n, kind == "errors") for kind in ("nominal", "errors")]
-    groups += [manoeuvre(which, n=n) for which in ("vb", "vc")]
-    for scheme in ("tuned", "paper"):
-        for kind in ("nominal", "errors"):
-            groups.append(tumbles(f"{kind} {scheme}", SEEDS[kind], share(n, BESIDE), kind == "errors", scheme))
-        groups += [manoeuvre(which, scheme, n) for which in ("vb", "vc")]
-    return [*groups, hold(n), *pairings(), *(t.group(share(n, TRIES)) for t in TRIED)]

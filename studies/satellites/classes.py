@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..flight.cases import DRAWN, HOLD, RATE, Group
-from ..flight.schemes import NO_ERRORS, base, change
+from ..flight.schemes import NO_ERRORS, Data, base, change
 from ..paper import INERTIA, Array
 
 FIELD = 4.4e-5
@@ -92,15 +92,17 @@ VARIANTS = {
 ALL = CLASSES | VARIANTS
 
 
-def tumbles(name: str, runs: int, errors: bool = False) -> Group:
+def tumbles(name: str, runs: int, errors: bool = False, data: Data | None = None) -> Group:
     """Random tumbles of a satellite: attitude, rate to its `rate_max`, node, inclination 0 to 98 deg, height 350 to 1200 km.
+
+    `data`: the scenario, of the paper's satellite with errors; flight_tumble without it.
 
     Errors are those of docs/flight.md, but for the disturbance and for the inertia: errors of each moment for itself would make no
     body of a flat or a long one. The second moments of mass are off, by sqrt(2) of 5 to 10% each, so that the moments of inertia are
     off as much in the mean square.
     """
     it = ALL[name]
-    data = base()
+    data = base() if data is None else data
     data["shared"] |= {
         "J_B": {"diagonal": list(it.moments)},
         "dipole_max": it.dipole_max,

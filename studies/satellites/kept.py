@@ -17,7 +17,7 @@ from .. import files
 from ..flight.bound import bound, starts
 from ..flight.cases import ALARMS, Group
 from ..paper import Array
-from .classes import ALL, settled, tumbles
+from .classes import ALL, EARLY, settled, tumbles
 
 FILE = "satellites.csv"
 HOLDS = "satellites_hold.csv"
@@ -59,6 +59,21 @@ class Flights:
 def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.nan) -> Array:
     """A column as numbers (n,)."""
     return np.array([float(line[name] or empty) for line in lines])
+
+
+def are_lost(lines: Sequence[Mapping[str, str]]) -> Array:
+    """Which were settled at EARLY and left again (n,), also if they settled once more."""
+    return np.isfinite(column(lines, "early_s")) & (settled_at_end(lines) > EARLY)
+
+
+def settled_at_end(lines: Sequence[Mapping[str, str]]) -> Array:
+    """From when on they are settled to the end, s (n,); infinite for never."""
+    return column(lines, "settled_5deg_s", math.inf)
+
+
+def settling_times(lines: Sequence[Mapping[str, str]]) -> Array:
+    """When they settle, s (n,); infinite for those that never do or are lost again."""
+    return np.where(are_lost(lines), math.inf, settled_at_end(lines))
 
 
 def load(file: Path) -> Flights:

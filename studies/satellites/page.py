@@ -14,7 +14,20 @@ from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
-from .kept import CONDITIONS, HORIZON, LOST, SAMPLE, Best, Flights, Tumble, column, waiting
+from .kept import (
+    CONDITIONS,
+    HORIZON,
+    LOST,
+    SAMPLE,
+    Best,
+    Flights,
+    Tumble,
+    are_lost,
+    column,
+    settled_at_end,
+    settling_times,
+    waiting,
+)
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
@@ -38,12 +51,12 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         flights=f"{min(counts)} of each row"
         if min(counts) == max(counts)
         else f"{min(counts)} to {max(counts)} of each row",
-        settled=int(np.isfinite(_times(flights.lines)).sum()),
-        again=int((_lost(flights.lines) & np.isfinite(_at_end(flights.lines))).sum()),
-        again_with_wheel=int((_lost(of_wheel) & np.isfinite(_at_end(of_wheel))).sum()),
-        settled_with_wheel=int(np.isfinite(_times(of_wheel)).sum()),
+        settled=int(np.isfinite(settling_times(flights.lines)).sum()),
+        again=int((are_lost(flights.lines) & np.isfinite(settled_at_end(flights.lines))).sum()),
+        again_with_wheel=int((are_lost(of_wheel) & np.isfinite(settled_at_end(of_wheel))).sum()),
+        settled_with_wheel=int(np.isfinite(settling_times(of_wheel)).sum()),
         with_wheel=len(of_wheel),
-        late_with_wheel=int((np.isfinite(_times(of_wheel)) & (_times(of_wheel) > EARLY)).sum()),
+        late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, best, least),
         held=_held(flights, best),
         sample=SAMPLE,
@@ -76,21 +89,6 @@ def _key(line: Mapping[str, str]) -> Tumble:
     return line["satellite"], line["condition"], line["run"]
 
 
-def _lost(lines: Sequence[Mapping[str, str]]) -> Array:
-    """Which were settled at EARLY and left again (n,), also if they settled once more."""
-    return np.isfinite(column(lines, "early_s")) & (_at_end(lines) > EARLY)
-
-
-def _at_end(lines: Sequence[Mapping[str, str]]) -> Array:
-    """From when on they are settled to the end, s (n,); infinite for never."""
-    return column(lines, "settled_5deg_s", math.inf)
-
-
-def _times(lines: Sequence[Mapping[str, str]]) -> Array:
-    """When they settle, s (n,); infinite for those that never do or are lost again."""
-    return np.where(_lost(lines), math.inf, _at_end(lines))
-
-
 def _data(name: str, it: Satellite) -> list[str]:
     """What a satellite is."""
     of_wheel = [f"{1e3 * x:g}" if it.has_wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
@@ -101,14 +99,14 @@ def _data(name: str, it: Satellite) -> list[str]:
 def _row(flights: Flights, name: str, condition: str) -> list[str]:
     """What became of a satellite's tumbles under a condition."""
     lines = flights.of(name, condition)
-    times = _times(lines)
+    times = settling_times(lines)
     well = np.isfinite(times)
-    lost = _lost(lines)
+    lost = are_lost(lines)
     held = column(lines, "hold_rms_deg")[well]
     spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 0.9, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
     again = f"{lost.sum()}, to {degrees(float(column(lines, 'later_max_deg')[lost].max()))}" if lost.any() else "0"
-    again += f"; {back} settle once more" if (back := int((lost & np.isfinite(_at_end(lines))).sum())) else ""
+    again += f"; {back} settle once more" if (back := int((lost & np.isfinite(settled_at_end(lines))).sum())) else ""
     return [
         name,
         NAMES[condition],
@@ -122,7 +120,7 @@ def _row(flights: Flights, name: str, condition: str) -> list[str]:
 def _by_inclination(flights: Flights) -> list[list[str]]:
     """What became of the flights with a wheel."""
     lines = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
-    tilt, times, lost = column(lines, "inclination_deg"), _times(lines), _lost(lines)
+    tilt, times, lost = column(lines, "inclination_deg"), settling_times(lines), are_lost(lines)
     kinds = np.array([line["condition"] for line in lines])
     rows = []
     for low, high in itertools.pairwise((0.0, 15.0, STEEP, 98.0)):
@@ -181,7 +179,7 @@ def _held(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
     """What became of the flights with a wheel whose best hold was found, by its rms."""
     lines = [line for line in flights.lines if _key(line) in best and ALL[line["satellite"]].has_wheel]
     rms = np.array([best[_key(line)].rms_deg for line in lines])
-    times, lost = _times(lines), _lost(lines)
+    times, lost = settling_times(lines), are_lost(lines)
     rows = []
     for low, high in itertools.pairwise(BETWEEN):
         among = (rms >= low) & (rms < high)

@@ -15,7 +15,8 @@ from studies.__main__ import main
 from studies.crew import crew
 from studies.flight import cases, kept, schemes
 from studies.flight.figures import errors
-from studies.flight.tried import TRIED, all_groups
+from studies.flight.groups import all_groups
+from studies.flight.tried import TRIED
 
 
 def drawn(group, n):

@@ -41,7 +41,7 @@ def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_
         line("3U", 3, "12000", "", later_max_deg="160"),
     ]
     found = row(page.text(Flights(tuple(lines))), "3U", "all errors")
-    assert found[2:] == ["3 of 4", "14,000", "–", "–", "1, to 31°", "0.02°", "0.02°"]
+    assert found[2:] == ["2 of 4", "–", "–", "–", "1, to 31°; 1 settle once more", "0.02°", "0.02°"]
     assert "| 3U | all errors | 2 |" in page.text(Flights(tuple(lines)))
 
 
@@ -56,7 +56,7 @@ def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none
     ]
     text = page.text(flights, [*holds, Best("6U", "errors", 0, False, False, 0.0, 0.0, 1.0, 0.1)])
     assert "| below 0.1° | 1 | 1 | 0 |" in text
-    assert "| 1 to 5° | 2 | 1 | 1 |" in text
+    assert "| 1 to 5° | 2 | 0 | 1 |" in text
     assert "a wheel 3 are found so far" in text
 
 
