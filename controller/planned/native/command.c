@@ -114,7 +114,8 @@ ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPla
     const Model model = controller_planned_believed(law, x);
     const Vector Omega = subtract(vector(u->omega_B), vector(x->identification.p + BIAS));
     const Motion now = {identity, Omega, controller_planned_has_h_w(u) ? u->h_w : x->l_own};
-    const Vector B_B = uses_field(x, u) ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
+    const bool measured = has_field(u) && !x->sensors.field_failed; /* one that repeats, too: no model can stand in for it */
+    const Vector B_B = measured ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};
     double controls[CONTROLS];
     store(B_B, y.b_used_B);
     store_estimates(x, &model, &now, &y);

@@ -1,7 +1,7 @@
 #include "rods_watch.h"
 
 static const double FADES = 4.0;       /* T, over which innovations lose their say */
-static const double TOO_FAST = 6.0;    /* 1/T, rate above which nothing is watched */
+static const double TOO_FAST = 15.0;   /* 1/T, rate above which nothing is watched */
 static const double AFTER_FAST = 10.0; /* T, for which nothing is watched after such a rate */
 static const double SUSPECTED = 25.0;  /* squared deviations of the gains' changes */
 

@@ -68,10 +68,10 @@ static inline bool has_field(const ControllerPlannedInputs *u)
     return controller_planned_has_b_B(u) && (u->b_B[0] != 0.0 || u->b_B[1] != 0.0 || u->b_B[2] != 0.0);
 }
 
-/* The same, and whether the measurement is used. */
+/* The same, and whether the measurement is used: not one that repeats, which may be the first of a frozen sensor. */
 static inline bool uses_field(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
 {
-    return has_field(u) && !x->sensors.field_failed;
+    return has_field(u) && !x->sensors.field_failed && !(x->sensors.b_repeats > 0.0);
 }
 
 /* The measured attitude, or what stands in for one that is frozen. */

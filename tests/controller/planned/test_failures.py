@@ -30,9 +30,22 @@ def test_dead_weak_and_reversed_rods_are_found_within_80_s_of_a_tumble():
     assert all(y["rod_failed"] for y in found)
 
 
-def test_rods_that_are_sound_are_not_suspected():
+def fast(truth):
+    """The same at 9.2 deg/s, which is 8/T."""
+    truth.Omega *= 2.0
+    return truth
+
+
+def test_failed_rods_are_found_in_a_fast_tumble():
+    """A reversed rod may spin the satellite up, so a search that waits for a slower rate would never come."""
+    found = flown(fast(failing()))[1]
+    assert [int(y["failed_rod"]) for y in found[:4]] == FAILED
+
+
+@pytest.mark.parametrize("at", [lambda truth: truth, fast], ids=["at 4.6 deg/s", "at 9.2 deg/s"])
+def test_rods_that_are_sound_are_not_suspected(at):
     """Gains of 0.75 to 1.25 and an inertia that is 8% off: nothing of a failure, and the same estimates as without a search."""
-    with_search, without = (flown(Tumbles(4, 3), find_failures=search)[1] for search in (True, False))
+    with_search, without = (flown(at(Tumbles(4, 3)), find_failures=search)[1] for search in (True, False))
     for sound, same in zip(with_search, without, strict=True):
         assert not any(sound[name] for name in ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed"))
         assert np.array_equal(sound["rod_gains_estimate"], same["rod_gains_estimate"])
@@ -98,6 +111,17 @@ def test_a_field_that_is_frozen_or_biased_is_found_and_the_model_used(spoil):
     true = core.field_at("igrf14", DAYS, 10, orbit(truth.t)[0], truth.t) @ truth.R[0]
     assert np.linalg.norm(y["b_used_B"] - true) < 3e-7
     assert y["rod_gains_estimate"] == pytest.approx(truth.gains[0], abs=0.15)
+
+
+def test_a_field_that_repeats_is_replaced_by_the_model_at_once_and_no_rod_is_blamed_for_it():
+    """From the start, for 9.5 s, by when it is not yet called frozen; the tumble has turned by 44 deg."""
+    record, found = flown(truth := Tumbles(6, 4), frozen("b_B", 1), samples=20)
+    for k, y in enumerate(found):
+        assert not y["field_failed"]
+        true = core.field_at("igrf14", DAYS, 10, orbit(truth.t)[0], truth.t) @ truth.R[k]
+        assert np.linalg.norm(y["b_used_B"] - true) < 3e-7
+        assert np.linalg.norm(record[-1]["b_B"][k] - true) > 5e-6
+    assert not any(y["rod_failed"] for y in flown(Tumbles(6, 4), frozen("b_B", 1))[1])
 
 
 @pytest.mark.parametrize(("given", "failed"), [(0.0, True), (0.3, True), (0.8, False), (1.0, False)])
