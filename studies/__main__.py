@@ -5,7 +5,8 @@ Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from typing import Any
 
@@ -30,6 +31,7 @@ from .optimum.kept import FILE
 from .paper import ROOT
 from .processor import make as cost
 from .reproduction import make as paper
+from .satellites import bound_search
 from .satellites import make as satellites_flown
 from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import HOLDS, load
@@ -179,17 +181,25 @@ def flight_tune(jobs: int) -> None:
     is_flag=True,
     help="Search the best holds of what is flown, some seconds each (needs the package casadi).",
 )
-def satellites(jobs: int, cases: int, page: bool, holds: bool) -> None:
+@click.option(
+    "--bounds",
+    is_flag=True,
+    help="Prove which of those that are not settled no controller can hold, some seconds each.",
+)
+def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> None:
     """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/satellites.md; one that was interrupted goes on."""
+    docs, progress = ROOT / "docs", list[Iterator[str]]()
     if holds:
         _needs_casadi()
         from .satellites.hold_search import make  # CasADi, a package of two studies alone  # noqa: PLC0415
 
-        for line in make(jobs, load(ROOT / "docs" / SATELLITES), ROOT / "docs" / HOLDS):
-            say(line)
-        say(f"written: {satellites_flown.write()}")
-        return
-    say(f"written: {satellites_flown.write() if page else satellites_flown.make(cases, jobs)}")
+        progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
+    if bounds:
+        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / bound_search.FILE))
+    for line in itertools.chain(*progress):
+        say(line)
+    made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)
+    say(f"written: {made}")
 
 
 @main.command()

@@ -9,7 +9,7 @@ from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
-from . import page
+from . import bound_search, page
 from .classes import ALL, tumbles
 from .kept import CONDITIONS, FILE, HOLDS, load, load_holds, save
 
@@ -44,6 +44,8 @@ def flown(satellite: str, condition: str) -> Rows | None:
 
 def write() -> Path:
     """Writes the page from the files in docs/."""
-    target = ROOT / "docs" / "satellites.md"
-    target.write_text(page.text(load(ROOT / "docs" / FILE), load_holds(ROOT / "docs" / HOLDS)), "utf-8")
+    docs = ROOT / "docs"
+    target = docs / "satellites.md"
+    found = load_holds(docs / HOLDS), bound_search.load(docs / bound_search.FILE)
+    target.write_text(page.text(load(docs / FILE), *found), "utf-8")
     return target

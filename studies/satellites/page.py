@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..paper import Array
+from .bound_search import Missing, not_settled
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
@@ -36,7 +38,7 @@ STEEP = 30.0
 """deg, an inclination from which the field turns well along the orbit."""
 
 
-def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
+def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing] = ()) -> str:
     """The page."""
     best = {hold.tumble: hold for hold in holds if hold.closed and not (hold.last or hold.even)}
     least, left = _least(holds), waiting(flights, holds)
@@ -57,7 +59,9 @@ def text(flights: Flights, holds: Sequence[Best] = ()) -> str:
         settled_with_wheel=int(np.isfinite(settling_times(of_wheel)).sum()),
         with_wheel=len(of_wheel),
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
-        left=_left(flights, best, least),
+        left=_left(flights, best, least, {each.tumble: each for each in bounds}),
+        excluded=_excluded(flights, bounds),
+        no_bound=len(set(not_settled(flights)) - {each.tumble for each in bounds}),
         held=_held(flights, best),
         sample=SAMPLE,
         waiting=[
@@ -142,7 +146,23 @@ def _least(holds: Sequence[Best]) -> dict[Tumble, list[float]]:
     return least
 
 
-def _left(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, list[float]]) -> list[list[str]]:
+def _excluded(flights: Flights, bounds: Sequence[Missing]) -> list[list[str]]:
+    """Of each satellite and condition with flights that do not settle: how many, how many of them no controller holds, and by how much."""
+    count = Counter((name, kind) for name, kind, _ in not_settled(flights))
+    rows = []
+    for (name, kind), flown in count.items():
+        shares = [each.share for each in bounds if (each.satellite, each.condition) == (name, kind) and each.excluded]
+        most = f"{100.0 * max(shares):.0f}%" if shares else "–"
+        rows.append([name, NAMES[kind], f"{flown}", f"{len(shares)}", most])
+    return rows
+
+
+def _left(
+    flights: Flights,
+    best: Mapping[Tumble, Best],
+    least: Mapping[Tumble, list[float]],
+    bounds: Mapping[Tumble, Missing],
+) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.unsettled.lines:
@@ -152,9 +172,9 @@ def _left(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, 
         hold = best.get(_key(line))
         possible = [degrees(hold.rms_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 2
         possible += ["" if math.isnan(x) else degrees(x) for x in least.get(_key(line), [math.nan, math.nan])]
-        rows.append(
-            [line["satellite"], NAMES[line["condition"]], line["run"], *where, *flown, *rest, *possible, line["remark"]]
-        )
+        missing = f"{100.0 * bound.share:.0f}%" if (bound := bounds.get(_key(line))) and bound.excluded else "–"
+        what = [line["satellite"], NAMES[line["condition"]], line["run"]]
+        rows.append([*what, *where, *flown, *rest, missing, *possible, line["remark"]])
     return rows
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from orchestration import InputError
-from studies.satellites import page
+from studies.satellites import bound_search, page
 from studies.satellites.classes import ALL
 from studies.satellites.kept import COLUMNS, CONDITIONS, Best, Flights, load, load_holds, waiting
 
@@ -29,7 +29,8 @@ def row(text, *begins):
 
 
 def test_the_page_is_that_of_the_kept_flights():
-    kept = load(DOCS / "satellites.csv"), load_holds(DOCS / "satellites_hold.csv")
+    holds, bounds = load_holds(DOCS / "satellites_hold.csv"), bound_search.load(DOCS / bound_search.FILE)
+    kept = load(DOCS / "satellites.csv"), holds, bounds
     assert (DOCS / "satellites.md").read_text("utf-8") == page.text(*kept)
 
 
@@ -101,7 +102,24 @@ def test_of_flights_that_are_not_settled_the_least_largest_error_is_sought_then_
         "For 2 a motion was found that stays within 5° in the orbit from 9,000 s on, for 1 of them in both orbits"
         in text
     )
-    assert row(text, "3U", "all errors", "1")[-5:] == ["1°", "1.00", "4°", "3°", ""]
+    assert row(text, "3U", "all errors", "1")[-6:] == ["–", "1°", "1.00", "4°", "3°", ""]
     assert row(text, "3U", "all errors", "3")[-5:] == ["2°", "1.00", "6°", "", ""]
     assert row(text, "3U", "all errors", "4")[-5:] == ["6°", "1.00", "9°", "", ""]
     assert "For 1 others the least largest error that was found is 5° or more" in text
+
+
+def test_flights_that_no_controller_holds_are_told_apart_from_those_that_are_not_excluded():
+    lines = [line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("3U", 3, "", "")]
+    bounds = [
+        bound_search.Missing("3U", "errors", 1, 0.0),
+        bound_search.Missing("3U", "errors", 2, 0.181),
+        bound_search.Missing("3U", "errors", 3, 0.009),
+    ]
+    flights = Flights(tuple(lines))
+    assert bound_search.not_settled(flights) == [("3U", "errors", run) for run in "123"]
+    text = page.text(flights, bounds=bounds)
+    assert "| 3U | all errors | 3 | 1 | 18% |" in text
+    assert row(text, "3U", "all errors", "2")[-6] == "18%"
+    assert row(text, "3U", "all errors", "3")[-6] == "–"
+    assert "have not been looked at" not in text
+    assert "2 flights have not been looked at yet" in page.text(flights, bounds=bounds[:1])
