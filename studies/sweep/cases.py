@@ -22,7 +22,7 @@ LOW, NEAR = math.radians(15.0), 6771e3
 """Inclination, rad; radius of an orbit with strong drag, m."""
 FRICTION = {"plant.wheel_coulomb_friction": 5e-5, "plant.wheel_viscous_friction": 1e-7}
 WHEEL_NOISE, RATE_NOISE = {"sensors.wheel_momentum_noise": 1e-5}, {"sensors.rate_noise": 1e-4}
-FAST = {"plant.omega_B0": [math.radians(15.0) * x / 3.0 for x in (2.0, -1.0, 2.0)]}
+FAST = {"plant.omega_B0": [math.radians(25.0) * x / 3.0 for x in (2.0, -1.0, 2.0)]}
 
 
 @dataclass(frozen=True)
