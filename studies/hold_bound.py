@@ -35,7 +35,7 @@ import plant
 
 from .paper import Array
 
-INTERVAL = 10.0
+INTERVAL = 20.0
 """s, over which the means are taken, at most."""
 E3 = np.array([0.0, 0.0, 1.0])
 WIDTH = 10

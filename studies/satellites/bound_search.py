@@ -15,7 +15,7 @@ from ..flight.bound import loop, starts
 from ..flight.schemes import Data
 from ..hold_bound import missing
 from .classes import ALL, DURATION, EARLY, tumbles
-from .kept import CONDITIONS, LOST, Flights, Tumble, settling_times
+from .kept import CONDITIONS, LOST, Flights, Tumble, settling_times, tumble_of
 
 FILE = "satellites_bound.csv"
 PROVEN = 0.01
@@ -52,8 +52,7 @@ def load(file: Path) -> list[Missing]:
 def not_settled(flights: Flights) -> list[Tumble]:
     """Those that do not settle, or are lost again."""
     never = np.isinf(settling_times(flights.lines))
-    lines = [line for line, left in zip(flights.lines, never, strict=True) if left]
-    return [(line["satellite"], line["condition"], line["run"]) for line in lines]
+    return [tumble_of(line) for line, left in zip(flights.lines, never, strict=True) if left]
 
 
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:

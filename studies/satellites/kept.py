@@ -22,6 +22,10 @@ from .classes import ALL, EARLY, settled, tumbles
 FILE = "satellites.csv"
 HOLDS = "satellites_hold.csv"
 CONDITIONS = {"nominal": False, "errors": True}
+NAMES = {"nominal": "nominal", "errors": "all errors"}
+"""What the page calls them."""
+STEEP = 30.0
+"""deg, an inclination from which the field turns well along the orbit."""
 RADIUS = 6371.0
 """km, from which heights count."""
 COLUMNS = (
@@ -126,6 +130,11 @@ def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
 
 Tumble = tuple[str, str, str]
 """Satellite, condition and run."""
+
+
+def tumble_of(line: Mapping[str, str]) -> Tumble:
+    """Whose flight a line is."""
+    return line["satellite"], line["condition"], line["run"]
 
 
 @dataclass(frozen=True)

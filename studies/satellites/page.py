@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +13,16 @@ import numpy as np
 from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
-from ..paper import Array
+from . import without_wheel
 from .bound_search import Missing, not_settled
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
     HORIZON,
     LOST,
+    NAMES,
     SAMPLE,
+    STEEP,
     Best,
     Flights,
     Tumble,
@@ -28,14 +30,12 @@ from .kept import (
     column,
     settled_at_end,
     settling_times,
+    tumble_of,
     waiting,
 )
 
-NAMES = {"nominal": "nominal", "errors": "all errors"}
 BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
 """deg: limits between the rows of the table of best holds."""
-STEEP = 30.0
-"""deg, an inclination from which the field turns well along the orbit."""
 
 
 def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing] = ()) -> str:
@@ -74,8 +74,8 @@ def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing]
         found=sum(ALL[name].has_wheel for name, *_ in best),
         **_unsettled(flights, best, least),
         steep=f"{STEEP:g}°",
-        without=_without(flights),
-        beside=_beside(flights, best),
+        without=without_wheel.flown(flights),
+        beside=without_wheel.beside(flights, best),
         by_inclination=_by_inclination(flights),
         alarms=[
             f"{line['satellite']}, {NAMES[line['condition']]}, run {line['run']}"
@@ -87,10 +87,6 @@ def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing]
         hold=f"{HOLD:,.0f}",
         horizon=f"{HORIZON:,.0f}",
     )
-
-
-def _key(line: Mapping[str, str]) -> Tumble:
-    return line["satellite"], line["condition"], line["run"]
 
 
 def _data(name: str, it: Satellite) -> list[str]:
@@ -169,10 +165,10 @@ def _left(
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
-        hold = best.get(_key(line))
+        hold = best.get(tumble_of(line))
         possible = [degrees(hold.rms_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 2
-        possible += ["" if math.isnan(x) else degrees(x) for x in least.get(_key(line), [math.nan, math.nan])]
-        missing = f"{100.0 * bound.share:.0f}%" if (bound := bounds.get(_key(line))) and bound.excluded else "–"
+        possible += ["" if math.isnan(x) else degrees(x) for x in least.get(tumble_of(line), [math.nan, math.nan])]
+        missing = f"{100.0 * bound.share:.0f}%" if (bound := bounds.get(tumble_of(line))) and bound.excluded else "–"
         what = [line["satellite"], NAMES[line["condition"]], line["run"]]
         rows.append([*what, *where, *flown, *rest, missing, *possible, line["remark"]])
     return rows
@@ -181,8 +177,8 @@ def _left(
 def _unsettled(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, list[float]]) -> dict[str, int]:
     """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
     lines = flights.unsettled.lines
-    known = [best[key] for line in lines if (key := _key(line)) in best]
-    errors = [least[key] for line in lines if (key := _key(line)) in best]
+    known = [best[key] for line in lines if (key := tumble_of(line)) in best]
+    errors = [least[key] for line in lines if (key := tumble_of(line)) in best]
     return {
         "unsettled": len(lines),
         "were_settled": sum(bool(line["early_s"]) for line in lines),
@@ -197,8 +193,8 @@ def _unsettled(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tum
 
 def _held(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
     """What became of the flights with a wheel whose best hold was found, by its rms."""
-    lines = [line for line in flights.lines if _key(line) in best and ALL[line["satellite"]].has_wheel]
-    rms = np.array([best[_key(line)].rms_deg for line in lines])
+    lines = [line for line in flights.lines if tumble_of(line) in best and ALL[line["satellite"]].has_wheel]
+    rms = np.array([best[tumble_of(line)].rms_deg for line in lines])
     times, lost = settling_times(lines), are_lost(lines)
     rows = []
     for low, high in itertools.pairwise(BETWEEN):
@@ -206,47 +202,4 @@ def _held(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
         if among.any():
             name = f"below {high:g}°" if low == 0.0 else f"{low:g} to {high:g}°".replace(" to inf°", "° and more")
             rows.append([name, f"{among.sum()}", f"{(among & np.isfinite(times)).sum()}", f"{(among & lost).sum()}"])
-    return rows
-
-
-def _without_wheel(flights: Flights) -> Iterator[tuple[str, str, list[Mapping[str, str]]]]:
-    """Satellite, condition and lines of each row without a wheel."""
-    for name, kind in itertools.product((name for name in ALL if not ALL[name].has_wheel), CONDITIONS):
-        yield name, kind, flights.of(name, kind)
-
-
-def _below(largest: Array) -> list[str]:
-    """How many of these errors, deg, are below 5 and 15 deg."""
-    return [f"{(largest < limit).sum()} of {len(largest)}" for limit in (5.0, 15.0)]
-
-
-def _without(flights: Flights) -> list[list[str]]:
-    """What satellites without a wheel hold, settled or not."""
-    rows = []
-    for name, kind, lines in _without_wheel(flights):
-        largest, rms = column(lines, "later_max_deg", math.inf), column(lines, "hold_rms_deg", math.inf)
-        steep = column(lines, "inclination_deg") > STEEP
-        rows.append(
-            [
-                name,
-                NAMES[kind],
-                f"{1e9 * ALL[name].disturbance(CONDITIONS[kind]):.2g}",
-                *_below(largest),
-                f"{(steep & (largest < 15.0)).sum()} of {steep.sum()}",
-                degrees(float(np.median(rms[steep]))) if steep.any() else "–",
-            ]
-        )
-    return rows
-
-
-def _beside(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
-    """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
-    rows = []
-    for name, kind, lines in _without_wheel(flights):
-        found = [line for line in lines if _key(line) in best]
-        if found:
-            holds = [best[_key(line)] for line in found]
-            rms, largest = np.array([(hold.rms_deg, hold.largest_deg) for hold in holds]).T
-            ratio = float(np.median(column(found, "hold_rms_deg", math.inf) / rms))
-            rows.append([name, NAMES[kind], *_below(largest), degrees(float(np.median(rms))), f"{ratio:.2g}"])
     return rows

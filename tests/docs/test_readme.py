@@ -4,6 +4,7 @@ import math
 import re
 from collections import Counter
 
+from studies.satellites import bound_search
 from studies.satellites.classes import ALL
 from studies.satellites.kept import load, settling_times
 
@@ -39,6 +40,11 @@ def test_the_satellites_counted_are_those_of_their_flights():
     assert f"{settled[errors]} of {all_[errors]} with all errors settle and stay settled" in README
     told = f"{all_[low] - settled[low]} of {all_[low]} do not, {unsettled[SKEW, *low]} of them with a wheel along"
     assert told in README
+
+
+def test_the_satellites_that_no_controller_holds_are_those_of_their_file():
+    bounds = [it for it in bound_search.load(ROOT / "docs" / bound_search.FILE) if it.satellite == "1U, no wheel"]
+    assert f"no controller can hold {sum(it.excluded for it in bounds)} of these 100 tumbles" in README
 
 
 def test_the_flights_with_the_estimator_are_those_of_their_page():

@@ -1,0 +1,57 @@
+"""Tables of docs/satellites.md on satellites without a wheel."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ..markdown import degrees
+from ..paper import Array
+from .classes import ALL
+from .kept import CONDITIONS, NAMES, STEEP, Best, Flights, Tumble, column, tumble_of
+
+
+def _without_wheel(flights: Flights) -> Iterator[tuple[str, str, list[Mapping[str, str]]]]:
+    """Satellite, condition and lines of each row without a wheel."""
+    for name, kind in itertools.product((name for name in ALL if not ALL[name].has_wheel), CONDITIONS):
+        yield name, kind, flights.of(name, kind)
+
+
+def _below(largest: Array) -> list[str]:
+    """How many of these errors, deg, are below 5 and 15 deg."""
+    return [f"{(largest < limit).sum()} of {len(largest)}" for limit in (5.0, 15.0)]
+
+
+def flown(flights: Flights) -> list[list[str]]:
+    """What satellites without a wheel hold, settled or not."""
+    rows = []
+    for name, kind, lines in _without_wheel(flights):
+        largest, rms = column(lines, "later_max_deg", math.inf), column(lines, "hold_rms_deg", math.inf)
+        steep = column(lines, "inclination_deg") > STEEP
+        rows.append(
+            [
+                name,
+                NAMES[kind],
+                f"{1e9 * ALL[name].disturbance(CONDITIONS[kind]):.2g}",
+                *_below(largest),
+                f"{(steep & (largest < 15.0)).sum()} of {steep.sum()}",
+                degrees(float(np.median(rms[steep]))) if steep.any() else "–",
+            ]
+        )
+    return rows
+
+
+def beside(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
+    """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
+    rows = []
+    for name, kind, lines in _without_wheel(flights):
+        found = [line for line in lines if tumble_of(line) in best]
+        if found:
+            holds = [best[tumble_of(line)] for line in found]
+            rms, largest = np.array([(hold.rms_deg, hold.largest_deg) for hold in holds]).T
+            ratio = float(np.median(column(found, "hold_rms_deg", math.inf) / rms))
+            rows.append([name, NAMES[kind], *_below(largest), degrees(float(np.median(rms))), f"{ratio:.2g}"])
+    return rows
