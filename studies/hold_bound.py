@@ -44,7 +44,7 @@ WIDTH = 10
 
 def hat(v: Array) -> Array:
     """The matrix (3,3) of v x."""
-    return np.cross(np.eye(3), v).T
+    return np.cross(v, np.eye(3)).T
 
 
 def by_turn(J: Array, w: Array) -> Array:

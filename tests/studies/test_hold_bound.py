@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import controller.reference
 from studies.flight.bound import loop, starts
-from studies.hold_bound import missing
+from studies.hold_bound import hat, missing
 from studies.satellites.classes import tumbles
 
 ANGLE, RATE = math.radians(5.0), 1e-3
@@ -37,6 +37,11 @@ def like(p, field=None, J=None, torque=None, axis=None, l_max=None):
 @pytest.fixture(scope="module")
 def low():
     return plant_of("50 kg", lambda tilt: tilt < 15.0)
+
+
+def test_hat_is_the_cross_product():
+    a, b = np.array([1.0, -2.0, 3.0]), np.array([0.5, 4.0, -1.0])
+    np.testing.assert_allclose(hat(a) @ b, np.cross(a, b))
 
 
 @pytest.mark.parametrize("l_max", [1e-9, 1e-3], ids=["no wheel", "a wheel along pitch"])
@@ -105,3 +110,26 @@ def test_a_motion_by_the_exact_equations_is_never_excluded(low, seed):
     assert missing(p, BEGIN, end, angle, 1.05 * rate) == pytest.approx(0.0, abs=1e-9)
     tight = like(low, axis=axis, l_max=0.1 * float(np.ptp(flown.y)), torque=5.0 * tau)
     assert missing(tight, BEGIN, end, angle, 1.05 * rate) > 1e-6
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_attitude_that_is_kept_at_the_limit_by_the_wheel_alone_is_never_excluded(low, seed):
+    """At rest in LVLH 4.9 deg from it, with next to no room for a rate: the terms that are linear in the angle must have their signs."""
+    rng = np.random.default_rng(seed)
+    turn, tau = (
+        size * v / np.linalg.norm(v) for size, v in zip((0.98 * ANGLE, 1.1e-5), rng.normal(size=(2, 3)), strict=True)
+    )
+    Q, axis, down = Rotation.from_rotvec(turn).as_matrix(), np.array([1.0, 2.0, 2.0]) / 3.0, np.array([0.0, 0.0, 1.0])
+    K, end = Q @ np.asarray(low.body.J) @ Q.T, BEGIN + 3000.0
+
+    def balance(t, momentum):
+        at = controller.reference.lvlh(*low.orbit.position_velocity(t))
+        Omega, b = np.array(at.Omega_d), np.array(at.R_d).T @ low.field.at(t)
+        torque = Q @ tau + 3.0 * (Omega @ Omega) * np.cross(down, K @ down)
+        return [b @ (torque - np.cross(Omega, K @ Omega + momentum[0] * Q @ axis)) / (b @ Q @ axis)]
+
+    first = solve_ivp(balance, (BEGIN, end), [0.0], max_step=50.0, rtol=1e-8, atol=1e-12).y
+    begin = -0.5 * (first.max() + first.min())
+    momentum = solve_ivp(balance, (BEGIN, end), [begin], max_step=50.0, rtol=1e-8, atol=1e-12).y
+    p = like(low, torque=tau, axis=axis, l_max=1.0005 * float(np.abs(momentum).max()))
+    assert missing(p, BEGIN, end, ANGLE, 1e-5) == pytest.approx(0.0, abs=1e-10)
