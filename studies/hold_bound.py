@@ -14,17 +14,17 @@ the rate nu of the body relative to LVLH, both in LVLH axes, and [theta, J] = th
 
 Each rest has a bound. With the means of theta, nu, l and l theta over short intervals as variables (the last within McCormick's
 envelope of the product), all this is a linear programme. Its least violation of the balance of q is torque along the field that
-is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. The
-motion need not end as it began, and may begin with any attitude, rate and wheel momentum within the limits. Drag is left out, as
-it is in studies/hold.py, which has the other side: the best motion that was found.
+is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
+is returned is the value of the dual solution, which is a proof by itself, to rounding. The motion need not end as it began, and
+may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Drag is left out, as it is in
+studies/hold.py, which has the other side: the best motion that was found.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,19 +32,21 @@ from scipy.optimize import linprog
 
 import controller.reference
 import plant
+from controller.so3 import hat
+from orchestration import InputError
 
 from .paper import Array
 
 INTERVAL = 20.0
 """s, over which the means are taken, at most."""
 E3 = np.array([0.0, 0.0, 1.0])
-WIDTH = 10
-"""Means over an interval: theta (3,), nu (3,), l, l theta (3,)."""
-
-
-def hat(v: Array) -> Array:
-    """The matrix (3,3) of v x."""
-    return np.cross(v, np.eye(3)).T
+ENDS, MEANS = 4, 10
+"""Variables at an end of an interval, q and theta (3,); and means over it, theta (3,), nu (3,), l, l theta (3,)."""
+ONE = np.eye(2 * ENDS + MEANS + 1)
+"""A row's coefficients: at the beginning, of the means, at the end, of the missing torque."""
+Q, Q_NEXT, THETA, THETA_NEXT = ONE[0], ONE[ENDS + MEANS], ONE[1:4], ONE[ENDS + MEANS + 1 : 2 * ENDS + MEANS]
+OF_THETA, OF_NU, OF_L, OF_PRODUCT = np.split(ONE[ENDS : ENDS + MEANS], [3, 6, 7])
+MISSING = ONE[-1]
 
 
 def by_turn(J: Array, w: Array) -> Array:
@@ -74,16 +76,23 @@ class Course:
         b, c = (np.einsum("kji,kj->ki", to_N, v) for v in (b_N, c_N))
         return cls(2.0 * h, b, c, np.array(lvlh[0].Omega_d))
 
+    def mean(self, values: Array) -> Array:
+        """Of values at ends and middles (2n+1,), over each interval (n,), by Simpson's rule."""
+        return np.asarray(values[:-1:2] + 4.0 * values[1::2] + values[2::2]) / 6.0
+
 
 def missing(p: plant.Parameters, begin: float, end: float, angle: float, rate: float) -> float:
     """Torque along the field, N m, without which no motion between these times, s, keeps within angle, rad, and rate, rad/s.
 
-    Zero: nothing is proven.
+    Zero: nothing is proven. Raises InputError for an orbit that is not circular.
     """
-    return _missing(p, Course.of(p, begin, end), angle, rate)
+    if p.orbit.eccentricity > 0.0:
+        raise InputError(f"expected a circular orbit, found an eccentricity of {p.orbit.eccentricity:g}")
+    return programme(p, Course.of(p, begin, end), angle, rate).least()
 
 
-def _missing(p: plant.Parameters, course: Course, angle: float, rate: float) -> float:
+def programme(p: plant.Parameters, course: Course, angle: float, rate: float) -> Programme:
+    """The linear programme of the balance along the field."""
     J, a, tau = (np.asarray(x, float) for x in (p.body.J, p.body.wheel_axis, p.disturbance_torque_B))
     dt, b, c, Omega_d = course.interval, course.b, course.c, course.Omega_d
     l_max, n2 = p.wheel_momentum_max, float(Omega_d @ Omega_d)
@@ -98,105 +107,72 @@ def _missing(p: plant.Parameters, course: Course, angle: float, rate: float) -> 
     h_varies = np.linalg.norm(J, 2) * rate + np.linalg.norm(h_theta, 2) * angle + l_max * (1.0 + angle) + of_h
     torque_varies = np.linalg.norm(G_theta, 2) * angle + of_torque
     turns, bends = (float(np.linalg.norm(np.gradient(v, 0.5 * dt, axis=0), axis=1).max()) for v in (b, c))
-    steepest = float(np.linalg.norm(c, axis=1).max())
-    known = b @ G0 + c @ h0
-    gained = dt / 6.0 * (known[:-1:2] + 4.0 * known[1::2] + known[2::2])
+    steepest, known = float(np.linalg.norm(c, axis=1).max()), b @ G0 + c @ h0
     # Within an interval b and c are those of its middle, to a quarter of what they change by.
     of_balance = dt * (of_torque + steepest * of_h + 0.25 * dt * (turns * torque_varies + bends * h_varies))
     fastest = float(np.abs(known).max()) + torque_varies + steepest * h_varies
     of_mean = of_h + 0.25 * dt * (turns * h_varies + fastest)
 
-    middle_b, middle_c = b[1::2], c[1::2]
-    n = len(middle_b)
-    rows = Rows(n, l_max, angle, rate, float(np.abs(b @ h0).max() + h_varies))
-    rows.add(
-        {rows.q(1): 1.0, rows.q(0): -1.0},
-        -dt * _coefficients(middle_b @ G_theta + middle_c @ h_theta, middle_c, J, a),
-        gained - of_balance,
-        gained + of_balance,
-        missing=dt,
-    )
-    rest = -(middle_b @ h0)
-    rows.add(
-        {rows.q(1): -0.5, rows.q(0): -0.5},
-        _coefficients(middle_b @ h_theta, middle_b, J, a),
-        rest - of_mean,
-        rest + of_mean,
-    )
-    for i in range(3):
-        theta, nu, product = np.eye(WIDTH)[[i, 3 + i, 7 + i]]
-        wheel = np.eye(WIDTH)[6]
-        rows.add({rows.theta(1, i): 1.0, rows.theta(0, i): -1.0}, -dt * nu, -dt * of_theta, dt * of_theta)
-        room = 0.25 * dt * (rate + of_theta)
-        rows.add({rows.theta(1, i): -0.5, rows.theta(0, i): -0.5}, theta, -room, room)
+    b, c = b[1::2], c[1::2]
+    ends = [float(np.abs(course.b @ h0).max() + h_varies), *[angle] * 3]
+    means = [*[angle] * 3, *[rate] * 3, l_max, *[l_max * angle] * 3]
+    found = Programme(len(b), np.array(ends), np.array(means), float(np.linalg.norm(tau)))
+    # The balance of q, and what q is in the mean; the missing torque may also let q vary more within an interval.
+    gained = dt * course.mean(known)
+    balance = Q_NEXT - Q - dt * _of_h(b @ G_theta + c @ h_theta, c, J, a)
+    found.add(balance, gained - of_balance, gained + of_balance, missing=dt)
+    rest = -course.mean(course.b @ h0)
+    found.add(_of_h(b @ h_theta, b, J, a) - 0.5 * (Q + Q_NEXT), rest - of_mean, rest + of_mean, missing=0.25 * dt)
+    room = 0.25 * dt * (rate + of_theta)
+    for now, then, theta, nu, product in zip(THETA, THETA_NEXT, OF_THETA, OF_NU, OF_PRODUCT, strict=True):
+        found.add(then - now - dt * nu, -dt * of_theta, dt * of_theta)
+        found.add(theta - 0.5 * (now + then), -room, room)
         for s, t in itertools.product((-1.0, 1.0), repeat=2):  # (l_max + s l) (angle + t theta) >= 0
-            envelope = l_max * t * theta + s * angle * wheel + s * t * product
-            rows.add({}, envelope, -l_max * angle, math.inf)
-    return rows.least()
+            found.add(l_max * t * theta + s * angle * OF_L[0] + s * t * product, -l_max * angle)
+    return found
 
 
-def _coefficients(of_theta: Array, along: Array, J: Array, a: Array) -> Array:
-    """Of the means in along.h (n, WIDTH), with those of theta (n, 3) given."""
-    return np.hstack((of_theta, along @ J, (along @ a)[:, None], np.cross(a, along)))
+def _of_h(of_theta: Array, along: Array, J: Array, a: Array) -> Array:
+    """A row's coefficients (n, len(ONE)) of along.h, with those of theta (n, 3) given."""
+    return of_theta @ OF_THETA + (along @ J) @ OF_NU + (along @ a)[:, None] @ OF_L + np.cross(a, along) @ OF_PRODUCT
 
 
-@dataclass
-class Rows:
-    """The linear programme: q and theta at the ends of the intervals, the means within them, and the missing torque."""
+class Programme:
+    """Rows A x <= high on |x| <= 1: q and theta at the ends of n intervals, the means within them, and the missing torque, |x| >= 0."""
 
-    n: int
-    l_max: float
-    angle: float
-    rate: float
-    q_max: float
-    parts: list[sp.csr_matrix] = field(default_factory=list)
-    lows: list[Array] = field(default_factory=list)
-    highs: list[Array] = field(default_factory=list)
+    def __init__(self, n: int, ends: Array, means: Array, torque: float) -> None:
+        self.n, self.torque = n, torque
+        self.limits = np.concatenate((np.tile([*ends, *means], n), ends, [torque]))
+        self._parts: list[sp.csr_matrix] = []
+        self._highs: list[Array] = []
 
-    def __post_init__(self) -> None:
-        mean = [self.angle] * 3 + [self.rate] * 3 + [self.l_max] + [self.l_max * self.angle] * 3
-        ends = self.n + 1
-        self._limits = np.concatenate(
-            (np.full(ends, self.q_max), np.full(3 * ends, self.angle), np.tile(mean, self.n), [self.q_max])
-        )
+    def add(self, row: Array, low: Array | float, high: Array | float = math.inf, missing: float = 0.0) -> None:
+        """In each interval low <= row (len(ONE),) or (n, len(ONE)) <= high, to `missing` times the missing torque."""
+        k = np.arange(self.n)[:, None]
+        columns = np.hstack(((ENDS + MEANS) * k + np.arange(len(ONE) - 1), np.full_like(k, len(self.limits) - 1)))
+        rows = np.broadcast_to(k, columns.shape)
+        for sign, limit in ((1.0, np.asarray(high)), (-1.0, -np.asarray(low))):
+            if np.isfinite(limit).all():
+                values = np.broadcast_to(sign * row - missing * MISSING, columns.shape)
+                entries = values.ravel(), (rows.ravel(), columns.ravel())
+                self._parts.append(sp.csr_matrix(entries, shape=(self.n, len(self.limits))))
+                self._highs.append(np.broadcast_to(limit, self.n))
 
-    def q(self, end: int) -> Callable[[Array], Array]:
-        """Columns of q at the beginning (0) or the end (1) of the intervals."""
-        return lambda k: k + end
-
-    def theta(self, end: int, i: int) -> Callable[[Array], Array]:
-        """The same of an element of theta."""
-        return lambda k: self.n + 1 + 3 * (k + end) + i
-
-    def add(
-        self,
-        ends: dict[Callable[[Array], Array], float],
-        means: Array,
-        low: Array | float,
-        high: Array | float,
-        missing: float = 0.0,
-    ) -> None:
-        """A row for each interval: low <= ends + means (WIDTH,) or (n, WIDTH) <= high, to `missing` times the missing torque."""
-        k, size = np.arange(self.n), len(self._limits)
-        means = np.broadcast_to(means, (self.n, WIDTH))
-        columns = [*(of(k) for of in ends), *(4 * (self.n + 1) + WIDTH * k + i for i in range(WIDTH))]
-        values = [*(np.full(self.n, x) for x in ends.values()), *means.T]
-        entries = np.concatenate(values), (np.tile(k, len(columns)), np.concatenate(columns))
-        part = sp.csr_matrix(entries, shape=(self.n, size))
-        last = sp.csr_matrix((np.full(self.n, missing), (k, np.full(self.n, size - 1))), shape=part.shape)
-        for sign, limit in ((1.0, high), (-1.0, -np.asarray(low))):
-            if np.all(np.isfinite(limit)):
-                self.parts.append(sign * part - last)
-                self.highs.append(np.broadcast_to(limit, self.n))
+    def excess(self, x: Array) -> Array:
+        """By how much these values of the variables, in their units, exceed each row (rows,)."""
+        return np.asarray(sp.vstack(self._parts) @ x - np.concatenate(self._highs))
 
     def least(self) -> float:
-        """The least missing torque, N m."""
-        A = sp.vstack(self.parts) @ sp.diags(self._limits)
-        size = abs(A).max(axis=1).toarray().ravel()
-        bounds = np.column_stack((np.append(-np.ones(A.shape[1] - 1), 0.0), np.ones(A.shape[1])))
+        """A lower bound of the missing torque, N m: the value of the dual solution. Raises InputError where none is found."""
+        A = sp.vstack(self._parts) @ sp.diags(self.limits)
+        size = sp.diags(1.0 / abs(A[:, :-1]).max(axis=1).toarray().ravel())
+        A, high = (size @ A).tocsr(), size @ np.concatenate(self._highs)
         cost = np.zeros(A.shape[1])
         cost[-1] = 1.0
-        found = linprog(
-            cost, sp.diags(1.0 / size) @ A, np.concatenate(self.highs) / size, bounds=bounds, method="highs"
-        )
-        return float(found.fun * self._limits[-1])
+        bounds = np.column_stack((cost - 1.0, 1.0 + np.where(cost, np.inf, 0.0)))
+        found = linprog(cost, A, high, bounds=bounds, method="highs")
+        if found.status != 0:
+            raise InputError(f"the bound of a hold was not found: {found.message}")
+        weights = np.minimum(found.ineqlin.marginals, 0.0)
+        weights /= max(1.0, float((A.T @ weights)[-1]))
+        return self.torque * max(float(weights @ high - np.abs(A.T @ weights)[:-1].sum()), 0.0)

@@ -1,4 +1,4 @@
-"""Which tumbles of docs/satellites.md no controller can hold: the balance of the momentum along the field (studies/hold_bound.py)."""
+"""Which tumbles of docs/satellites.md no controller can keep settled: the balance of the momentum along the field (studies/hold_bound.py)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .kept import CONDITIONS, LOST, Flights, Tumble, settling_times, tumble_of
 
 FILE = "satellites_bound.csv"
 PROVEN = 0.01
-"""Of the disturbance torque: more than this must be missing, which is far above the solver's tolerance."""
+"""Of the disturbance torque: more than this must be missing, far more than what rounding may change."""
 AT_ONCE = 16
 """Tumbles between two writings of the file."""
 
@@ -40,7 +40,7 @@ class Missing:
 
     @property
     def excluded(self) -> bool:
-        """Whether no controller holds it."""
+        """Whether no controller keeps it settled."""
         return self.share > PROVEN
 
 

@@ -44,7 +44,7 @@ def test_the_satellites_counted_are_those_of_their_flights():
 
 def test_the_satellites_that_no_controller_holds_are_those_of_their_file():
     bounds = [it for it in bound_search.load(ROOT / "docs" / bound_search.FILE) if it.satellite == "1U, no wheel"]
-    assert f"no controller can hold {sum(it.excluded for it in bounds)} of these 100 tumbles" in README
+    assert f"no controller can keep {sum(it.excluded for it in bounds)} of these 100 settled" in README
 
 
 def test_the_flights_with_the_estimator_are_those_of_their_page():

@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import simpson, solve_ivp
 from scipy.spatial.transform import Rotation
 
 import controller.reference
+from orchestration import InputError
 from studies.flight.bound import loop, starts
-from studies.hold_bound import hat, missing
+from studies.hold_bound import Course, missing, programme
 from studies.satellites.classes import tumbles
 
 ANGLE, RATE = math.radians(5.0), 1e-3
@@ -39,11 +40,6 @@ def low():
     return plant_of("50 kg", lambda tilt: tilt < 15.0)
 
 
-def test_hat_is_the_cross_product():
-    a, b = np.array([1.0, -2.0, 3.0]), np.array([0.5, 4.0, -1.0])
-    np.testing.assert_allclose(hat(a) @ b, np.cross(a, b))
-
-
 @pytest.mark.parametrize("l_max", [1e-9, 1e-3], ids=["no wheel", "a wheel along pitch"])
 def test_along_a_steady_field_the_torque_that_is_missing_is_that_of_the_closed_form(low, l_max):
     """A sphere of 1 kg m2 with the field along pitch. Under a steady torque tau it stays within an angle for T at most along a
@@ -53,9 +49,9 @@ def test_along_a_steady_field_the_torque_that_is_missing_is_that_of_the_closed_f
     p = like(low, lambda t: 3e-5 * normal, np.eye(3), np.array([0.0, 1e-5, 0.0]), np.array([0.0, 1.0, 0.0]), l_max)
     closed = 1e-5 - 16.0 * ANGLE / TIME**2 - 2.0 * l_max / TIME
     found = missing(p, BEGIN, BEGIN + TIME, ANGLE, RATE)
-    assert 0.85 * closed < found < closed
+    assert 0.8 * closed < found < closed
     of_rate = 1e-5 - 2.0 * RATE / 300.0 - 2.0 * l_max / 300.0  # in 300 s the limit of the rate is the closer one
-    assert max(0.85 * of_rate, 0.0) <= missing(p, BEGIN, BEGIN + 300.0, ANGLE, RATE) <= max(of_rate, 0.0)
+    assert max(0.8 * of_rate, 0.0) <= missing(p, BEGIN, BEGIN + 300.0, ANGLE, RATE) <= max(of_rate, 0.0)
     assert missing(p, BEGIN, BEGIN + 300.0, ANGLE, 10.0 * RATE) == 0.0
 
 
@@ -112,24 +108,52 @@ def test_a_motion_by_the_exact_equations_is_never_excluded(low, seed):
     assert missing(tight, BEGIN, end, angle, 1.05 * rate) > 1e-6
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_an_attitude_that_is_kept_at_the_limit_by_the_wheel_alone_is_never_excluded(low, seed):
-    """At rest in LVLH 4.9 deg from it, with next to no room for a rate: the terms that are linear in the angle must have their signs."""
-    rng = np.random.default_rng(seed)
-    turn, tau = (
-        size * v / np.linalg.norm(v) for size, v in zip((0.98 * ANGLE, 1.1e-5), rng.normal(size=(2, 3)), strict=True)
-    )
-    Q, axis, down = Rotation.from_rotvec(turn).as_matrix(), np.array([1.0, 2.0, 2.0]) / 3.0, np.array([0.0, 0.0, 1.0])
-    K, end = Q @ np.asarray(low.body.J) @ Q.T, BEGIN + 3000.0
+@pytest.mark.parametrize("seed", range(4))
+def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_needs_is_taken_off(seed):
+    """Attitudes at the full angle and any wheel momentum; the torque is that of the exact law d(h)/dt + Omega x h, without b or c."""
+    p = plant_of("50 kg, wheel along (1, 2, 2)/3", lambda tilt: 15.0 * seed < tilt < 15.0 * seed + 40.0)
+    rng, fine = np.random.default_rng(seed), 80
+    course = Course.of(p, BEGIN, BEGIN + 400.0)
+    n, dt = len(course.b) // 2, course.interval
+    t = np.linspace(0.0, n * dt, n * fine + 1)
+    size, speed, phase = rng.normal(size=3), rng.uniform(1e-3, 2e-2, 3), rng.uniform(0.0, 6.0, 3)
+    size *= 0.999 * ANGLE / np.linalg.norm(size)
 
-    def balance(t, momentum):
-        at = controller.reference.lvlh(*low.orbit.position_velocity(t))
-        Omega, b = np.array(at.Omega_d), np.array(at.R_d).T @ low.field.at(t)
-        torque = Q @ tau + 3.0 * (Omega @ Omega) * np.cross(down, K @ down)
-        return [b @ (torque - np.cross(Omega, K @ Omega + momentum[0] * Q @ axis)) / (b @ Q @ axis)]
+    def turned(at):
+        return Rotation.from_rotvec(size * np.sin(speed * at[:, None] + phase))
 
-    first = solve_ivp(balance, (BEGIN, end), [0.0], max_step=50.0, rtol=1e-8, atol=1e-12).y
-    begin = -0.5 * (first.max() + first.min())
-    momentum = solve_ivp(balance, (BEGIN, end), [begin], max_step=50.0, rtol=1e-8, atol=1e-12).y
-    p = like(low, torque=tau, axis=axis, l_max=1.0005 * float(np.abs(momentum).max()))
-    assert missing(p, BEGIN, end, ANGLE, 1e-5) == pytest.approx(0.0, abs=1e-10)
+    theta, Q = turned(t).as_rotvec(), turned(t).as_matrix()
+    nu = (turned(t + 1e-3) * turned(t - 1e-3).inv()).as_rotvec() / 2e-3
+    momentum = p.wheel_momentum_max * np.sin(rng.uniform(1e-3, 2e-2) * t + rng.uniform(0.0, 6.0))
+    frames = [controller.reference.lvlh(*p.orbit.position_velocity(BEGIN + s)) for s in t]
+    Omega, down = np.array(frames[0].Omega_d), np.array([0.0, 0.0, 1.0])
+    b = np.array([np.array(f.R_d).T @ p.field.at(BEGIN + s) for f, s in zip(frames, t, strict=True)])
+    b /= np.linalg.norm(b, axis=1)[:, None]
+    K = Q @ np.asarray(p.body.J) @ Q.transpose(0, 2, 1)
+    h = np.einsum("tij,tj->ti", K, Omega + nu) + momentum[:, None] * (Q @ p.body.wheel_axis)
+    given = Q @ p.disturbance_torque_B + 3.0 * (Omega @ Omega) * np.cross(down, K @ down)
+    needed = np.einsum("ti,ti->t", b, np.gradient(h, t, axis=0, edge_order=2) + np.cross(Omega, h) - given)
+
+    def means(values):
+        parts = [values[fine * k : fine * (k + 1) + 1] for k in range(n)]
+        return np.array([simpson(part, dx=dt / fine, axis=0) for part in parts]) / dt
+
+    ends = np.column_stack((np.einsum("ti,ti->t", b, h), theta))[::fine]
+    within = np.hstack([means(x) for x in (theta, nu, momentum[:, None], momentum[:, None] * theta)])
+    x = np.concatenate((np.hstack((ends[:-1], within)).ravel(), ends[-1], [0.0]))
+    rate = 1.05 * float(np.linalg.norm(nu, axis=1).max())
+    found = programme(p, course, ANGLE, rate)
+    excess = found.excess(x).reshape(-1, n)
+    assert (np.abs(x[:-1]) <= found.limits[:-1]).all()
+    assert (excess[0] - dt * means(needed) <= 0.0).all()
+    assert (excess[1] + dt * means(needed) <= 0.0).all()
+    assert (excess[2:4] <= 0.25 * dt * np.abs(needed).max()).all()
+    assert (excess[4:] <= 1e-12).all()
+    # The terms of the angle count: with them turned round the same motion breaks the balance.
+    other = programme(like(p, torque=-p.disturbance_torque_B), course, ANGLE, rate).excess(x).reshape(-1, n)
+    assert (other[0] - dt * means(needed)).max() > 0.0 or (other[1] + dt * means(needed)).max() > 0.0
+
+
+def test_an_eccentric_orbit_is_refused(low):
+    with pytest.raises(InputError, match="circular"):
+        missing(SimpleNamespace(orbit=SimpleNamespace(eccentricity=0.01)), BEGIN, BEGIN + TIME, ANGLE, RATE)
