@@ -34,7 +34,8 @@ from .reproduction import make as paper
 from .satellites import bound_search
 from .satellites import make as satellites_flown
 from .satellites.kept import FILE as SATELLITES
-from .satellites.kept import HOLDS, load
+from .satellites.kept import load
+from .satellites.searched import BOUNDS, HOLDS
 from .sensors import make as sensor_figures
 from .sweep import make as swept
 
@@ -195,7 +196,7 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> 
 
         progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
     if bounds:
-        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / bound_search.FILE))
+        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
     for line in itertools.chain(*progress):
         say(line)
     made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..crew import crew
-from ..flight.bound import loop, starts
+from ..flight.bound import loop
 from ..flight.schemes import Data
 from ..hold import best, period
-from .classes import DURATION, EARLY, tumbles
-from .kept import CONDITIONS, Best, Flights, Search, load_holds, save_holds, waiting
+from .classes import DURATION, EARLY
+from .kept import Flights
+from .searched import Best, Search, load_holds, save_holds, starts_of, waiting
 
 AT_ONCE = 8
 """Tumbles between two writings of the file."""
@@ -31,8 +32,8 @@ def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
 def _wanted(flights: Flights, found: list[Best]) -> list[tuple[str, str, Search, Data]]:
     wanted = []
     for (name, condition), searches in waiting(flights, found).items():
-        data = starts(tumbles(name, max(search.run for search in searches) + 1, CONDITIONS[condition]))
-        wanted += [(name, condition, search, data[search.run]) for search in searches]
+        of_run = starts_of(name, condition, {search.run for search in searches})
+        wanted += [(name, condition, search, of_run[search.run]) for search in searches]
     return wanted
 
 

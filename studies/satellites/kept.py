@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +18,6 @@ from ..paper import Array
 from .classes import ALL, EARLY, settled, tumbles
 
 FILE = "satellites.csv"
-HOLDS = "satellites_hold.csv"
 CONDITIONS = {"nominal": False, "errors": True}
 NAMES = {"nominal": "nominal", "errors": "all errors"}
 """What the page calls them."""
@@ -32,10 +29,6 @@ COLUMNS = (
     "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
     "wheel_share momentum_bound_s told remark"
 ).split()
-SAMPLE = 20
-"""Tumbles of each satellite whose best hold is sought, settled or not."""
-CLOSED = 1e-4
-"""Largest gap of what counts as a hold that was found."""
 LOST = 5.0
 """deg, within which a satellite is held."""
 HORIZON = 6000.0
@@ -137,97 +130,7 @@ def tumble_of(line: Mapping[str, str]) -> Tumble:
     return line["satellite"], line["condition"], line["run"]
 
 
-@dataclass(frozen=True)
-class Best:
-    """The best hold (studies/hold.py) of a tumble, over the orbit from EARLY on or over the last one.
-
-    Its mean square was minimised, then its largest error where it is `even`. Angles in deg, wheel momentum over its limit, largest gap of
-    the motion.
-    """
-
-    satellite: str
-    condition: str
-    run: int
-    last: bool
-    even: bool
-    rms_deg: float
-    largest_deg: float
-    wheel_share: float
-    gap: float
-
-    @property
-    def tumble(self) -> Tumble:
-        """Whose hold it is, as the lines of the flights have it."""
-        return self.satellite, self.condition, f"{self.run}"
-
-    @property
-    def closed(self) -> bool:
-        """Whether it is a motion."""
-        return self.gap < CLOSED
-
-    @property
-    def swings(self) -> bool:
-        """Whether it leaves LOST with an rms below it, so that another motion near it may stay within LOST."""
-        return self.closed and self.rms_deg < LOST <= self.largest_deg
-
-    @property
-    def close(self) -> bool:
-        """Whether it stays within LOST."""
-        return self.closed and self.largest_deg < LOST
-
-
-def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
-    """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
-    all that are not settled."""
-    sample = range(SAMPLE) if condition == "errors" or not ALL[satellite].has_wheel else ()
-    return sorted({*sample, *_unsettled(flights, satellite, condition)})
-
-
-def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
-    return [int(line["run"]) for line in flights.unsettled.of(satellite, condition)]
-
-
-class Search(NamedTuple):
-    """Of a run: whether of its last orbit, whether its largest error is minimised."""
-
-    run: int
-    last: bool
-    even: bool
-
-
-def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[Search]]:
-    """By satellite and condition what is sought and not among those found.
-
-    That is the best hold of each run of `_sought`. Of those that are not settled also: in each orbit the largest error, where the best
-    hold has an rms below LOST and leaves it; and the last orbit, once a hold within LOST is known of the first.
-    """
-    known = {(hold.satellite, hold.condition, hold.run, hold.last, hold.even): hold for hold in holds}
-    left: dict[tuple[str, str], list[Search]] = {}
-    for key in product(ALL, CONDITIONS):
-        wanted = [Search(run, False, False) for run in _sought(flights, *key)]
-        for run in _unsettled(flights, *key):
-            found = {
-                (last, even): known.get((*key, run, last, even)) for last in (False, True) for even in (False, True)
-            }
-            wanted += [
-                Search(run, last, True) for last in (False, True) if (hold := found[last, False]) and hold.swings
-            ]
-            if any(hold and hold.close for (last, _), hold in found.items() if not last):
-                wanted.append(Search(run, True, False))
-        left[key] = [search for search in wanted if (*key, *search) not in known]
-    return {key: searches for key, searches in left.items() if searches}
-
-
-def load_holds(file: Path) -> list[Best]:
-    """The best holds of a file, none without one. Raises InputError for a file of another form."""
-    return files.load(Best, file, "python -m studies satellites --holds") if file.is_file() else []
-
-
-def save_holds(file: Path, holds: Iterable[Best]) -> None:
-    """Writes them by satellite, condition, run, orbit and kind."""
-    satellites, conditions = list(ALL), list(CONDITIONS)
-
-    def place(hold: Best) -> tuple[int, int, int, bool, bool]:
-        return satellites.index(hold.satellite), conditions.index(hold.condition), hold.run, hold.last, hold.even
-
-    files.save(Best, file, sorted(holds, key=place))
+def not_settled(flights: Flights) -> list[Tumble]:
+    """Those that do not settle, or are lost again."""
+    never = np.isinf(settling_times(flights.lines))
+    return [tumble_of(line) for line, left in zip(flights.lines, never, strict=True) if left]

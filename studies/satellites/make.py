@@ -9,9 +9,10 @@ from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
-from . import bound_search, page
+from . import page
 from .classes import ALL, tumbles
-from .kept import CONDITIONS, FILE, HOLDS, load, load_holds, save
+from .kept import CONDITIONS, FILE, load, save
+from .searched import BOUNDS, HOLDS, load_bounds, load_holds
 
 RESULTS = FOLDER / "satellites"
 PART = 10
@@ -46,6 +47,6 @@ def write() -> Path:
     """Writes the page from the files in docs/."""
     docs = ROOT / "docs"
     target = docs / "satellites.md"
-    found = load_holds(docs / HOLDS), bound_search.load(docs / bound_search.FILE)
+    found = load_holds(docs / HOLDS), load_bounds(docs / BOUNDS)
     target.write_text(page.text(load(docs / FILE), *found), "utf-8")
     return target

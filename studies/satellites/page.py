@@ -14,25 +14,23 @@ from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
 from . import without_wheel
-from .bound_search import Missing, not_settled
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
     HORIZON,
     LOST,
     NAMES,
-    SAMPLE,
     STEEP,
-    Best,
     Flights,
     Tumble,
     are_lost,
     column,
+    not_settled,
     settled_at_end,
     settling_times,
     tumble_of,
-    waiting,
 )
+from .searched import SAMPLE, Best, Missing, waiting
 
 BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
 """deg: limits between the rows of the table of best holds."""

@@ -11,7 +11,8 @@ import numpy as np
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL
-from .kept import CONDITIONS, NAMES, STEEP, Best, Flights, Tumble, column, tumble_of
+from .kept import CONDITIONS, NAMES, STEEP, Flights, Tumble, column, tumble_of
+from .searched import Best
 
 
 def _without_wheel(flights: Flights) -> Iterator[tuple[str, str, list[Mapping[str, str]]]]:

@@ -4,9 +4,9 @@ import math
 import re
 from collections import Counter
 
-from studies.satellites import bound_search
 from studies.satellites.classes import ALL
 from studies.satellites.kept import load, settling_times
+from studies.satellites.searched import BOUNDS, load_bounds
 
 from .commands import ROOT
 
@@ -43,7 +43,7 @@ def test_the_satellites_counted_are_those_of_their_flights():
 
 
 def test_the_satellites_that_no_controller_holds_are_those_of_their_file():
-    bounds = [it for it in bound_search.load(ROOT / "docs" / bound_search.FILE) if it.satellite == "1U, no wheel"]
+    bounds = [it for it in load_bounds(ROOT / "docs" / BOUNDS) if it.satellite == "1U, no wheel"]
     assert f"no controller can keep {sum(it.excluded for it in bounds)} of these 100 settled" in README
 
 

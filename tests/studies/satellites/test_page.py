@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 
 from orchestration import InputError
-from studies.satellites import bound_search, page
+from studies.satellites import page
 from studies.satellites.classes import ALL
-from studies.satellites.kept import COLUMNS, CONDITIONS, Best, Flights, load, load_holds, waiting
+from studies.satellites.kept import COLUMNS, CONDITIONS, Flights, load, not_settled
+from studies.satellites.searched import BOUNDS, HOLDS, Best, Missing, load_bounds, load_holds, waiting
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -29,7 +30,7 @@ def row(text, *begins):
 
 
 def test_the_page_is_that_of_the_kept_flights():
-    holds, bounds = load_holds(DOCS / "satellites_hold.csv"), bound_search.load(DOCS / bound_search.FILE)
+    holds, bounds = load_holds(DOCS / HOLDS), load_bounds(DOCS / BOUNDS)
     kept = load(DOCS / "satellites.csv"), holds, bounds
     assert (DOCS / "satellites.md").read_text("utf-8") == page.text(*kept)
 
@@ -111,12 +112,12 @@ def test_of_flights_that_are_not_settled_the_least_largest_error_is_sought_then_
 def test_flights_that_no_controller_holds_are_told_apart_from_those_that_are_not_excluded():
     lines = [line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("3U", 3, "", "")]
     bounds = [
-        bound_search.Missing("3U", "errors", 1, 0.0),
-        bound_search.Missing("3U", "errors", 2, 0.181),
-        bound_search.Missing("3U", "errors", 3, 0.009),
+        Missing("3U", "errors", 1, 0.0),
+        Missing("3U", "errors", 2, 0.181),
+        Missing("3U", "errors", 3, 0.009),
     ]
     flights = Flights(tuple(lines))
-    assert bound_search.not_settled(flights) == [("3U", "errors", run) for run in "123"]
+    assert not_settled(flights) == [("3U", "errors", run) for run in "123"]
     text = page.text(flights, bounds=bounds)
     assert "| 3U | all errors | 3 | 1 | 18% |" in text
     assert row(text, "3U", "all errors", "2")[-6] == "18%"
