@@ -16,7 +16,8 @@ double controller_planned_near_limit(const Model *model, double l);
 /* Cost rate of the controls. */
 static inline double control_cost(const Model *model, const double u[CONTROLS])
 {
-    return model->scales.weight_control * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
+    const double rods = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    return model->scales.weight_control * rods + model->scales.weight_motor_control * u[3] * u[3];
 }
 
 #endif

@@ -156,6 +156,10 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
         (!x->challenged || controller_planned_better(&law->trial, &x->plan, x->t, CHALLENGE_GAIN))) {
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
+        x->planned.nodes = 0;
+        if (x->strained && may_be_flown(&x->plan)) {
+            controller_planned_keep_motion(&x->plan, law->workspace.x[law->workspace.now], &x->planned);
+        }
     }
     x->challenged = !of_search && has_come(x, early);
     if (of_search) {

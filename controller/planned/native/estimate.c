@@ -1,11 +1,10 @@
 /* What the controller believes of the satellite: its motion, its properties, the field round it. */
 #include "rods_alone.h"
 #include "state.h"
+#include "strained.h"
 
 #include <string.h>
 
-static const double STRAINED_WEIGHT = 0.2;             /* of the angle in a strained hold */
-static const double STRAINED_NEAR_LIMIT = 0.97;        /* of wheel_momentum_max in it, which needs more of the wheel */
 static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
@@ -53,8 +52,7 @@ Model controller_planned_believed(const ControllerPlannedLaw *law, const Control
         controller_planned_plan_by_rods(&model, &x->plan);
     }
     if (x->strained) {
-        model.scales.weight_angle *= STRAINED_WEIGHT;
-        model.scales.near_limit = STRAINED_NEAR_LIMIT * model.wheel_momentum_max;
+        controller_planned_plan_strained(&model);
     }
     return model;
 }

@@ -105,11 +105,12 @@ static void expand(const Model *model, const Stage *stage, const Motion *x, cons
             VG[i] = along(G, s->V[i]) + wheel * s->V[i][6];
         }
         const Column row = column(VG);
-        s->Qu[a] = 2.0 * model->scales.weight_control * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
+        const double effort = a < 3 ? model->scales.weight_control : model->scales.weight_motor_control;
+        s->Qu[a] = 2.0 * effort * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
         for (int b = 0; b <= a; ++b) {                                                               /* Quu = Luu + G'V G */
             s->Quu[a][b] = s->Quu[b][a] = along(row, s->G[b]) + VG[6] * s->G[b][6];
         }
-        s->Quu[a][a] += (2.0 * model->scales.weight_control + caution) * h;
+        s->Quu[a][a] += (2.0 * effort + caution) * h;
         for (int j = 0; j < ERRORS; ++j) { /* Qux = G'V A */
             s->Qux[a][j] = along(row, s->A[j]) + (j == 6 ? VG[6] : 0.0);
         }
@@ -161,8 +162,25 @@ static void carry_back(const double k[CONTROLS], double K[CONTROLS][ERRORS], Bac
     }
 }
 
-/* Gains of all stages for the motion in `at`; false where the account ends before. */
-static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, int at, int32_t *work)
+/* v of what follows, where the motion comes to another state than that from which the next stage begins. Returns where it comes to. */
+static Motion across_gap(const Model *model, const Stage *stage, const Motion *x, const double u[CONTROLS], double h,
+                         BackwardPass *s)
+{
+    const Motion next = controller_planned_advanced(model, &stage->around, x, u, h);
+    double gap[ERRORS];
+    store(rotation_log(multiply(transposed(x[1].R), next.R)), gap);
+    store(subtract(next.Omega, x[1].Omega), gap + 3);
+    gap[6] = next.l - x[1].l;
+    for (int i = 0; i < ERRORS; ++i) {
+        for (int j = 0; j < ERRORS; ++j) {
+            s->v[i] += s->V[i][j] * gap[j];
+        }
+    }
+    return next;
+}
+
+/* Gains of all stages for the motion in `at`, whose stages may have gaps between them; false where the account ends before. */
+static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, int at, bool gaps, int32_t *work)
 {
     BackwardPass *s = &w->pass;
     double hessian[ERRORS];
@@ -176,10 +194,15 @@ static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, in
     for (int i = n - 1; i >= 0; --i) {
         const Motion *x = &w->x[at][i];
         const double *u = w->u[at][i], h = plan->h[i];
-        expand(model, &w->stage[i], x, x + 1, u, h, w->weight[i], plan->caution, s);
-        if (*work < WORK_BACKWARD + WORK_QP) {
+        if (*work < WORK_ROLLOUT + WORK_BACKWARD + WORK_QP) {
             return false;
         }
+        Motion next = x[1];
+        if (gaps) {
+            *work -= WORK_ROLLOUT;
+            next = across_gap(model, &w->stage[i], x, u, h, s);
+        }
+        expand(model, &w->stage[i], x, &next, u, h, w->weight[i], plan->caution, s);
         *work -= WORK_BACKWARD + gains(model, x->l, u, h, s, w->k[i], w->K[i]);
         carry_back(w->k[i], w->K[i], s);
     }
@@ -223,31 +246,18 @@ static double follow(const Model *model, const Plan *plan, const Motion *expecte
         return NEVER;
     }
     *work -= kept;
-    const bool passed = backward_pass(model, plan, w, 0, work);
+    const bool passed = backward_pass(model, plan, w, 0, false, work);
     *work += kept;
     return passed ? rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work) : NEVER;
 }
 
-int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
-                               Workspace *w, int32_t *work)
+/* Up to so many iterations from the motion in `now`, which settles then; returns how many it took. */
+static int iterate(const Model *model, int now, double settles, int iterations, Plan *plan, Workspace *w, int32_t *work)
 {
-    int now = 0, used = 0;
-    double settles = INFINITY;
-    memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
-    weigh(plan, w->weight);
-    const double followed = expected != NULL ? follow(model, plan, expected, x, w, &settles, work) : NEVER;
-    w->x[0][0] = w->x[1][0] = *x;
-    plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, &plan->settles, work);
-    if ((plan->urgent && settles != plan->settles) ? settles < plan->settles : followed < plan->cost) {
-        now = 1;
-        plan->cost = followed;
-        plan->settles = settles;
-    }
-    if (!may_be_flown(plan)) {
-        return iterations;
-    }
+    int used = 0;
     while (used < iterations && *work >= plan->stages * WORK_OF_ITERATION) {
-        const double cost = backward_pass(model, plan, w, now, work) ? line_search(model, plan, w, now, &settles, work) : NEVER;
+        const double cost =
+            backward_pass(model, plan, w, now, false, work) ? line_search(model, plan, w, now, &settles, work) : NEVER;
         if (!(cost < plan->cost)) {
             if (*work < plan->stages * WORK_ROLLOUT) {
                 break;
@@ -264,5 +274,43 @@ int controller_planned_improve(const Model *model, const Motion *expected, const
         used = done ? iterations : used + 1;
     }
     memcpy(plan->u, w->u[now], (size_t)plan->stages * sizeof plan->u[0]);
+    w->now = now;
     return used;
+}
+
+/* The plan's controls and what its errors count. */
+static void begin(const Plan *plan, Workspace *w)
+{
+    memcpy(w->u[0], plan->u, (size_t)plan->stages * sizeof plan->u[0]);
+    weigh(plan, w->weight);
+}
+
+int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
+                               Workspace *w, int32_t *work)
+{
+    int now = 0;
+    double settles = INFINITY;
+    begin(plan, w);
+    const double followed = expected != NULL ? follow(model, plan, expected, x, w, &settles, work) : NEVER;
+    w->x[0][0] = w->x[1][0] = *x;
+    plan->cost = rollout(model, plan, w, 0, 0, 0.0, NEVER, &plan->settles, work);
+    if ((plan->urgent && settles != plan->settles) ? settles < plan->settles : followed < plan->cost) {
+        now = 1;
+        plan->cost = followed;
+        plan->settles = settles;
+    }
+    return may_be_flown(plan) ? iterate(model, now, settles, iterations, plan, w, work) : iterations;
+}
+
+void controller_planned_improve_guess(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w,
+                                      int32_t *work)
+{
+    begin(plan, w);
+    w->x[0][0] = w->x[1][0] = *x;
+    plan->cost = backward_pass(model, plan, w, 0, true, work)
+                     ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work)
+                     : NEVER;
+    if (may_be_flown(plan)) {
+        iterate(model, 1, plan->settles, iterations - 1, plan, w, work);
+    }
 }

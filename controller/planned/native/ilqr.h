@@ -27,6 +27,7 @@ typedef struct {
     double u[2][STAGES][CONTROLS];
     double k[STAGES][CONTROLS];
     double K[STAGES][CONTROLS][ERRORS];
+    int now; /* the plan's own motion is x[now] */
 } Workspace;
 
 /* Improves the plan from x by at most a number of iterations; the plan's cost is then that of its motion. Returns the iterations
@@ -35,5 +36,10 @@ typedef struct {
  * where that is better than its controls alone. */
 int controller_planned_improve(const Model *model, const Motion *expected, const Motion *x, int iterations, Plan *plan,
                                Workspace *w, int32_t *work);
+
+/* The same from a guess of the motion in w->x[0], whose stages need not join (multiple shooting): the first iteration joins them,
+ * and the cost may grow by that. The controls alone would lead a long plan far away. */
+void controller_planned_improve_guess(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w,
+                                      int32_t *work);
 
 #endif

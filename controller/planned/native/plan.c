@@ -91,7 +91,7 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
     const Horizon *horizon = &model->horizon;
     const double early = EARLY * horizon->until[0];
     const double length = urgent ? URGENT_HORIZON * model->scales.time : horizon->until[PIECES - 1];
-    Motion now = *x;
+    Motion now = x != NULL ? *x : (Motion){identity, {0.0, 0.0, 0.0}, 0.0};
     Place place = {0, was != NULL ? was->start : 0.0};
     double s = 0.0;
     int piece = 0;
@@ -107,7 +107,7 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
         const double whole = horizon->stage[piece];
         /* A stage is divided while enough stages are left for the rest of the horizon. */
         const int left = STAGES - plan->stages - stages_left(horizon, s, length) - 1;
-        const double turn = norm(now.Omega) * whole;
+        const double turn = x != NULL ? norm(now.Omega) * whole : 0.0;
         const int wanted = turn > FASTER ? 4 : turn > FAST ? 2 : 1;
         const int parts = left >= 4 ? wanted : 1;
         for (int i = 0; i < parts; ++i) {
@@ -120,7 +120,7 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
             if (was != NULL) {
                 controls_at(was, t + s + 0.5 * h, &place, u);
             }
-            now = controller_planned_advanced(model, &stage[k].around, &now, u, h);
+            now = x != NULL ? controller_planned_advanced(model, &stage[k].around, &now, u, h) : now;
             s += h;
         }
     }

@@ -51,7 +51,8 @@ Horizon controller_planned_horizon(double T);
 
 /* The stages of a horizon from t on, of the plan that was (or none), finer where its motion from x turns fast; its
  * controls are carried over, zero beyond its end. An urgent plan has a short horizon: the motion far ahead, which has not been
- * planned yet, would outweigh all; at the target the horizon is long, to foresee polar passages. */
+ * planned yet, would outweigh all; at the target the horizon is long, to foresee polar passages. Without a motion (x NULL) no
+ * stage is divided. */
 void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const Motion *x, double t, bool urgent,
                                    const Plan *was, Plan *plan, Stage stage[STAGES + 1], int32_t *work);
 

@@ -7,9 +7,10 @@ static const double LONGER_MAX = 80.0;  /* so many of them at most: else they ar
 enum { ITERATIONS = 5 }; /* of a plan at every renewal */
 
 /* What a hold's plan lacks: the stages behind the usual horizon, and how long each is, s. */
-static int32_t behind(const Model *model, double *stage)
+static int32_t behind(const Model *model, bool strained, double *stage)
 {
-    const double T = model->scales.time, wanted = HOLD_ORBITS * ONBOARD_TURN / model->scales.orbit_rate;
+    const double T = model->scales.time, orbits = strained ? STRAINED_ORBITS_AHEAD : HOLD_ORBITS;
+    const double wanted = orbits * ONBOARD_TURN / model->scales.orbit_rate;
     const double lacks = larger(wanted - model->horizon.until[PIECES - 1], 0.0);
     *stage = larger(STAGE_LONG * T, lacks / LONGER_MAX);
     return (int32_t)(lacks / *stage + 0.5);
@@ -34,16 +35,26 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
 {
     const bool urgent = controller_planned_is_urgent(x, usual), hold = x->phase == PHASE_HOLD && has_wheel(usual);
     double stage;
-    const int32_t most = behind(usual, &stage);
+    const int32_t most = behind(usual, x->strained, &stage);
     const int32_t least = (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
     Model model = *usual;
+    Workspace *w = &law->workspace;
     x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
     for (;;) {
         model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
-        controller_planned_lay_stages(&model, ahead, now, x->t, urgent, was, &law->trial, law->workspace.stage, work);
-        controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, &law->workspace, work);
+        const bool guessed = hold && x->strained && was == &x->plan && x->planned.nodes > 0;
+        controller_planned_lay_stages(&model, ahead, guessed ? NULL : now, x->t, urgent, was, &law->trial, w->stage, work);
+        if (guessed) {
+            controller_planned_guess(&x->planned, w->stage, &law->trial, w->x[0]);
+            controller_planned_improve_guess(&model, now, ITERATIONS, &law->trial, w, work);
+        } else {
+            controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, w, work);
+        }
         controller_planned_hasten(&law->trial);
-        const bool lost = hold && law->trial.cost > HOLD_COST * x->scales.time;
+        const bool lost = hold && (x->strained ? !may_be_flown(&law->trial) : law->trial.cost > HOLD_COST * x->scales.time);
+        if (lost && guessed && x->longer <= 0) {
+            x->planned.nodes = 0;
+        }
         if (!lost || x->longer <= least) {
             return true;
         }

@@ -39,7 +39,7 @@ void controller_planned_plan_by_rods(Model *model, const Plan *was)
     scales->weight_far = close ? RODS_WEIGHT_FAR : 0.0;
     scales->weight_wheel = scales->weight_near_limit = 0.0;
     const double ratio = 1.0 / (n * n * scales->time * scales->time); /* of the rods' torque J/T^2 to n^2 J */
-    scales->weight_control = RODS_WEIGHT_CONTROL * ratio * ratio;
+    scales->weight_control = scales->weight_motor_control = RODS_WEIGHT_CONTROL * ratio * ratio;
     scales->final_errors = RODS_FINAL * period;
     scales->plan_period = larger(scales->plan_period, model->horizon.stage[0]);
 }

@@ -103,6 +103,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .weight_angle = WEIGHT_ANGLE,
         .weight_rate = WEIGHT_RATE * T * T,
         .weight_control = WEIGHT_CONTROL,
+        .weight_motor_control = WEIGHT_CONTROL,
         .final_errors = FINAL * T,
         .final_wheel = FINAL_WHEEL * T,
         .weight_wheel = two_digits(p->momentum_weight / (h * h)),

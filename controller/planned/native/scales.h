@@ -20,7 +20,7 @@ typedef struct {
     double weight_angle;     /* of a plan's cost */
     double weight_far;       /* the same of what an angle is beyond a limit; none but by rods alone */
     double weight_rate;      /* the same, s^2 */
-    double weight_control;
+    double weight_control, weight_motor_control; /* of the rods, of the motor */
     double final_errors, final_wheel; /* s, by which the last stage counts */
     double weight_wheel;              /* 1/(N m s)^2 */
     double weight_near_limit;         /* the same beyond near_limit */

@@ -9,6 +9,7 @@
 #include "search.h"
 #include "sensors_watch.h"
 #include "steering.h"
+#include "strained.h"
 
 static const double SAMPLE_EARLY = 1e-6; /* of the control period: a sample and a plan are due that much before their time */
 
@@ -29,7 +30,8 @@ typedef struct {
     Plan plan;
     Search search;
     int32_t longer;      /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
-    bool strained;       /* a hold that the wheel cannot keep close: the angle counts less */
+    bool strained;       /* a hold that the wheel cannot keep close (strained.h) */
+    PlannedMotion planned;       /* of the plan of a strained hold */
     bool provisional;    /* the plan is what the first search had come to in its first sample */
     bool challenged;     /* the search's plan is held against the plan at the next sample */
     Motion reference;    /* of the plan, at t_sample */
