@@ -15,7 +15,9 @@ static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2;   /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                           /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                          /* rad (5 deg) */
-static const double STRAINED_ANGLE = 0.0523598776, STRAINED_LOST = 1.0; /* rad (3 deg, 57 deg) */
+static const double STRAINED_ANGLE = 0.0174532925, STRAINED_LOST = 1.0; /* rad (1 deg, 57 deg) */
+static const double STRAINED_LOAD = 0.6;                                /* of wheel_momentum_max, for so many orbits: */
+static const double STRAINED_TILT = 0.0087266463, STRAINED_LOADED = 0.05;
 static const double STRAINED_ORBITS = 1.0;                              /* for which it is settled until it is not strained */
 
 /* Where the satellite stands against its target. */
@@ -25,7 +27,7 @@ typedef struct {
     Vector D_N;         /* momentum to be given, N m s */
     bool lost;          /* too far for a plan: the momentum has to be steered first */
     bool near;          /* not lost at the end of a search that begins now */
-    bool near_limit;    /* the wheel, where a plan counts its momentum as near its limit */
+    bool loaded;        /* the wheel, to a large part of its limit */
 } Standing;
 
 /* N m s, N: what the total momentum lacks to the target's, with the wheel at rest or with the momentum that it keeps. */
@@ -56,16 +58,16 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     const double limit = smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
     const double needed = steered || !has_wheel(model) ? norm(D_N) : beyond_wheel(model, &target, D_N);
     const double left = needed / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
-    const double time = x->steering.time, later = larger(time - search_time, 0.0);
+    const double angle = principal_angle(Q), time = x->steering.time, later = larger(time - search_time, 0.0);
     const bool lost = left > (!steered && has_wheel(model) ? STEERING_AGAIN : 1.0);
     return (Standing){
         .target = target,
-        .angle = principal_angle(Q),
+        .angle = angle,
         .rate = norm(subtract(now->Omega, apply_transposed(Q, target.Omega))),
         .D_N = D_N,
         .lost = lost,
         .near = !lost || (steered && left * later <= time),
-        .near_limit = controller_planned_near_limit(model, now->l) != 0.0,
+        .loaded = fabs(now->l) > STRAINED_LOAD * model->wheel_momentum_max || angle > STRAINED_TILT,
     };
 }
 
@@ -92,7 +94,8 @@ static bool has_come(const ControllerPlannedState *x, double early)
 static bool is_strained(const ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const bool begins = s->angle > STRAINED_ANGLE && s->near_limit;
+    const bool loaded = x->t - x->loaded_since > STRAINED_LOADED * orbit;
+    const bool begins = s->angle > STRAINED_ANGLE || loaded;
     const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
     return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
 }
@@ -251,6 +254,12 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
         x->settled_since = INFINITY;
     } else if (x->settled_since > x->t) {
         x->settled_since = x->t;
+    }
+
+    if (!(s.loaded && x->phase == PHASE_HOLD)) {
+        x->loaded_since = INFINITY;
+    } else if (x->loaded_since > x->t) {
+        x->loaded_since = x->t;
     }
 
     int32_t work = WORK_OF_SAMPLE;

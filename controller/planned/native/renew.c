@@ -46,6 +46,7 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
         controller_planned_lay_stages(&model, ahead, guessed ? NULL : now, x->t, urgent, was, &law->trial, w->stage, work);
         if (guessed) {
             controller_planned_guess(&x->planned, w->stage, &law->trial, w->x[0]);
+            *work -= law->trial.stages * WORK_GUESS;
             controller_planned_improve_guess(&model, now, ITERATIONS, &law->trial, w, work);
         } else {
             controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, w, work);

@@ -31,6 +31,7 @@ typedef struct {
     Search search;
     int32_t longer;      /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
     bool strained;       /* a hold that the wheel cannot keep close (strained.h) */
+    double loaded_since; /* s; of the wheel in the hold, beyond t while it is not */
     PlannedMotion planned;       /* of the plan of a strained hold */
     bool provisional;    /* the plan is what the first search had come to in its first sample */
     bool challenged;     /* the search's plan is held against the plan at the next sample */
