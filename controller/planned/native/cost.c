@@ -4,7 +4,8 @@ static const double BEND = 0.1;                            /* rad, of the pseudo
 static const double NEAR_ANGLE = 0.078, NEAR_RATE = 0.045; /* rad (4.5 deg), 1/T: 0.9 of what is called settled */
 static const double FAR = 0.07;                            /* rad (4 deg), from which an angle is far */
 
-double controller_planned_near_limit(const Model *model, double l)
+/* N m s: of the wheel's momentum l, what is beyond from where it costs more, near its limit; else 0. */
+static double beyond_near_limit(const Model *model, double l)
 {
     const double limit = model->scales.near_limit;
     return l > limit ? l - limit : l < -limit ? l + limit : 0.0;
@@ -32,7 +33,7 @@ double controller_planned_cost_of(const Model *model, const Target *target, cons
     const double angle = norm(zeta), root = sqrt(dot(zeta, zeta) + BEND * BEND);
     double slope = 0.0, curvature = 0.0;
     const double far = weight_far > 0.0 ? weight_far * far_cost(angle, &slope, &curvature) : 0.0;
-    const double over = controller_planned_near_limit(model, x->l);
+    const double over = beyond_near_limit(model, x->l);
     if (near != NULL) {
         *near = angle < NEAR_ANGLE && norm(omega) * model->scales.time < NEAR_RATE;
     }

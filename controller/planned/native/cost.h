@@ -10,9 +10,6 @@
 double controller_planned_cost_of(const Model *model, const Target *target, const Motion *x, double scale_errors,
                                   double scale_wheel, double gradient[ERRORS], double hessian[ERRORS], bool *near);
 
-/* N m s: of the wheel's momentum l, what is beyond from where it costs more, near its limit; else 0. */
-double controller_planned_near_limit(const Model *model, double l);
-
 /* Cost rate of the controls. */
 static inline double control_cost(const Model *model, const double u[CONTROLS])
 {

@@ -12,13 +12,14 @@ static const double CHALLENGE_GAIN = 0.97;  /* a challenger is adopted below thi
 static const double STEERING_DIPOLE = 1.12; /* of dipole_max: what three rods give across the field */
 static const double STEERING_AGAIN = 2.0;   /* of steering_limit: back to steering beyond it */
 static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search is good enough to begin with */
-static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2;   /* rad (1 deg), T */
-static const double SETTLED_RATE_TIME = 20.0;                           /* T, in which the rate may turn by a radian */
-static const double LOST_ANGLE = 0.0872664626;                          /* rad (5 deg) */
-static const double STRAINED_ANGLE = 0.0174532925, STRAINED_LOST = 1.0; /* rad (1 deg, 57 deg) */
-static const double STRAINED_LOAD = 0.6;                                /* of wheel_momentum_max, for so many orbits: */
-static const double STRAINED_TILT = 0.0087266463, STRAINED_LOADED = 0.05;
-static const double STRAINED_ORBITS = 1.0;                              /* for which it is settled until it is not strained */
+static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
+static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
+static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
+/* A hold is strained from an angle on, or from a smaller one or a share of wheel_momentum_max that has lasted for so many orbits. */
+static const double STRAINED_ANGLE = 0.0174532925;                                               /* rad (1 deg) */
+static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTING_ORBITS = 0.05; /* rad (0.5 deg) */
+static const double STRAINED_ORBITS = 1.0;                                                       /* settled, until it is not */
+static const double STRAINED_LOST = 1.0;                                                         /* rad (57 deg) */
 
 /* Where the satellite stands against its target. */
 typedef struct {
@@ -27,7 +28,7 @@ typedef struct {
     Vector D_N;         /* momentum to be given, N m s */
     bool lost;          /* too far for a plan: the momentum has to be steered first */
     bool near;          /* not lost at the end of a search that begins now */
-    bool loaded;        /* the wheel, to a large part of its limit */
+    bool loaded;        /* the wheel holds much of its limit, or the angle is not small */
 } Standing;
 
 /* N m s, N: what the total momentum lacks to the target's, with the wheel at rest or with the momentum that it keeps. */
@@ -67,7 +68,7 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
         .D_N = D_N,
         .lost = lost,
         .near = !lost || (steered && left * later <= time),
-        .loaded = fabs(now->l) > STRAINED_LOAD * model->wheel_momentum_max || angle > STRAINED_TILT,
+        .loaded = fabs(now->l) > LASTING_MOMENTUM * model->wheel_momentum_max || angle > LASTING_ANGLE,
     };
 }
 
@@ -89,13 +90,11 @@ static bool has_come(const ControllerPlannedState *x, double early)
     return x->search.ready && x->t >= x->search.t - early;
 }
 
-/* Whether the wheel cannot keep the hold close: from when its error is beyond STRAINED_ANGLE with a wheel near its limit, until it
- * has been settled for an orbit. */
+/* Whether the wheel may not keep the hold close, until it has been settled for an orbit. */
 static bool is_strained(const ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const bool loaded = x->t - x->loaded_since > STRAINED_LOADED * orbit;
-    const bool begins = s->angle > STRAINED_ANGLE || loaded;
+    const bool begins = s->angle > STRAINED_ANGLE || x->t - x->loaded_since > LASTING_ORBITS * orbit;
     const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
     return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
 }

@@ -107,7 +107,7 @@ static void expand(const Model *model, const Stage *stage, const Motion *x, cons
         const Column row = column(VG);
         const double effort = a < 3 ? model->scales.weight_control : model->scales.weight_motor_control;
         s->Qu[a] = 2.0 * effort * h * u[a] + along(G, s->v) + wheel * s->v[6]; /* Qu = Lu + G'v */
-        for (int b = 0; b <= a; ++b) {                                                               /* Quu = Luu + G'V G */
+        for (int b = 0; b <= a; ++b) {                                         /* Quu = Luu + G'V G */
             s->Quu[a][b] = s->Quu[b][a] = along(row, s->G[b]) + VG[6] * s->G[b][6];
         }
         s->Quu[a][a] += (2.0 * effort + caution) * h;
@@ -307,9 +307,8 @@ void controller_planned_improve_guess(const Model *model, const Motion *x, int i
 {
     begin(plan, w);
     w->x[0][0] = w->x[1][0] = *x;
-    plan->cost = backward_pass(model, plan, w, 0, true, work)
-                     ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work)
-                     : NEVER;
+    plan->cost =
+        backward_pass(model, plan, w, 0, true, work) ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work) : NEVER;
     if (may_be_flown(plan)) {
         iterate(model, 1, plan->settles, iterations - 1, plan, w, work);
     }

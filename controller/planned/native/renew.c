@@ -30,6 +30,23 @@ static Horizon with_stages(const Horizon *usual, int32_t longer, double stage)
     return horizon;
 }
 
+/* law->trial over the model's horizon, from the motion that was kept, or else from the controls that were; whether from the motion. */
+static bool improve(ControllerPlannedLaw *law, const ControllerPlannedState *x, const Model *model, const Ahead *ahead,
+                    const Motion *expected, const Motion *now, bool urgent, const Plan *was, int32_t *work)
+{
+    Workspace *w = &law->workspace;
+    const bool kept = x->strained && x->planned.nodes > 0 && was == &x->plan;
+    controller_planned_lay_stages(model, ahead, kept ? NULL : now, x->t, urgent, was, &law->trial, w->stage, work);
+    if (kept) {
+        *work -= law->trial.stages * WORK_GUESS;
+        controller_planned_guess(&x->planned, w->stage, &law->trial, w->x[0]);
+        controller_planned_improve_guess(model, now, ITERATIONS, &law->trial, w, work);
+    } else {
+        controller_planned_improve(model, expected, now, ITERATIONS, &law->trial, w, work);
+    }
+    return kept;
+}
+
 bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState *x, const Model *usual, const Ahead *ahead,
                               const Motion *expected, const Motion *now, const Plan *was, int32_t *work)
 {
@@ -38,22 +55,13 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
     const int32_t most = behind(usual, x->strained, &stage);
     const int32_t least = (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
     Model model = *usual;
-    Workspace *w = &law->workspace;
     x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
     for (;;) {
         model.horizon = hold ? with_stages(&usual->horizon, x->longer, stage) : usual->horizon;
-        const bool guessed = hold && x->strained && was == &x->plan && x->planned.nodes > 0;
-        controller_planned_lay_stages(&model, ahead, guessed ? NULL : now, x->t, urgent, was, &law->trial, w->stage, work);
-        if (guessed) {
-            controller_planned_guess(&x->planned, w->stage, &law->trial, w->x[0]);
-            *work -= law->trial.stages * WORK_GUESS;
-            controller_planned_improve_guess(&model, now, ITERATIONS, &law->trial, w, work);
-        } else {
-            controller_planned_improve(&model, expected, now, ITERATIONS, &law->trial, w, work);
-        }
+        const bool kept = improve(law, x, &model, ahead, expected, now, urgent, was, work);
         controller_planned_hasten(&law->trial);
         const bool lost = hold && (x->strained ? !may_be_flown(&law->trial) : law->trial.cost > HOLD_COST * x->scales.time);
-        if (lost && guessed && x->longer <= 0) {
+        if (lost && kept && x->longer <= 0) {
             x->planned.nodes = 0;
         }
         if (!lost || x->longer <= least) {

@@ -12,19 +12,19 @@ static const double LOW_ORBIT = 7e6;   /* m, a semi-major axis where none is kno
 static const double PLAN_PERIOD = 0.2; /* T */
 
 typedef struct {
-    double time;             /* T, s, to two digits */
-    double momentum, torque; /* J/T, N m s; J/T^2, N m */
-    double orbit_rate;       /* rad/s, the mean one */
-    double least_moment;     /* the least principal one, kg m2 */
-    bool fast_nutation;      /* by more than a radian in T, with the wheel at its limit */
-    double weight_angle;     /* of a plan's cost */
-    double weight_far;       /* the same of what an angle is beyond a limit; none but by rods alone */
-    double weight_rate;      /* the same, s^2 */
+    double time;                                 /* T, s, to two digits */
+    double momentum, torque;                     /* J/T, N m s; J/T^2, N m */
+    double orbit_rate;                           /* rad/s, the mean one */
+    double least_moment;                         /* the least principal one, kg m2 */
+    bool fast_nutation;                          /* by more than a radian in T, with the wheel at its limit */
+    double weight_angle;                         /* of a plan's cost */
+    double weight_far;                           /* the same of what an angle is beyond a limit; none but by rods alone */
+    double weight_rate;                          /* the same, s^2 */
     double weight_control, weight_motor_control; /* of the rods, of the motor */
-    double final_errors, final_wheel; /* s, by which the last stage counts */
-    double weight_wheel;              /* 1/(N m s)^2 */
-    double weight_near_limit;         /* the same beyond near_limit */
-    double near_limit;                /* N m s, of the wheel's momentum */
+    double final_errors, final_wheel;            /* s, by which the last stage counts */
+    double weight_wheel;                         /* 1/(N m s)^2 */
+    double weight_near_limit;                    /* the same beyond near_limit */
+    double near_limit;                           /* N m s, of the wheel's momentum */
     double weight_rods, weight_motor; /* (N m)^2 that a whole control costs where a torque is given to rods and motor */
     Vector K;                         /* of the law [8], N m */
     Matrix L;                         /* N m s */

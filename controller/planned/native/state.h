@@ -29,15 +29,15 @@ typedef struct {
     Steering steering;
     Plan plan;
     Search search;
-    int32_t longer;      /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
-    bool strained;       /* a hold that the wheel cannot keep close (strained.h) */
-    double loaded_since; /* s; of the wheel in the hold, beyond t while it is not */
-    PlannedMotion planned;       /* of the plan of a strained hold */
-    bool provisional;    /* the plan is what the first search had come to in its first sample */
-    bool challenged;     /* the search's plan is held against the plan at the next sample */
-    Motion reference;    /* of the plan, at t_sample */
-    Vector field_bias_N; /* measured field less that of the onboard model */
-    double l_own;        /* wheel momentum by the controller's own account */
+    int32_t longer;        /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
+    double loaded_since;   /* s; in the hold, beyond t while the wheel is not (decide.c) */
+    bool strained;         /* a hold that the wheel may not keep close (strained.h) */
+    PlannedMotion planned; /* of the plan of a strained hold */
+    bool provisional;      /* the plan is what the first search had come to in its first sample */
+    bool challenged;       /* the search's plan is held against the plan at the next sample */
+    Motion reference;      /* of the plan, at t_sample */
+    Vector field_bias_N;   /* measured field less that of the onboard model */
+    double l_own;          /* wheel momentum by the controller's own account */
     Identification identification;
     Friction friction;
     bool rods_alone; /* the wheel gives no torque, and none is asked of it any more */

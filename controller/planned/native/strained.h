@@ -1,8 +1,9 @@
-/* A strained hold: the wheel cannot keep the attitude close all along the orbit, and must be loaded long before the field leaves
- * the error to it alone. The plan covers an orbit; the error is kept small by what it is at its largest, and the motion is slow.
+/* A strained hold: along the field only the wheel opposes a disturbance, and where the field stands across the wheel's axis nothing
+ * does. The wheel has to be loaded long before, so the plan covers an orbit. Its motion is slow, all of the wheel is there to be
+ * used, and the largest error is kept small.
  *
- * Controls alone do not keep a motion of an orbit near the target. So the planned motion is kept from one plan to the next, and
- * the next plan is improved from that motion (ilqr.h). */
+ * The controls of an orbit alone do not keep a motion near the target. So the motion of a plan is kept, and the next plan is
+ * improved from it (controller_planned_improve_guess). */
 #ifndef CONTROLLER_PLANNED_STRAINED_H
 #define CONTROLLER_PLANNED_STRAINED_H
 
@@ -10,20 +11,20 @@
 
 static const double STRAINED_ORBITS_AHEAD = 1.0; /* that a strained hold's plan sees */
 
-/* A planned motion, at the begin of each stage and at the end. */
+/* The motion of a plan, at the beginning of each stage and at the end. */
 typedef struct {
     int nodes; /* 0: there is none */
     double t[STAGES + 1];
     Motion x[STAGES + 1];
 } PlannedMotion;
 
-/* The weights of a strained hold. */
+/* Gives the model the weights of a strained hold. */
 void controller_planned_plan_strained(Model *model);
 
-/* A plan's motion, kept. */
-void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *planned);
+/* Keeps the motion x of the plan. */
+void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *kept);
 
-/* A guess of a plan's motion from another one's; the target, without controls, where that is over or had turned far away. */
-void controller_planned_guess(const PlannedMotion *planned, const Stage stage[STAGES + 1], Plan *plan, Motion x[STAGES + 1]);
+/* A guess x of the plan's motion from the one that was kept; the target, without controls, where that has ended or turned away. */
+void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan, Motion x[STAGES + 1]);
 
 #endif
