@@ -56,6 +56,7 @@ def library() -> ctypes.CDLL:
         "probe_cost_rate",
         "probe_weight_far",
         "probe_plan_cost",
+        "probe_guessed",
         "probe_steer",
     ):
         getattr(lib, name).restype = c_double
@@ -359,6 +360,18 @@ def renewed(
     (hs, h), found, count, left = _room(STAGES), _doubles([0.0, 0.0, until]), c_int32(longer), c_int32(account)
     n = library().probe_renew(m.c(), a.c(), x.c(), phase, byref(left), byref(count), hs, found)
     return Renewed(h()[:n], count.value, found[0], found[1], found[2], left.value)
+
+
+def guessed(m: Satellite, a: Ahead, x: Motion, iterations: int) -> float:
+    """The cost of a plan after iterations that begin with a motion at the target."""
+    return float(library().probe_guessed(m.c(), a.c(), x.c(), iterations))
+
+
+def strained(m: Satellite, a: Ahead, x: Motion, renewals: int) -> tuple[Array, Array, Array]:
+    """A strained hold from a motion: length of each plan, s, wheel momentum, N m s, and attitude error, rad, before it; each (n,)."""
+    (p, lengths), (q, wheel), (r, angles) = _room(renewals), _room(renewals), _room(renewals)
+    library().probe_strained(m.c(), a.c(), x.c(), renewals, p, q, r)
+    return lengths(), wheel(), angles()
 
 
 @dataclass(frozen=True)

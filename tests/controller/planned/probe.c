@@ -4,6 +4,7 @@
 #include "controller_planned.h"
 #include "gauss_models.h"
 #include "renew.h"
+#include "strained.h"
 
 #if defined _WIN32
 #define PROBE __declspec(dllexport)
@@ -58,6 +59,9 @@ PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMoti
                           const double *u, double t_next, double *h_next, double *u_next);
 PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
                       double *h, double found[3]);
+PROBE double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations);
+PROBE void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length, double *wheel,
+                          double *angle);
 PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
                        double *cost, double *u);
 PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
@@ -409,6 +413,61 @@ int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int
     found[1] = law.trial.settles;
     found[2] = law.trial.until;
     return renewed ? law.trial.stages : 0;
+}
+
+/* The cost of a plan from a->t after so many iterations from a motion that stays at the target, with the wheel of x. */
+double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations)
+{
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    Plan *plan = &plans[0];
+    controller_planned_lay_stages(&model, &ahead, NULL, a->t, false, NULL, plan, workspace.stage, &work);
+    for (int i = 0; i <= plan->stages; ++i) {
+        workspace.x[0][i] = (Motion){workspace.stage[i].target.R, workspace.stage[i].target.Omega, now.l};
+    }
+    controller_planned_improve_guess(&model, &now, iterations, plan, &workspace, &work);
+    return plan->cost;
+}
+
+/* A strained hold from a->t on that is flown by the planner's own motion, with n renewals: the length of each plan, s, and wheel
+ * momentum and attitude error before it. */
+void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length, double *wheel,
+                    double *angle)
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState state;
+    OnboardField field;
+    Model model = model_of(m);
+    controller_planned_plan_strained(&model);
+    Ahead ahead = ahead_of_flat(a, &field);
+    Motion now = motion_of(x);
+    memset(&state, 0, sizeof state);
+    state.scales = model.scales;
+    state.phase = PHASE_HOLD;
+    state.strained = true;
+    state.t = state.plan.start = a->t;
+    for (int k = 0; k < n; ++k) {
+        int32_t account = WORK_OF_SAMPLE;
+        wheel[k] = now.l;
+        angle[k] = principal_angle(multiply(transposed(controller_planned_target_at(&ahead, state.t).R), now.R));
+        if (controller_planned_renew(&law, &state, &model, &ahead, &now, &now, &state.plan, &account) &&
+            may_be_flown(&law.trial)) {
+            memcpy(&state.plan, &law.trial, sizeof state.plan);
+            controller_planned_keep_motion(&state.plan, law.workspace.x[law.workspace.now], &state.planned);
+        }
+        length[k] = 0.0;
+        for (int i = 0; i < state.plan.stages; ++i) {
+            length[k] += state.plan.h[i];
+        }
+        for (int i = 0; i < 4; ++i, state.t += 0.25 * model.scales.plan_period) {
+            const Around around = controller_planned_around_at(&ahead, state.t);
+            double u[CONTROLS];
+            controller_planned_plan_at(&state.plan, state.t, u);
+            now = controller_planned_advanced(&model, &around, &now, u, 0.25 * model.scales.plan_period);
+        }
+    }
 }
 
 /* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the account. */
