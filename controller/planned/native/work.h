@@ -12,7 +12,7 @@ enum {
     WORK_STEERING = 16000,   /* the costate improved */
     /* Of a stage: */
     WORK_LAY = 120,
-    WORK_GUESS = 20,
+    WORK_GUESS = 45, /* with what its gap adds to the backward pass */
     WORK_SURVEY = 100,
     WORK_CASCADE = 30, /* without its quadratic programme */
     WORK_ROLLOUT = 21,
