@@ -106,14 +106,15 @@ def test_a_rod_that_gives_nothing_is_named_and_no_other(loop):
 
 
 @pytest.mark.thorough
-def test_a_strained_hold_that_may_use_more_of_the_wheel_is_closer(loop):
-    """Near the equator the wheel stood at the share of its limit from which a plan lets it cost more."""
-    group = tumbles_of_satellite("50 kg, flat", 54, errors=True)
+def test_a_strained_hold_that_sees_an_orbit_is_closer_than_one_that_sees_a_quarter(loop):
+    """Near the equator the wheel has to be loaded up to three quarters of an orbit ahead."""
+    group = tumbles_of_satellite("3U, wheel along e2", 54, errors=True)
     flight = whole(group, list(group.drawn())[53])
     held = flown(loop, flight)
-    put(loop, "estimate.c", "STRAINED_NEAR_LIMIT", value_of("scales.c", "WHEEL_NEAR_LIMIT"))
+    put(loop, "strained.h", "STRAINED_ORBITS_AHEAD", "0.25")
     try:
         before = flown(loop, flight)
     finally:
-        put(loop, "estimate.c", "STRAINED_NEAR_LIMIT", value_of("estimate.c", "STRAINED_NEAR_LIMIT"))
-    assert held.rms < 0.8 * before.rms < math.radians(10.0)
+        put(loop, "strained.h", "STRAINED_ORBITS_AHEAD", value_of("strained.h", "STRAINED_ORBITS_AHEAD"))
+    assert held.largest < math.radians(5.0)
+    assert before.largest > math.radians(8.0)
