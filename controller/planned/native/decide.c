@@ -75,7 +75,8 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
 void controller_planned_give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
-    x->settled_since = INFINITY;
+    x->settled_since = x->loaded_since = INFINITY;
+    x->planned.nodes = 0;
     x->search.active = x->search.ready = x->challenged = x->provisional = x->strained = false;
     x->plan.stages = 0;
     x->plan.cost = 0.0;
@@ -90,7 +91,7 @@ static bool has_come(const ControllerPlannedState *x, double early)
     return x->search.ready && x->t >= x->search.t - early;
 }
 
-/* Whether the wheel may not keep the hold close, until it has been settled for an orbit. */
+/* Whether the wheel possibly cannot keep the hold close; ends when it has been settled for an orbit and the wheel is not loaded. */
 static bool is_strained(const ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;

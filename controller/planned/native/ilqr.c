@@ -194,7 +194,7 @@ static bool backward_pass(const Model *model, const Plan *plan, Workspace *w, in
     for (int i = n - 1; i >= 0; --i) {
         const Motion *x = &w->x[at][i];
         const double *u = w->u[at][i], h = plan->h[i];
-        if (*work < WORK_ROLLOUT + WORK_BACKWARD + WORK_QP) {
+        if (*work < (gaps ? WORK_ROLLOUT : 0) + WORK_BACKWARD + WORK_QP) {
             return false;
         }
         Motion next = x[1];
@@ -307,8 +307,15 @@ void controller_planned_improve_guess(const Model *model, const Motion *x, int i
 {
     begin(plan, w);
     w->x[0][0] = w->x[1][0] = *x;
-    plan->cost =
-        backward_pass(model, plan, w, 0, true, work) ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work) : NEVER;
+    const int32_t kept = plan->stages * WORK_ROLLOUT; /* for the rollout after the backward pass */
+    plan->cost = NEVER;
+    plan->settles = INFINITY;
+    *work -= kept;
+    const bool passed = backward_pass(model, plan, w, 0, true, work);
+    *work += kept;
+    if (passed) {
+        plan->cost = rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work);
+    }
     if (may_be_flown(plan)) {
         iterate(model, 1, plan->settles, iterations - 1, plan, w, work);
     }

@@ -30,8 +30,8 @@ typedef struct {
     Plan plan;
     Search search;
     int32_t longer;        /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
-    double loaded_since;   /* s; in the hold, beyond t while the wheel is not (decide.c) */
-    bool strained;         /* a hold that the wheel may not keep close (strained.h) */
+    double loaded_since;   /* s; in the hold, by the wheel or the angle (decide.c); beyond t while it is not */
+    bool strained;         /* a hold that the wheel possibly cannot keep close (strained.h) */
     PlannedMotion planned; /* of the plan of a strained hold */
     bool provisional;      /* the plan is what the first search had come to in its first sample */
     bool challenged;       /* the search's plan is held against the plan at the next sample */

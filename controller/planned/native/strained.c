@@ -9,7 +9,7 @@ static const double STRAINED_WEIGHT_WHEEL = 0.1;
 static const double STRAINED_WEIGHT_MOTOR = 100.0; /* the rods have to oppose what the motor gives across the field */
 static const double STRAINED_WEIGHT_FAR = 30.0;    /* of the angle beyond what is far */
 static const double STRAINED_NEAR_LIMIT = 0.97;    /* of wheel_momentum_max */
-static const double TURNED_AWAY = 0.2;             /* rad from the target, beyond which a kept motion is no guess */
+static const double TURNED_AWAY = 0.2;             /* rad from the target, beyond which a kept motion is not used as a guess */
 
 void controller_planned_plan_strained(Model *model)
 {

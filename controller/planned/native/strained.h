@@ -1,6 +1,6 @@
 /* A strained hold: along the field only the wheel opposes a disturbance, and where the field stands across the wheel's axis nothing
- * does. The wheel has to be loaded long before, so the plan covers an orbit. Its motion is slow, all of the wheel is there to be
- * used, and the largest error is kept small.
+ * opposes it. The wheel has to be loaded long before, so the plan covers an orbit. Its motion is slow, the whole range of the wheel
+ * may be used, and the largest error is kept small.
  *
  * The controls of an orbit alone do not keep a motion near the target. So the motion of a plan is kept, and the next plan is
  * improved from it (controller_planned_improve_guess). */

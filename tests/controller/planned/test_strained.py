@@ -90,18 +90,20 @@ def test_its_plan_grows_up_to_an_orbit_and_loads_the_wheel_so_that_the_error_sta
     _, R_d, Omega_d = core.around(ahead, 0.0)
     lengths, wheel, angles = core.strained(satellite, ahead, core.Motion(R_d, Omega_d, 0.0), 700)
     stage = (ORBIT - 1500.0) / 80.0
-    assert (np.diff(lengths)[:79] < 1.6 * stage).all()
+    assert (np.abs(np.diff(lengths)[:75] - stage) < 0.7 * stage).all()
     assert lengths[100:] == pytest.approx(ORBIT, abs=1.0)
     assert np.abs(wheel).max() > 0.6 * satellite.wheel_momentum_max
     assert np.degrees(angles).max() < 4.0
 
 
-@pytest.mark.parametrize(("satellite", "run", "errors"), [("50 kg, wheel along (1, 2, 2)/3", 98, False)])
-def test_near_the_equator_it_stays_settled(satellite, run, errors):
+def test_near_the_equator_it_stays_settled():
     """At 2.2 deg of inclination; a plan of a quarter of an orbit leaves 3.6 deg and moves too fast again and again."""
-    time, error, wheel = flown(satellite, run, errors, 20000.0, ["plant.h_w"])
+    time, error, wheel, phase = flown(
+        "50 kg, wheel along (1, 2, 2)/3", 98, False, 20000.0, ["plant.h_w", "controller.phase"]
+    )
     held = time > 2000.0
     assert np.abs(wheel[held]).max() > 0.9 * 0.03
+    assert (phase[held] == 3).all()
     assert error[held].max() < 2.0
 
 
