@@ -230,6 +230,12 @@ static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ah
     x->challenged = x->provisional = false;
 }
 
+/* s: since when it lasts, by when it did so before; infinite where it does not. */
+static double since(bool lasts, double before, double t)
+{
+    return lasts ? smaller(before, t) : INFINITY;
+}
+
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
                                double dt, bool first)
 {
@@ -250,17 +256,9 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     const double search_time = samples * law->p.control_period;
     const Standing s = standing_of(x, &model, ahead, now, search_time);
     const double early = SAMPLE_EARLY * law->p.control_period;
-    if (!(s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time))) {
-        x->settled_since = INFINITY;
-    } else if (x->settled_since > x->t) {
-        x->settled_since = x->t;
-    }
-
-    if (!(s.loaded && x->phase == PHASE_HOLD)) {
-        x->loaded_since = INFINITY;
-    } else if (x->loaded_since > x->t) {
-        x->loaded_since = x->t;
-    }
+    const bool settled = s.angle < SETTLED_ANGLE && s.rate < 1.0 / (SETTLED_RATE_TIME * x->scales.time);
+    x->settled_since = since(settled, x->settled_since, x->t);
+    x->loaded_since = since(s.loaded && x->phase == PHASE_HOLD, x->loaded_since, x->t);
 
     int32_t work = WORK_OF_SAMPLE;
     const bool due = change_phase(x, &s, early);

@@ -10,7 +10,7 @@ from fmus.interface import load
 
 from . import core
 from .block import BLOCK
-from .test_hold import flown, holding, turned
+from .hold import flown, holding, turned
 
 RADIUS = 6.971e6
 ORBIT = 2.0 * math.pi * math.sqrt(RADIUS**3 / core.MU)

@@ -1,0 +1,54 @@
+"""Flights of docs/satellites.md, and a controller in the hold that is shown any attitude: what tests of the hold share."""
+
+import contextlib
+import json
+import math
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import orchestration
+from studies.flight.schemes import change
+from studies.satellites.classes import tumbles
+from tests.native.driver import Instance
+
+from .block import (
+    AS_MEASURED,
+    BLOCK,
+)
+
+
+def flown(satellite, run, errors, duration, signals):
+    """A tumble of docs/satellites.md: times, s, attitude error, deg, and more signals."""
+    group = tumbles(satellite, run + 1, errors)
+    data = change(json.loads(json.dumps(group.scenario)), group.drawn()[run])
+    record = {"interval": 2.0, "signals": ["judge.attitude_error", *signals]}
+    result = orchestration.run({**data, "duration": duration, "record": record})
+    return result.time, np.degrees(result["judge.attitude_error"]), *(result[name] for name in signals)
+
+
+def turned(degrees):
+    return Rotation.from_rotvec([0.0, math.radians(degrees), 0.0]).as_matrix()
+
+
+@contextlib.contextmanager
+def holding():
+    """A controller at the target, from when its hold begins, and a function that steps it n times and returns its phases."""
+    with Instance(BLOCK) as it:
+        it.set("reference", "inertial")
+        for name, value in AS_MEASURED.items():
+            it.set(name, value)
+        it.initialize()
+        k = 0
+
+        def step(n):
+            nonlocal k
+            seen = []
+            for _ in range(n):
+                it.step(0.5 * k, 0.5)
+                k += 1
+                seen.append(it.get("phase"))
+            return seen
+
+        assert 3 in step(400), "61 s at the target are a hold"
+        yield it, step
