@@ -233,6 +233,15 @@ static void weigh(const Plan *plan, double weight[STAGES])
     }
 }
 
+/* Gains for the motion in the first, with so much of the account kept for what comes after; false where the account ends before. */
+static bool backward_pass_keeping(const Model *model, const Plan *plan, Workspace *w, bool gaps, int32_t kept, int32_t *work)
+{
+    *work -= kept;
+    const bool passed = backward_pass(model, plan, w, 0, gaps, work);
+    *work += kept;
+    return passed;
+}
+
 /* Cost of the motion from x that follows the plan's from `expected`, into the second, and when it settles. */
 static double follow(const Model *model, const Plan *plan, const Motion *expected, const Motion *x, Workspace *w,
                      double *settles, int32_t *work)
@@ -245,10 +254,8 @@ static double follow(const Model *model, const Plan *plan, const Motion *expecte
         !(rollout(model, plan, w, 0, 0, 0.0, NEVER, &settles_there, work) < NEVER)) {
         return NEVER;
     }
-    *work -= kept;
-    const bool passed = backward_pass(model, plan, w, 0, false, work);
-    *work += kept;
-    return passed ? rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work) : NEVER;
+    return backward_pass_keeping(model, plan, w, false, kept, work) ? rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work)
+                                                                    : NEVER;
 }
 
 /* Up to so many iterations from the motion in `now`, which settles then; returns how many it took. */
@@ -308,14 +315,10 @@ void controller_planned_improve_guess(const Model *model, const Motion *x, int i
     begin(plan, w);
     w->x[0][0] = w->x[1][0] = *x;
     const int32_t kept = plan->stages * WORK_ROLLOUT; /* for the rollout after the backward pass */
-    plan->cost = NEVER;
     plan->settles = INFINITY;
-    *work -= kept;
-    const bool passed = backward_pass(model, plan, w, 0, true, work);
-    *work += kept;
-    if (passed) {
-        plan->cost = rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work);
-    }
+    plan->cost = backward_pass_keeping(model, plan, w, true, kept, work)
+                     ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work)
+                     : NEVER;
     if (may_be_flown(plan)) {
         iterate(model, 1, plan->settles, iterations - 1, plan, w, work);
     }
