@@ -180,7 +180,7 @@ def flight_tune(jobs: int) -> None:
 @click.option(
     "--holds",
     is_flag=True,
-    help="Search the best holds of what is flown, some seconds each (needs the package casadi).",
+    help="Search how close to the target a motion can stay, some ten seconds each (needs the package casadi).",
 )
 @click.option(
     "--bounds",
@@ -190,13 +190,13 @@ def flight_tune(jobs: int) -> None:
 def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> None:
     """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/satellites.md; one that was interrupted goes on."""
     docs, progress = ROOT / "docs", list[Iterator[str]]()
+    if bounds:
+        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
     if holds:
         _needs_casadi()
         from .satellites.hold_search import make  # CasADi, a package of two studies alone  # noqa: PLC0415
 
-        progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
-    if bounds:
-        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
+        progress.append(make(jobs, load(docs / SATELLITES), docs / BOUNDS, docs / HOLDS))
     for line in itertools.chain(*progress):
         say(line)
     made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)

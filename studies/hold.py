@@ -1,146 +1,122 @@
-"""The best hold that IPOPT finds for a satellite: a motion about the target that ends an orbit later as it began.
+"""How close to the target any motion can stay: the least largest error that IPOPT finds, with rods as strong as one likes.
 
-Nothing limits it but the actuators: the disturbance, the inertia and the field of the whole orbit are known. Where its error is
-zero, the satellite can be held for good. Where it is not, the momentum that the disturbance brings along the field cannot be taken
-out without leaving the target: the rods give no torque along the field, and the wheel is at its limit.
+Rods give no torque along the field. So the angular momentum along it has a balance that no controller changes, and across it rods
+without a limit give whatever a motion needs. With the rotation vector theta from LVLH to body, Q = exp(theta^), the rate nu of the
+body relative to LVLH, the momentum l of the wheel along a, the field's direction b and its rate of change c in N, all in LVLH axes:
+
+    d(b.h)/dt = b.(Q tau_d + M_gg + Q M_drag) + c.h,    h = Q J Q^T (Omega_d + nu) + l Q a.
+
+The motion may begin with any attitude, rate and wheel momentum. It knows the satellite, its orbit and all torques. What a flight
+reaches with real rods, from a tumble, is not closer, where the optimum that was found is the least one: it is a local one, of a
+problem that is nearly convex without a wheel. studies/hold_bound.py has the other side, a proof. Orbits are circular.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
-import controller.reference
 import plant
+from plant.drag import octagonal_cylinder
 
-from .motion import IPOPT, SECONDS, advanced
+from .hold_bound import E3, Course
+from .motion import IPOPT
 from .paper import Array
 
-LONGEST = 30.0
-"""s, of an interval of constant commands."""
-PARTS = 3
-"""Of an interval: the error counts at the beginning of each, so that no motion within an interval is free."""
-TURN = 0.5
-"""rad, of the free motion of a body with a full wheel in one interval."""
-UNIT = 100.0
-"""The error is counted in so many halves of a radian, about degrees."""
-EFFORT = 1e-3
-"""Weight of the mean square of the commands beside that of the error."""
-SEARCH: dict[str, Any] = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 600}}
-WARM: dict[str, Any] = {**SEARCH, "ipopt": {**SEARCH["ipopt"], "mu_init": 1e-3}}
-"""Options of a search that begins at the end of another."""
+INTERVAL = 40.0
+"""s, in which the rate and the change of the wheel's momentum are constant, at most."""
+EASES = (1e-1, 1e-2, 1e-3)
+"""Weights of the mean squares of angle, wheel and rate beside the largest error: a search with each, since it ends at a local optimum."""
+OF_RATE = 10.0
+"""Weight of the rate's mean square over those of angle and wheel."""
+SPEED, BLUNT = 7600.0, 1e-6
+"""m/s; how blunt the edge is where a plate turns into the flow, of the square of its cosine."""
+SEARCH = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 500, "mu_strategy": "monotone", "mu_init": 1e-2}}
 
 
 @dataclass(frozen=True)
 class Hold:
-    """What was found: angles in rad, largest wheel momentum over its limit, largest gap between intervals."""
+    """A motion that was found: its largest error, rad, and the largest momentum of its wheel over the limit."""
 
-    rms: float
     largest: float
     wheel: float
-    gap: float
 
 
-def best(p: plant.Parameters, begin: float, evenly: bool = False) -> Hold:
-    """Over one orbit from the plant's time `begin`, s: a local minimum of the mean square of the attitude error.
+def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: bool = False) -> Hold | None:
+    """The motion of the least largest error between two of the plant's times, s, at a rate below `rate`, rad/s.
 
-    `evenly`: from there on the largest error is minimised, which takes some times longer.
+    `repeats`: it ends with the attitude, the rate and the wheel's momentum with which it began. None where IPOPT ends with no motion.
     """
-    problem = _problem(p, begin)
-    motion, errors, closed = problem.motion, problem.errors, problem.closed
-    mean = {"x": motion, "f": ca.sum1(errors) / errors.numel() + problem.effort, "g": closed}
-    end = ca.nlpsol("hold", "ipopt", mean, SEARCH)(
-        x0=problem.rest, lbx=-problem.bounds, ubx=problem.bounds, lbg=0.0, ubg=0.0
-    )
-    if evenly:
-        of_motion = ca.Function("errors", [motion], [errors])
-        largest = ca.MX.sym("largest")
-        even = {
-            "x": ca.vertcat(motion, largest),
-            "f": largest + problem.effort,
-            "g": ca.vertcat(closed, errors - largest),
-        }
-        end = ca.nlpsol("even_hold", "ipopt", even, WARM)(
-            x0=ca.vertcat(end["x"], ca.mmax(of_motion(end["x"]))),
-            lbx=np.append(-problem.bounds, 0.0),
-            ubx=np.append(problem.bounds, np.inf),
-            lbg=np.concatenate((np.zeros(closed.numel()), np.full(errors.numel(), -np.inf))),
+    course = Course.of(p, begin, end, INTERVAL)
+    n = course.count
+    balance = _balance(p, course, rate).map(n)
+    theta, l_w, largest = ca.MX.sym("theta", 3, n + 1), ca.MX.sym("l", 1, n), ca.MX.sym("largest")
+    momentum, gain, nu = balance(theta[:, :-1], theta[:, 1:], l_w, *_air(p, course), course.b[1::2].T, course.c[1::2].T)
+    balanced = momentum[1:] - momentum[:-1] - 0.5 * (gain[1:] + gain[:-1])
+    closed = ca.vertcat(theta[:, -1] - theta[:, 0], nu[:, -1] - nu[:, 0], l_w[-1] - l_w[0]) if repeats else ca.MX(0, 1)
+    within = ca.vertcat(ca.sum1(theta**2).T - largest**2, ca.sum1(nu**2).T - 1.0)
+    uneasy = ca.sumsqr(theta) / n + ca.sumsqr(l_w) / n + OF_RATE * ca.sumsqr(nu) / n
+    x = ca.vertcat(ca.vec(theta), l_w.T, largest)
+    zero, high = balanced.numel() + closed.numel(), np.concatenate((np.full(3 * n + 3, math.pi), np.ones(n), [math.pi]))
+    best = None
+    for ease in EASES:
+        problem = {"x": x, "f": largest + ease * uneasy, "g": ca.vertcat(balanced.T, closed, within)}
+        solver = ca.nlpsol("hold", "ipopt", problem, SEARCH)
+        found = solver(
+            x0=np.append(np.zeros(len(high) - 1), 0.5),
+            lbx=-high,
+            ubx=high,
+            lbg=np.append(np.zeros(zero), np.full(within.numel(), -np.inf)),
             ubg=0.0,
         )
-    return problem.measured(np.asarray(end["x"]).ravel()[: motion.numel()])
+        if solver.stats()["success"]:
+            motion = np.asarray(found["x"]).ravel()
+            angles = np.linalg.norm(motion[: 3 * n + 3].reshape(-1, 3), axis=1)
+            hold = Hold(float(angles.max()), float(np.abs(motion[3 * n + 3 : -1]).max()))
+            best = hold if best is None or hold.largest < best.largest else best
+    return best
 
 
-@dataclass(frozen=True)
-class _Problem:
-    """The motion's variables, with those of rest and their bounds.
-
-    Errors (m,): UNIT times the sine of half the angle, squared. `closed` is zero where the motion closes. All without units.
-    """
-
-    motion: ca.MX
-    errors: ca.MX
-    effort: ca.MX
-    closed: ca.MX
-    rest: Array
-    bounds: Array
-    nodes: int
-
-    def measured(self, found: Array) -> Hold:
-        """What these values of the variables are."""
-        errors, closed = ca.Function("hold", [self.motion], [self.errors, self.closed])(found)
-        angle = 2.0 * np.arcsin(np.minimum(np.sqrt(np.asarray(errors)) / UNIT, 1.0))
-        wheel = np.abs(found[7 : 8 * self.nodes : 8]).max() / self.bounds[7]
-        return Hold(
-            math.sqrt(float(np.mean(angle**2))),
-            float(angle.max()),
-            float(wheel),
-            float(np.abs(np.asarray(closed)).max()),
-        )
+def _balance(p: plant.Parameters, course: Course, rate: float) -> ca.Function:
+    """Of an interval: its momentum along the field and what that gains, both in one unit, and nu over `rate`."""
+    first, last, v, b, c = (ca.SX.sym(name, 3) for name in ("first", "last", "v", "b", "c"))
+    l_w, density = ca.SX.sym("l"), ca.SX.sym("density")
+    J, Omega_d, dt = ca.DM(p.body.J), ca.DM(course.Omega_d), course.interval
+    theta, change = 0.5 * (first + last), (last - first) / dt
+    Q = _turn(theta)
+    nu = change + 0.5 * ca.cross(theta, change) + ca.cross(theta, ca.cross(theta, change)) / 6.0
+    of_LVLH = Q @ J @ Q.T
+    h = of_LVLH @ (Omega_d + nu) + l_w * p.wheel_momentum_max * (Q @ p.body.wheel_axis)
+    gravity = 3.0 * ca.sumsqr(Omega_d) * ca.cross(E3, of_LVLH @ E3)
+    torque = Q @ (p.disturbance_torque_B + _drag(p, Q.T @ v, density)) + gravity
+    unit = max(p.wheel_momentum_max, 5.0 * dt * float(np.linalg.norm(p.disturbance_torque_B)))
+    gain = dt * (ca.dot(b, torque) + ca.dot(c, h)) / unit
+    return ca.Function("balance", [first, last, l_w, v, density, b, c], [ca.dot(b, h) / unit, gain, nu / rate])
 
 
-def _problem(p: plant.Parameters, begin: float) -> _Problem:
-    """An orbit from the plant's time `begin`, s, that ends as it began."""
-    times = _nodes(p, begin)
-    n, h = len(times) - 1, float(times[1] - times[0]) / SECONDS
-    parts = [i / (2 * PARTS) for i in range(2 * PARTS + 1)]
-    fields = [np.array([_field(p, t + part * SECONDS * h) for t in times[:-1]]).T for part in parts]
-    turn = np.array(controller.reference.lvlh(*p.orbit.position_velocity(begin)).Omega_d)
-    x, u, at = ca.SX.sym("x", 8), ca.SX.sym("u", 4), [ca.SX.sym(f"field{i}", 3) for i in range(len(parts))]
-    passed = [x]
-    for i in range(PARTS):
-        passed.append(advanced(p, turn, passed[-1], u, ca.SX(h / PARTS), at[2 * i : 2 * i + 3]))
-    step = ca.Function("step", [x, u, *at], [passed[-1], ca.horzcat(*(each[1:4] for each in passed[:-1]))])
-    X, U = ca.MX.sym("X", 8, n + 1), ca.MX.sym("U", 4, n)
-    ends, within = step.map(n)(X[:, :-1], U, *map(ca.DM, fields))
-    high = np.append(np.full(7, np.inf), SECONDS * p.wheel_momentum_max)
-    rest = np.array([1.0, 0.0, 0.0, 0.0, *(SECONDS * turn), 0.0])
-    return _Problem(
-        motion=ca.vertcat(ca.vec(X), ca.vec(U)),
-        errors=ca.sum1((UNIT * within) ** 2).T,
-        effort=EFFORT * ca.sumsqr(U) / n,
-        closed=ca.vertcat(ca.vec(X[:, 1:] - ends), ca.sumsqr(X[:4, 0]) - 1.0, X[1:, -1] - X[1:, 0]),
-        rest=np.concatenate((np.tile(rest, n + 1), np.zeros(4 * n))),
-        bounds=np.concatenate((np.tile(high, n + 1), np.ones(4 * n))),
-        nodes=n + 1,
-    )
+def _turn(theta: ca.SX) -> ca.SX:
+    """exp(theta^) (3,3)."""
+    angle = ca.sqrt(ca.sumsqr(theta) + 1e-12)
+    hat = ca.skew(theta)
+    return ca.SX.eye(3) + ca.sin(angle) / angle * hat + (1.0 - ca.cos(angle)) / angle**2 * hat @ hat
 
 
-def period(p: plant.Parameters) -> float:
-    """Of the orbit, s."""
-    return 2.0 * math.pi / p.orbit.mean_motion
+def _drag(p: plant.Parameters, v_B: ca.SX, density: ca.SX) -> ca.SX:
+    """Moment (3,) of plant/drag.py, N m, its edges a little blunt."""
+    plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
+    areas = 0.5 * p.drag_factor * p.drag_coefficient * plates.areas
+    along = ca.DM(plates.normals) @ v_B / SPEED
+    facing = 0.5 * SPEED * (along + ca.sqrt(along**2 + BLUNT))
+    return ca.cross(ca.DM(areas[:, None] * (plates.centres - p.center_of_mass_B)).T @ facing, -density * v_B)
 
 
-def _nodes(p: plant.Parameters, begin: float) -> Array:
-    """The ends of the intervals, s."""
-    least = np.linalg.eigvalsh(p.body.J)[:2]
-    free = math.sqrt(float(least.prod())) / p.wheel_momentum_max
-    return np.linspace(begin, begin + period(p), math.ceil(period(p) / min(LONGEST, TURN * free)) + 1)
-
-
-def _field(p: plant.Parameters, t: float) -> Array:
-    """In LVLH (3,), T."""
-    return np.asarray(controller.reference.lvlh(*p.orbit.position_velocity(t)).R_d).T @ p.field.at(t)
+def _air(p: plant.Parameters, course: Course) -> tuple[Array, Array]:
+    """In the middle of each interval the velocity relative to the air (3,n), m/s in LVLH axes, and the density (1,n); zero without drag."""
+    if not p.drag:
+        return np.zeros((3, course.count)), np.zeros((1, course.count))
+    flows = [p.air.flow(t) for t in course.times[1::2]]
+    v_N, density = np.array([v for v, _ in flows]), np.array([[density for _, density in flows]])
+    return np.einsum("kji,kj->ik", course.to_N[1::2], v_N), density

@@ -16,8 +16,8 @@ Each rest has a bound. With the means of theta, nu, l and l theta over short int
 envelope of the product), all this is a linear programme. Its least violation of the balance of q is torque along the field that
 is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
 is returned is the value of the dual solution, which is a proof by itself, to rounding. The motion need not end as it began, and
-may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Drag is left out, as it is in
-studies/hold.py, which has the other side: the best motion that was found.
+may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Drag is left out. studies/hold.py has
+the other side: the best motion that was found.
 """
 
 from __future__ import annotations
@@ -56,25 +56,38 @@ def by_turn(J: Array, w: Array) -> Array:
 
 @dataclass(frozen=True)
 class Course:
-    """Direction of the field and its rate of change in N, both in LVLH axes, at the ends and in the middle of n intervals (2n+1, 3)."""
+    """Direction of the field and its rate of change in N, both in LVLH axes, at the ends and in the middle of n intervals (2n+1, 3).
 
-    interval: float
+    `times` (2n+1,), s, and the rotations `to_N` (2n+1, 3, 3) from LVLH are those of the same places.
+    """
+
+    times: Array
+    to_N: Array
     b: Array
     c: Array
     Omega_d: Array
 
+    @property
+    def interval(self) -> float:
+        """s."""
+        return float(self.times[2] - self.times[0])
+
+    @property
+    def count(self) -> int:
+        """Number of intervals."""
+        return len(self.times) // 2
+
     @classmethod
-    def of(cls, p: plant.Parameters, begin: float, end: float) -> Course:
-        """Along the plant's orbit between two of its times, s."""
-        n = math.ceil((end - begin) / INTERVAL)
-        h = 0.5 * (end - begin) / n
-        lvlh = [controller.reference.lvlh(*p.orbit.position_velocity(begin + h * k)) for k in range(2 * n + 1)]
+    def of(cls, p: plant.Parameters, begin: float, end: float, interval: float = INTERVAL) -> Course:
+        """Along the plant's orbit between two of its times, s, in intervals of at most so many s."""
+        times = np.linspace(begin, end, 2 * math.ceil((end - begin) / interval) + 1)
+        lvlh = [controller.reference.lvlh(*p.orbit.position_velocity(t)) for t in times]
         to_N = np.array([frame.R_d for frame in lvlh])
-        B = np.array([p.field.at(begin + h * k) for k in range(2 * n + 1)])
+        B = np.array([p.field.at(t) for t in times])
         b_N = B / np.linalg.norm(B, axis=1)[:, None]
-        c_N = np.gradient(b_N, h, axis=0, edge_order=2)
+        c_N = np.gradient(b_N, times[1] - times[0], axis=0, edge_order=2)
         b, c = (np.einsum("kji,kj->ki", to_N, v) for v in (b_N, c_N))
-        return cls(2.0 * h, b, c, np.array(lvlh[0].Omega_d))
+        return cls(times, to_N, b, c, np.array(lvlh[0].Omega_d))
 
     def mean(self, values: Array) -> Array:
         """Of values at ends and middles (2n+1,), over each interval (n,), by Simpson's rule."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
+from ..paper import Array
 from . import without_wheel
 from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
@@ -30,16 +31,15 @@ from .kept import (
     settling_times,
     tumble_of,
 )
-from .searched import SAMPLE, Best, Missing, waiting
+from .searched import Closest, Missing, waiting
 
-BETWEEN = (0.0, 0.1, 1.0, 5.0, math.inf)
-"""deg: limits between the rows of the table of best holds."""
+BETWEEN = (0.0, 3.0, 4.0, LOST, 7.0, 15.0, math.inf)
+"""deg: limits between the rows of the table of least largest errors."""
 
 
-def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing] = ()) -> str:
+def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missing] = ()) -> str:
     """The page."""
-    best = {hold.tumble: hold for hold in holds if hold.closed and not (hold.last or hold.even)}
-    least, left = _least(holds), waiting(flights, holds)
+    closest = {hold.tumble: hold for hold in holds}
     of_wheel = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
@@ -57,23 +57,18 @@ def text(flights: Flights, holds: Sequence[Best] = (), bounds: Sequence[Missing]
         settled_with_wheel=int(np.isfinite(settling_times(of_wheel)).sum()),
         with_wheel=len(of_wheel),
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
-        left=_left(flights, best, least, {each.tumble: each for each in bounds}),
-        excluded=_excluded(flights, bounds),
+        left=_left(flights, closest, {each.tumble: each for each in bounds}),
+        why_not=_why_not(flights, closest, bounds),
+        most_missing=f"{100.0 * max((each.share for each in bounds), default=0.0):.0f}%",
         no_bound=len(set(not_settled(flights)) - {each.tumble for each in bounds}),
-        held=_held(flights, best),
-        sample=SAMPLE,
-        waiting=[
-            f"{len(first)} of *{name}*, {NAMES[kind]}"
-            for (name, kind), searches in left.items()
-            if (first := [search for search in searches if not (search.last or search.even)])
-        ],
-        further=sum(search.last or search.even for searches in left.values() for search in searches),
-        open=sum(not hold.closed for hold in holds),
-        found=sum(ALL[name].has_wheel for name, *_ in best),
-        **_unsettled(flights, best, least),
+        compared=_compared(flights, closest),
+        closer=_closer(flights, closest),
+        waiting=sum(map(len, waiting(flights, holds, bounds).values())),
+        open=sum(math.isnan(hold.to_end_deg) for hold in holds),
+        unsettled=len(flights.unsettled.lines),
+        were_settled=sum(bool(line["early_s"]) for line in flights.unsettled.lines),
         steep=f"{STEEP:g}°",
         without=without_wheel.flown(flights),
-        beside=without_wheel.beside(flights, best),
         by_inclination=_by_inclination(flights),
         alarms=[
             f"{line['satellite']}, {NAMES[line['condition']]}, run {line['run']}"
@@ -130,74 +125,75 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _least(holds: Sequence[Best]) -> dict[Tumble, list[float]]:
-    """By tumble the smallest largest error that was found in the orbit from EARLY on and in the last one, deg; NaN where none was."""
-    least: dict[Tumble, list[float]] = {}
-    for hold in holds:
-        if hold.closed:
-            of_tumble = least.setdefault(hold.tumble, [math.nan, math.nan])
-            of_tumble[hold.last] = float(np.fmin(of_tumble[hold.last], hold.largest_deg))
-    return least
-
-
-def _excluded(flights: Flights, bounds: Sequence[Missing]) -> list[list[str]]:
-    """Of each satellite and condition with flights that do not settle: how many, how many of them no controller holds, and by how much."""
-    count = Counter((name, kind) for name, kind, _ in not_settled(flights))
+def _why_not(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> list[list[str]]:
+    """Of each satellite and condition with flights that do not settle: how many, and what is known against them."""
+    excluded = {each.tumble for each in bounds if each.excluded}
+    of_row: dict[tuple[str, str], list[Tumble]] = {}
+    for tumble in not_settled(flights):
+        of_row.setdefault(tumble[:2], []).append(tumble)
     rows = []
-    for (name, kind), flown in count.items():
-        shares = [each.share for each in bounds if (each.satellite, each.condition) == (name, kind) and each.excluded]
-        most = f"{100.0 * max(shares):.0f}%" if shares else "–"
-        rows.append([name, NAMES[kind], f"{flown}", f"{len(shares)}", most])
+    for (name, kind), tumbles in of_row.items():
+        known = Counter(_verdict(tumble, closest, excluded) for tumble in tumbles)
+        rows.append([name, NAMES[kind], f"{len(tumbles)}", *(f"{known[verdict]}" for verdict in VERDICTS)])
     return rows
 
 
-def _left(
-    flights: Flights,
-    best: Mapping[Tumble, Best],
-    least: Mapping[Tumble, list[float]],
-    bounds: Mapping[Tumble, Missing],
-) -> list[list[str]]:
+VERDICTS = ("excluded", "none to the end", "none that repeats", "held", "not known")
+"""What is known of a flight that does not settle: a proof, searches that find no motion within LOST, one that finds it, nothing."""
+
+
+def _verdict(tumble: Tumble, closest: Mapping[Tumble, Closest], excluded: Collection[Tumble]) -> str:
+    if tumble in excluded:
+        return "excluded"
+    if (hold := closest.get(tumble)) is None or math.isnan(hold.to_end_deg):
+        return "not known"
+    if not hold.close:
+        return "none to the end"
+    return "none that repeats" if hold.repeating_deg >= LOST else "held"
+
+
+def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[Tumble, Missing]) -> list[list[str]]:
     """The flights that are not settled at the end, without those that have no wheel."""
     rows = []
     for line in flights.unsettled.lines:
         where = [line[name] or "–" for name in ("inclination_deg", "height_km", "rate_deg_s")]
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
-        hold = best.get(tumble_of(line))
-        possible = [degrees(hold.rms_deg), f"{hold.wheel_share:.2f}"] if hold else ["–"] * 2
-        possible += ["" if math.isnan(x) else degrees(x) for x in least.get(tumble_of(line), [math.nan, math.nan])]
+        hold = closest.get(tumble_of(line))
+        found = (hold.to_end_deg, hold.first_orbit_deg, hold.last_orbit_deg) if hold else [math.nan] * 3
+        possible = ["–" if math.isnan(x) else degrees(x) for x in found]
         missing = f"{100.0 * bound.share:.0f}%" if (bound := bounds.get(tumble_of(line))) and bound.excluded else "–"
         what = [line["satellite"], NAMES[line["condition"]], line["run"]]
         rows.append([*what, *where, *flown, *rest, missing, *possible, line["remark"]])
     return rows
 
 
-def _unsettled(flights: Flights, best: Mapping[Tumble, Best], least: Mapping[Tumble, list[float]]) -> dict[str, int]:
-    """Of the flights with a wheel that are not settled: how many, how many were at EARLY; and what is known of their best holds."""
-    lines = flights.unsettled.lines
-    known = [best[key] for line in lines if (key := tumble_of(line)) in best]
-    errors = [least[key] for line in lines if (key := tumble_of(line)) in best]
-    return {
-        "unsettled": len(lines),
-        "were_settled": sum(bool(line["early_s"]) for line in lines),
-        "known": len(known),
-        "full": sum(hold.wheel_share > 0.995 for hold in known),
-        "far": (far := sum(hold.rms_deg >= LOST for hold in known)),
-        "close": (close := sum(first < LOST for first, _ in errors)),
-        "rest": len(known) - far - close,
-        "both": sum(first < LOST and last < LOST for first, last in errors),
-    }
-
-
-def _held(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
-    """What became of the flights with a wheel whose best hold was found, by its rms."""
-    lines = [line for line in flights.lines if tumble_of(line) in best and ALL[line["satellite"]].has_wheel]
-    rms = np.array([best[tumble_of(line)].rms_deg for line in lines])
+def _compared(flights: Flights, closest: Mapping[Tumble, Closest]) -> list[list[str]]:
+    """What became of nominal flights without a wheel, by the least largest error that was found, and their largest error over it."""
+    lines, least = _found(flights, closest)
+    nominal = [not ALL[line["satellite"]].has_wheel and line["condition"] == "nominal" for line in lines]
+    compared = np.array(nominal, bool)
     times, lost = settling_times(lines), are_lost(lines)
+    over = column(lines, "later_max_deg", math.inf) / least
     rows = []
     for low, high in itertools.pairwise(BETWEEN):
-        among = (rms >= low) & (rms < high)
+        among = compared & (least >= low) & (least < high)
         if among.any():
             name = f"below {high:g}°" if low == 0.0 else f"{low:g} to {high:g}°".replace(" to inf°", "° and more")
-            rows.append([name, f"{among.sum()}", f"{(among & np.isfinite(times)).sum()}", f"{(among & lost).sum()}"])
+            counts = [among, among & np.isfinite(times), among & lost]
+            rows.append([name, *(f"{count.sum()}" for count in counts), f"{np.median(over[among]):.2g}"])
     return rows
+
+
+def _found(flights: Flights, closest: Mapping[Tumble, Closest]) -> tuple[list[Mapping[str, str]], Array]:
+    """The flights of which a motion to the end was found, and its largest error (n,), deg."""
+    lines = [
+        line for line in flights.lines if (hold := closest.get(tumble_of(line))) and math.isfinite(hold.to_end_deg)
+    ]
+    return lines, np.array([closest[tumble_of(line)].to_end_deg for line in lines])
+
+
+def _closer(flights: Flights, closest: Mapping[Tumble, Closest]) -> int:
+    """How many flights stayed closer after EARLY than the least largest error that was found, to a hundredth of a degree."""
+    lines, least = _found(flights, closest)
+    return int((column(lines, "later_max_deg", math.inf) < least - 0.01).sum())

@@ -1,24 +1,21 @@
-"""What was searched of the tumbles of docs/satellites.md beside their flights: best holds, and bounds of what can be held."""
+"""What was searched of the tumbles of docs/satellites.md beside their flights: how close a motion can stay, and what none can."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from .. import files
 from ..flight.bound import starts
 from ..flight.schemes import Data
 from .classes import ALL, tumbles
-from .kept import CONDITIONS, LOST, Flights, Tumble
+from .kept import CONDITIONS, LOST, Flights, Tumble, not_settled, tumble_of
 
 HOLDS, BOUNDS = "satellites_hold.csv", "satellites_bound.csv"
-SAMPLE = 20
-"""Tumbles of each satellite whose best hold is sought, settled or not."""
-CLOSED = 1e-4
-"""Largest gap of what counts as a hold that was found."""
 PROVEN = 0.01
 """Of the disturbance torque: more than this must be missing, far more than what rounding may change."""
 
@@ -55,86 +52,60 @@ class Missing(Searched):
 
 
 @dataclass(frozen=True)
-class Best(Searched):
-    """The best hold (studies/hold.py) of a tumble, over the orbit from EARLY on or over the last one.
+class Closest(Searched):
+    """The least largest errors that were found (studies/hold.py), deg: of motions from EARLY to the end, and of motions that repeat, in
+    the orbit from EARLY on and in the last one. NaN: none found, or not sought."""
 
-    Its mean square was minimised, then its largest error where it is `even`. Angles in deg, wheel momentum over its limit, largest gap of
-    the motion.
-    """
-
-    last: bool
-    even: bool
-    rms_deg: float
-    largest_deg: float
-    wheel_share: float
-    gap: float
+    to_end_deg: float
+    first_orbit_deg: float
+    last_orbit_deg: float
 
     @property
-    def closed(self) -> bool:
-        """Whether it is a motion."""
-        return self.gap < CLOSED
-
-    @property
-    def swings(self) -> bool:
-        """Whether it leaves LOST with an rms below it, so that another motion near it may stay within LOST."""
-        return self.closed and self.rms_deg < LOST <= self.largest_deg
+    def repeating_deg(self) -> float:
+        """The larger one of those that repeat; NaN where there is none."""
+        return float(np.fmax(self.first_orbit_deg, self.last_orbit_deg))
 
     @property
     def close(self) -> bool:
-        """Whether it stays within LOST."""
-        return self.closed and self.largest_deg < LOST
-
-
-def _sought(flights: Flights, satellite: str, condition: str) -> list[int]:
-    """The runs whose best hold is sought: the first SAMPLE under all errors, without a wheel under both conditions; and with a wheel
-    all that are not settled."""
-    sample = range(SAMPLE) if condition == "errors" or not ALL[satellite].has_wheel else ()
-    return sorted({*sample, *_unsettled(flights, satellite, condition)})
-
-
-def _unsettled(flights: Flights, satellite: str, condition: str) -> list[int]:
-    return [int(line["run"]) for line in flights.unsettled.of(satellite, condition)]
+        """Whether a motion to the end is known that stays within LOST."""
+        return self.to_end_deg < LOST
 
 
 class Search(NamedTuple):
-    """Of a run: whether of its last orbit, whether its largest error is minimised."""
+    """Of a run: whether motions that repeat are sought, too."""
 
     run: int
-    last: bool
-    even: bool
+    repeats: bool
 
 
-def waiting(flights: Flights, holds: Iterable[Best]) -> dict[tuple[str, str], list[Search]]:
+def waiting(
+    flights: Flights, holds: Iterable[Closest], bounds: Iterable[Missing]
+) -> dict[tuple[str, str], list[Search]]:
     """By satellite and condition what is sought and not among those found.
 
-    That is the best hold of each run of `_sought`. Of those that are not settled also: in each orbit the largest error, where the best
-    hold has an rms below LOST and leaves it; and the last orbit, once a hold within LOST is known of the first.
+    That is each flight that is not settled, or lost again, and not excluded; with a wheel, motions that repeat, too. And, to compare, all
+    nominal flights without a wheel.
     """
-    known = {(hold.satellite, hold.condition, hold.run, hold.last, hold.even): hold for hold in holds}
+    known, excluded = {hold.tumble for hold in holds}, {bound.tumble for bound in bounds if bound.excluded}
+    left_again = set(not_settled(flights))
     left: dict[tuple[str, str], list[Search]] = {}
-    for key in product(ALL, CONDITIONS):
-        wanted = [Search(run, False, False) for run in _sought(flights, *key)]
-        for run in _unsettled(flights, *key):
-            found = {
-                (last, even): known.get((*key, run, last, even)) for last in (False, True) for even in (False, True)
-            }
-            wanted += [
-                Search(run, last, True) for last in (False, True) if (hold := found[last, False]) and hold.swings
-            ]
-            if any(hold and hold.close for (last, _), hold in found.items() if not last):
-                wanted.append(Search(run, True, False))
-        left[key] = [search for search in wanted if (*key, *search) not in known]
-    return {key: searches for key, searches in left.items() if searches}
+    for line in flights.lines:
+        tumble = satellite, condition, run = tumble_of(line)
+        wheel = ALL[satellite].has_wheel
+        to_compare = not wheel and condition == "nominal"
+        if tumble not in known | excluded and (to_compare or tumble in left_again):
+            left.setdefault((satellite, condition), []).append(Search(int(run), wheel and tumble in left_again))
+    return left
 
 
-def load_holds(file: Path) -> list[Best]:
-    """The best holds of a file, none without one. Raises InputError for a file of another form."""
-    return files.load(Best, file, "python -m studies satellites --holds") if file.is_file() else []
+def load_holds(file: Path) -> list[Closest]:
+    """The least largest errors of a file, none without one. Raises InputError for a file of another form."""
+    return files.load(Closest, file, "python -m studies satellites --holds") if file.is_file() else []
 
 
-def save_holds(file: Path, holds: Iterable[Best]) -> None:
-    """Writes them by satellite, condition, run, orbit and kind."""
-    files.save(Best, file, sorted(holds, key=lambda hold: (hold.place, hold.last, hold.even)))
+def save_holds(file: Path, holds: Iterable[Closest]) -> None:
+    """Writes them by satellite, condition and run."""
+    files.save(Closest, file, sorted(holds, key=lambda hold: hold.place))
 
 
 def load_bounds(file: Path) -> list[Missing]:

@@ -11,8 +11,7 @@ import numpy as np
 from ..markdown import degrees
 from ..paper import Array
 from .classes import ALL
-from .kept import CONDITIONS, NAMES, STEEP, Flights, Tumble, column, tumble_of
-from .searched import Best
+from .kept import CONDITIONS, NAMES, STEEP, Flights, column
 
 
 def _without_wheel(flights: Flights) -> Iterator[tuple[str, str, list[Mapping[str, str]]]]:
@@ -42,17 +41,4 @@ def flown(flights: Flights) -> list[list[str]]:
                 degrees(float(np.median(rms[steep]))) if steep.any() else "–",
             ]
         )
-    return rows
-
-
-def beside(flights: Flights, best: Mapping[Tumble, Best]) -> list[list[str]]:
-    """Of satellites without a wheel, the best holds that were found, and what was flown beside them."""
-    rows = []
-    for name, kind, lines in _without_wheel(flights):
-        found = [line for line in lines if tumble_of(line) in best]
-        if found:
-            holds = [best[tumble_of(line)] for line in found]
-            rms, largest = np.array([(hold.rms_deg, hold.largest_deg) for hold in holds]).T
-            ratio = float(np.median(column(found, "hold_rms_deg", math.inf) / rms))
-            rows.append([name, NAMES[kind], *_below(largest), degrees(float(np.median(rms))), f"{ratio:.2g}"])
     return rows

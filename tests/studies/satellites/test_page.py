@@ -8,9 +8,10 @@ from orchestration import InputError
 from studies.satellites import page
 from studies.satellites.classes import ALL
 from studies.satellites.kept import COLUMNS, CONDITIONS, Flights, load, not_settled
-from studies.satellites.searched import BOUNDS, HOLDS, Best, Missing, load_bounds, load_holds, waiting
+from studies.satellites.searched import BOUNDS, HOLDS, Closest, Missing, load_bounds, load_holds, waiting
 
 DOCS = Path(__file__).parents[3] / "docs"
+NAN = float("nan")
 
 
 def line(satellite, run, settled, early, **more):
@@ -47,19 +48,26 @@ def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_
     assert "| 3U | all errors | 2 |" in page.text(Flights(tuple(lines)))
 
 
-def test_flights_are_counted_by_the_best_hold_and_one_that_was_not_found_by_none():
-    flights = Flights(
-        (line("3U", 0, "800", "800"), line("3U", 1, "14000", "700"), line("3U", 2, "", ""), line("6U", 0, "", ""))
-    )
-    holds = [
-        Best("3U", "errors", 0, False, False, 0.002, 0.01, 0.1, 1e-8),
-        Best("3U", "errors", 1, False, False, 2.0, 6.0, 1.0, 1e-8),
-        Best("3U", "errors", 2, False, False, 3.0, 9.0, 1.0, 1e-8),
+def test_nominal_flights_without_a_wheel_are_counted_by_the_least_error_that_was_found():
+    def flight(run, settled, early, largest):
+        return line("1U, no wheel", run, settled, early, later_max_deg=largest, condition="nominal")
+
+    lines = [
+        line("3U", 0, "", "", later_max_deg="2"),
+        flight(0, "", "", "12"),
+        flight(1, "900", "900", "4"),
+        flight(2, "14000", "700", "8"),
+        flight(3, "", "", "30"),
     ]
-    text = page.text(flights, [*holds, Best("6U", "errors", 0, False, False, 0.0, 0.0, 1.0, 0.1)])
-    assert "| below 0.1° | 1 | 1 | 0 |" in text
-    assert "| 1 to 5° | 2 | 0 | 1 |" in text
-    assert "a wheel 3 are found so far" in text
+    holds = [
+        Closest("3U", "errors", 0, 4.0, 5.0, 6.0),
+        *(Closest("1U, no wheel", "nominal", run, least, NAN, NAN) for run, least in enumerate((6.0, 4.5, 4.0, NAN))),
+    ]
+    text = page.text(Flights(tuple(lines)), holds)
+    assert "| 4 to 5° | 2 | 1 | 1 | 1.4 |" in text
+    assert "| 5 to 7° | 1 | 0 | 0 | 2 |" in text
+    assert "For 1 the search did not end with a motion" in text
+    assert "2 of the flights for which it was sought stayed closer after 9,000 s" in text
 
 
 def test_a_row_without_flights_says_so():
@@ -80,33 +88,37 @@ def test_every_satellite_has_both_rows():
             assert row(text, name, page.NAMES[condition])
 
 
-def test_of_flights_that_are_not_settled_the_least_largest_error_is_sought_then_the_last_orbit():
-    def hold(run, last, even, rms, largest, gap=1e-8):
-        return Best("3U", "errors", run, last, even, rms, largest, 1.0, gap)
-
-    flights = Flights(tuple(line("3U", run, "", "", hold_rms_deg="9") for run in range(20)))
-    first = [
-        hold(0, False, False, 1.0, 4.0, 0.1),  # did not close
-        hold(1, False, False, 1.0, 4.0),
-        hold(2, False, False, 2.0, 8.0),
-        hold(3, False, False, 2.0, 8.0),
-        *(hold(run, False, False, 6.0, 9.0) for run in range(4, 20)),  # its mean excludes it
+def test_it_is_sought_for_what_is_not_settled_and_not_excluded_and_for_some_to_compare():
+    lines = [
+        line("3U", 0, "800", "800"),
+        line("3U", 7, "", ""),
+        line("3U", 8, "14000", "700"),
+        line("3U", 9, "", ""),
+        line("1U, no wheel", 0, "800", "800"),
+        line("1U, no wheel", 1, "", "", condition="nominal"),
+        line("1U, no wheel", 2, "800", "800", condition="nominal"),
+        line("1U, no wheel", 3, "800", "800", condition="nominal"),
     ]
-    assert waiting(flights, first)["3U", "errors"] == [(1, True, False), (2, False, True), (3, False, True)]
-    then = [hold(1, True, False, 2.0, 6.0), hold(2, False, True, 4.0, 4.5), hold(3, False, True, 5.5, 6.0)]
-    assert waiting(flights, [*first, *then])["3U", "errors"] == [(1, True, True), (2, True, False)]
-    found = [*first, *then, hold(1, True, True, 2.5, 3.0), hold(2, True, False, 7.0, 9.0)]
-    assert ("3U", "errors") not in waiting(flights, found)
-    text = page.text(flights, found)
-    assert "Of the 19, 16 have a best hold with an rms of 5° or more: " in text
-    assert (
-        "For 2 a motion was found that stays within 5° in the orbit from 9,000 s on, for 1 of them in both orbits"
-        in text
-    )
-    assert row(text, "3U", "all errors", "1")[-6:] == ["–", "1°", "1.00", "4°", "3°", ""]
-    assert row(text, "3U", "all errors", "3")[-5:] == ["2°", "1.00", "6°", "", ""]
-    assert row(text, "3U", "all errors", "4")[-5:] == ["6°", "1.00", "9°", "", ""]
-    assert "For 1 others the least largest error that was found is 5° or more" in text
+    flights, excluded = Flights(tuple(lines)), [Missing("3U", "errors", 9, 0.2), Missing("3U", "errors", 7, 0.0)]
+    sought = waiting(flights, [Closest("1U, no wheel", "nominal", 3, 0.0, NAN, NAN)], excluded)
+    assert sought["3U", "errors"] == [(7, True), (8, True)]
+    assert sought["1U, no wheel", "nominal"] == [(1, False), (2, False)]
+    assert ("1U, no wheel", "errors") not in sought
+
+
+def test_of_flights_that_are_not_settled_it_is_told_what_is_known_against_them():
+    lines = [line("3U", run, "", "", later_max_deg="9", hold_rms_deg="9") for run in range(6)]
+    holds = [
+        Closest("3U", "errors", 1, 6.0, 7.0, 8.0),
+        Closest("3U", "errors", 2, 4.0, 3.0, 5.5),
+        Closest("3U", "errors", 3, 4.0, 3.0, 4.5),
+        Closest("3U", "errors", 4, 4.0, 6.0, NAN),
+    ]
+    bounds = [Missing("3U", "errors", 0, 0.3), *(Missing("3U", "errors", run, 0.0) for run in range(1, 6))]
+    text = page.text(Flights(tuple(lines)), holds, bounds)
+    assert row(text, "3U", "all errors", "6")[3:] == ["1", "1", "2", "1", "1"]
+    assert row(text, "3U", "all errors", "0")[-5:] == ["30%", "–", "–", "–", ""]
+    assert row(text, "3U", "all errors", "2")[-5:] == ["–", "4°", "3°", "5.5°", ""]
 
 
 def test_flights_that_no_controller_holds_are_told_apart_from_those_that_are_not_excluded():
@@ -119,8 +131,9 @@ def test_flights_that_no_controller_holds_are_told_apart_from_those_that_are_not
     flights = Flights(tuple(lines))
     assert not_settled(flights) == [("3U", "errors", run) for run in "123"]
     text = page.text(flights, bounds=bounds)
-    assert "| 3U | all errors | 3 | 1 | 18% |" in text
-    assert row(text, "3U", "all errors", "2")[-6] == "18%"
-    assert row(text, "3U", "all errors", "3")[-6] == "–"
+    assert row(text, "3U", "all errors", "3", "1")[4:] == ["0", "0", "0", "2"]
+    assert "the most is 18%" in text
+    assert row(text, "3U", "all errors", "2")[-5] == "18%"
+    assert row(text, "3U", "all errors", "3", "–")[-5] == "–"
     assert "have not been looked at" not in text
     assert "2 flights have not been looked at yet" in page.text(flights, bounds=bounds[:1])
