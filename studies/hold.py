@@ -6,15 +6,15 @@ body relative to LVLH, the momentum l of the wheel along a, the field's directio
 
     d(b.h)/dt = b.(Q tau_d + M_gg + Q M_drag) + c.h,    h = Q J Q^T (Omega_d + nu) + l Q a.
 
-The motion may begin with any attitude, rate and wheel momentum. It knows the satellite, its orbit and all torques. What a flight
-reaches with real rods, from a tumble, is not closer, where the optimum that was found is the least one: it is a local one, of a
-problem that is nearly convex without a wheel. studies/hold_bound.py has the other side, a proof. Orbits are circular.
+The motion may begin with any attitude, rate and wheel momentum. It knows the satellite, its orbit and all torques. But for what
+happens within an interval it is free to do all that a real satellite may, so no flight is closer than the least optimum. What is
+found is a local one. The rate follows from theta to the second order. studies/hold_bound.py has the other side, a proof. Orbits are
+circular.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -37,18 +37,11 @@ SPEED, BLUNT = 7600.0, 1e-6
 SEARCH = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 500, "mu_strategy": "monotone", "mu_init": 1e-2}}
 
 
-@dataclass(frozen=True)
-class Hold:
-    """A motion that was found: its largest error, rad, and the largest momentum of its wheel over the limit."""
+def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: bool = False) -> float | None:
+    """The least largest error, rad, of a motion between two of the plant's times, s, at a rate below `rate`, rad/s; None without one.
 
-    largest: float
-    wheel: float
-
-
-def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: bool = False) -> Hold | None:
-    """The motion of the least largest error between two of the plant's times, s, at a rate below `rate`, rad/s.
-
-    `repeats`: it ends with the attitude, the rate and the wheel's momentum with which it began. None where IPOPT ends with no motion.
+    `repeats`: its attitude at the end, and rate and wheel momentum in the last interval, are those with which it began. Raises InputError
+    for an orbit that is not circular.
     """
     course = Course.of(p, begin, end, INTERVAL)
     n = course.count
@@ -73,10 +66,9 @@ def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: b
             ubg=0.0,
         )
         if solver.stats()["success"]:
-            motion = np.asarray(found["x"]).ravel()
-            angles = np.linalg.norm(motion[: 3 * n + 3].reshape(-1, 3), axis=1)
-            hold = Hold(float(angles.max()), float(np.abs(motion[3 * n + 3 : -1]).max()))
-            best = hold if best is None or hold.largest < best.largest else best
+            theta_found = np.asarray(found["x"]).ravel()[: 3 * n + 3].reshape(-1, 3)
+            error = float(np.linalg.norm(theta_found, axis=1).max())
+            best = error if best is None else min(error, best)
     return best
 
 
@@ -90,7 +82,7 @@ def _balance(p: plant.Parameters, course: Course, rate: float) -> ca.Function:
     nu = change + 0.5 * ca.cross(theta, change) + ca.cross(theta, ca.cross(theta, change)) / 6.0
     of_LVLH = Q @ J @ Q.T
     h = of_LVLH @ (Omega_d + nu) + l_w * p.wheel_momentum_max * (Q @ p.body.wheel_axis)
-    gravity = 3.0 * ca.sumsqr(Omega_d) * ca.cross(E3, of_LVLH @ E3)
+    gravity = 3.0 * p.gravity_gradient * ca.sumsqr(Omega_d) * ca.cross(E3, of_LVLH @ E3)
     torque = Q @ (p.disturbance_torque_B + _drag(p, Q.T @ v, density)) + gravity
     unit = max(p.wheel_momentum_max, 5.0 * dt * float(np.linalg.norm(p.disturbance_torque_B)))
     gain = dt * (ca.dot(b, torque) + ca.dot(c, h)) / unit

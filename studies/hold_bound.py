@@ -17,7 +17,7 @@ envelope of the product), all this is a linear programme. Its least violation of
 is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
 is returned is the value of the dual solution, which is a proof by itself, to rounding. The motion need not end as it began, and
 may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Drag is left out. studies/hold.py has
-the other side: the best motion that was found.
+the other side: the motion of the least largest error that was found, with drag.
 """
 
 from __future__ import annotations
@@ -79,7 +79,12 @@ class Course:
 
     @classmethod
     def of(cls, p: plant.Parameters, begin: float, end: float, interval: float = INTERVAL) -> Course:
-        """Along the plant's orbit between two of its times, s, in intervals of at most so many s."""
+        """Along the plant's orbit between two of its times, s, in intervals of at most so many s.
+
+        Raises InputError for an orbit that is not circular.
+        """
+        if p.orbit.eccentricity > 0.0:
+            raise InputError(f"expected a circular orbit, found an eccentricity of {p.orbit.eccentricity:g}")
         times = np.linspace(begin, end, 2 * math.ceil((end - begin) / interval) + 1)
         lvlh = [controller.reference.lvlh(*p.orbit.position_velocity(t)) for t in times]
         to_N = np.array([frame.R_d for frame in lvlh])
@@ -99,8 +104,6 @@ def missing(p: plant.Parameters, begin: float, end: float, angle: float, rate: f
 
     Zero: nothing is proven. Raises InputError for an orbit that is not circular.
     """
-    if p.orbit.eccentricity > 0.0:
-        raise InputError(f"expected a circular orbit, found an eccentricity of {p.orbit.eccentricity:g}")
     return programme(p, Course.of(p, begin, end), angle, rate).least()
 
 

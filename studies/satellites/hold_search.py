@@ -39,8 +39,8 @@ def _of_tumble(tumble: tuple[str, str, Search, Data]) -> Closest:
     period = 2.0 * math.pi / p.orbit.mean_motion
 
     def largest(begin: float, end: float, repeats: bool = False) -> float:
-        hold = least(p, begin, end, ALL[name].slow, repeats)
-        return math.degrees(hold.largest) if hold else math.nan
+        found = least(p, begin, end, ALL[name].slow, repeats)
+        return math.nan if found is None else math.degrees(found)
 
     orbits = ((EARLY, EARLY + period), (DURATION - period, DURATION)) if search.repeats else ()
     repeating = [largest(*orbit, repeats=True) for orbit in orbits] or [math.nan] * 2

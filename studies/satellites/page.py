@@ -59,12 +59,15 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, closest, {each.tumble: each for each in bounds}),
         why_not=_why_not(flights, closest, bounds),
-        most_missing=f"{100.0 * max((each.share for each in bounds), default=0.0):.0f}%",
+        most_missing=f"{100.0 * max(shares):.0f}%"
+        if (shares := [each.share for each in bounds if each.excluded])
+        else "",
+        near=_near(flights, closest, bounds),
         no_bound=len(set(not_settled(flights)) - {each.tumble for each in bounds}),
         compared=_compared(flights, closest),
         closer=_closer(flights, closest),
         waiting=sum(map(len, waiting(flights, holds, bounds).values())),
-        open=sum(math.isnan(hold.to_end_deg) for hold in holds),
+        open=sum(_verdict(hold.tumble, closest, ()) == "not known" for hold in holds),
         unsettled=len(flights.unsettled.lines),
         were_settled=sum(bool(line["early_s"]) for line in flights.unsettled.lines),
         steep=f"{STEEP:g}°",
@@ -138,7 +141,7 @@ def _why_not(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequen
     return rows
 
 
-VERDICTS = ("excluded", "none to the end", "none that repeats", "held", "not known")
+VERDICTS = ("excluded", "none to the end", "none that repeats", "not ruled out", "not known")
 """What is known of a flight that does not settle: a proof, searches that find no motion within LOST, one that finds it, nothing."""
 
 
@@ -149,7 +152,20 @@ def _verdict(tumble: Tumble, closest: Mapping[Tumble, Closest], excluded: Collec
         return "not known"
     if not hold.close:
         return "none to the end"
-    return "none that repeats" if hold.repeating_deg >= LOST else "held"
+    if ALL[tumble[0]].has_wheel and not hold.repeating_deg >= LOST:
+        return "not known" if math.isnan(hold.first_orbit_deg + hold.last_orbit_deg) else "not ruled out"
+    return "none that repeats" if ALL[tumble[0]].has_wheel else "not ruled out"
+
+
+def _near(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> int:
+    """Flights with a wheel against which only a search speaks, by less than a degree."""
+    excluded = {each.tumble for each in bounds if each.excluded}
+    near = 0
+    for tumble in not_settled(flights):
+        if ALL[tumble[0]].has_wheel and _verdict(tumble, closest, excluded).startswith("none"):
+            hold = closest[tumble]
+            near += LOST <= np.fmax(hold.to_end_deg, hold.repeating_deg) < LOST + 1.0
+    return int(near)
 
 
 def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[Tumble, Missing]) -> list[list[str]]:

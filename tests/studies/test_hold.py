@@ -55,27 +55,27 @@ def sphere(data, torque, l_max=1e-9):
 def test_along_a_steady_field_the_error_is_that_of_a_parabola(tumble, steady):
     """Under a torque tau a body of 1 kg m2 moves by tau T^2/8 about pitch at least, half of it on each side of the target."""
     found = least(sphere(tumble, 1e-8), BEGIN, BEGIN + TIME, RATE)
-    assert found.largest == pytest.approx(1e-8 * TIME**2 / 16.0, rel=0.01)
+    assert found == pytest.approx(1e-8 * TIME**2 / 16.0, rel=0.01)
 
 
 def test_a_wheel_takes_up_twice_its_limit_once_and_nothing_if_the_motion_repeats(tumble, steady):
     taken = 4e-7 * TIME
-    assert least(sphere(tumble, 4e-7, 0.51 * taken), BEGIN, BEGIN + TIME, RATE).largest < 1e-3
-    assert 5e-3 < least(sphere(tumble, 4e-7, 0.3 * taken), BEGIN, BEGIN + TIME, RATE).largest < 5e-2  # 0.1 without it
+    assert least(sphere(tumble, 4e-7, 0.51 * taken), BEGIN, BEGIN + TIME, RATE) < 1e-3
+    assert 5e-3 < least(sphere(tumble, 4e-7, 0.3 * taken), BEGIN, BEGIN + TIME, RATE) < 5e-2  # 0.1 without it
     # b.H grows by tau as long as tau has a part along the field, so a motion that repeats turns it away by 90 deg, less what one interval takes up.
     again = least(sphere(tumble, 4e-7, 0.51 * taken), BEGIN, BEGIN + TIME, RATE, repeats=True)
-    assert again is None or again.largest > math.radians(85.0)
+    assert again > math.radians(85.0)
 
 
 def test_across_a_steady_field_the_rods_undo_a_disturbance(tumble, steady):
     p = replace(sphere(tumble, 0.0), disturbance_torque_B=np.array([1e-6, 0.0, 1e-6]))
-    assert least(p, BEGIN, BEGIN + TIME, RATE, repeats=True).largest < 1e-4
+    assert least(p, BEGIN, BEGIN + TIME, RATE, repeats=True) < 1e-4
 
 
 def test_where_the_field_turns_a_disturbance_of_a_hundredth_of_the_rods_is_held_to_the_end(tumble):
     p = plant_of(tumble)
     period = 2.0 * math.pi / p.orbit.mean_motion
-    assert least(p, BEGIN, BEGIN + period, RATE, repeats=True).largest < math.radians(0.01)
+    assert least(p, BEGIN, BEGIN + period, RATE, repeats=True) < math.radians(0.01)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -106,14 +106,15 @@ def test_the_plant_keeps_the_balance_whatever_its_actuators_do(tumble, seed):
         return np.abs(np.diff(h) - 0.5 * (gain[:, 1:] + gain[:, :-1])).max(), np.abs(gain).max()
 
     left, most = residual(p)
-    assert left < 0.02 * most
+    assert left < 0.005 * most
     assert residual(replace(p, drag=False))[0] > 3.0 * left
     assert residual(replace(p, disturbance_torque_B=-p.disturbance_torque_B))[0] > 3.0 * left
+    assert residual(replace(p, gravity_gradient=False))[0] > 3.0 * left
 
 
 def test_a_motion_that_was_found_is_not_excluded_by_the_proof_and_one_of_half_its_error_is(steady, tumble):
     p = sphere(tumble, 1e-7)
-    found = least(p, BEGIN, BEGIN + TIME, RATE).largest
+    found = least(p, BEGIN, BEGIN + TIME, RATE)
     assert missing(p, BEGIN, BEGIN + TIME, 1.02 * found, RATE) == 0.0
     assert missing(p, BEGIN, BEGIN + TIME, 0.5 * found, RATE) > 0.0
 
@@ -121,6 +122,6 @@ def test_a_motion_that_was_found_is_not_excluded_by_the_proof_and_one_of_half_it
 @pytest.mark.thorough
 def test_without_a_wheel_intervals_of_half_the_length_give_the_same(monkeypatch):
     p = loop(starts(tumbles("1U, no wheel", 4))[3]).plant
-    coarse = least(p, BEGIN, 20_000.0, 3e-3).largest
+    coarse = least(p, BEGIN, 20_000.0, 3e-3)
     monkeypatch.setattr("studies.hold.INTERVAL", 20.0)
-    assert least(p, BEGIN, 20_000.0, 3e-3).largest == pytest.approx(coarse, rel=0.02)
+    assert least(p, BEGIN, 20_000.0, 3e-3) == pytest.approx(coarse, rel=0.02)

@@ -66,7 +66,7 @@ def test_nominal_flights_without_a_wheel_are_counted_by_the_least_error_that_was
     text = page.text(Flights(tuple(lines)), holds)
     assert "| 4 to 5° | 2 | 1 | 1 | 1.4 |" in text
     assert "| 5 to 7° | 1 | 0 | 0 | 2 |" in text
-    assert "For 1 the search did not end with a motion" in text
+    assert "For 1 a search did not end with a motion" in text
     assert "2 of the flights for which it was sought stayed closer after 9,000 s" in text
 
 
@@ -117,6 +117,7 @@ def test_of_flights_that_are_not_settled_it_is_told_what_is_known_against_them()
     bounds = [Missing("3U", "errors", 0, 0.3), *(Missing("3U", "errors", run, 0.0) for run in range(1, 6))]
     text = page.text(Flights(tuple(lines)), holds, bounds)
     assert row(text, "3U", "all errors", "6")[3:] == ["1", "1", "2", "1", "1"]
+    assert "only a search speaks, 1 need less than 6°" in text
     assert row(text, "3U", "all errors", "0")[-5:] == ["30%", "–", "–", "–", ""]
     assert row(text, "3U", "all errors", "2")[-5:] == ["–", "4°", "3°", "5.5°", ""]
 
