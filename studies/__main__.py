@@ -23,6 +23,7 @@ from .estimator import make as estimates
 from .failures import make as failures_flown
 from .failures.rows import TABLES
 from .flight import make as flights
+from .flight.closest import FILE as HOLDS_FLOWN
 from .flight.rivals import compare
 from .flight.tune import search
 from .of_scenario import momentum_bound, sizing
@@ -49,6 +50,9 @@ def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")(
         command
     )
+
+
+_HOLDS = "Search how close to the target a motion can stay, some ten seconds each (needs the package casadi)."
 
 
 main.add_command(momentum_bound)
@@ -99,9 +103,16 @@ def allocators(jobs: int, fly: bool, page: bool) -> None:
     help="Random tumbles of each kind; fewer write to results/.",
 )
 @click.option("--page", is_flag=True, help="Write page and figures from docs/flight.csv, without flying its cases.")
-def flight(jobs: int, cases: int, page: bool) -> None:
+@click.option("--holds", is_flag=True, help=_HOLDS)
+def flight(jobs: int, cases: int, page: bool, holds: bool) -> None:
     """Make docs/flight.md and its figures from campaigns; one that was interrupted goes on."""
-    say(f"written: {flights.publish() if page else flights.make(cases, jobs)}")
+    if holds:
+        _needs_casadi()
+        from .flight.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
+
+        for line in make(jobs, ROOT / "docs" / HOLDS_FLOWN):
+            say(line)
+    say(f"written: {flights.publish() if page or holds else flights.make(cases, jobs)}")
 
 
 @main.command()
@@ -128,7 +139,7 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
     """
     if not page:
         _needs_casadi()
-        from .optimum.make import fly_again, make  # CasADi, a package of two studies alone  # noqa: PLC0415
+        from .optimum.make import fly_again, make  # CasADi, a package of three studies alone  # noqa: PLC0415
 
         file = ROOT / "docs" / FILE
         for line in fly_again(file) if flown else make(cases, file):
@@ -177,11 +188,7 @@ def flight_tune(jobs: int) -> None:
 @_jobs
 @click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
 @click.option("--page", is_flag=True, help="Write the page from docs/satellites.csv, without flying.")
-@click.option(
-    "--holds",
-    is_flag=True,
-    help="Search how close to the target a motion can stay, some ten seconds each (needs the package casadi).",
-)
+@click.option("--holds", is_flag=True, help=_HOLDS)
 @click.option(
     "--bounds",
     is_flag=True,
@@ -194,9 +201,9 @@ def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> 
         progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
     if holds:
         _needs_casadi()
-        from .satellites.hold_search import make  # CasADi, a package of two studies alone  # noqa: PLC0415
+        from .satellites.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
 
-        progress.append(make(jobs, load(docs / SATELLITES), docs / BOUNDS, docs / HOLDS))
+        progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
     for line in itertools.chain(*progress):
         say(line)
     made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,9 @@ from orchestration.campaign.flying.rows import Rows
 from orchestration.campaign.load import Case, read_campaign
 from orchestration.interrupt import Stopped
 from orchestration.scenario.source import Source
+
+AT_ONCE = 8
+"""Results between two writings of their file."""
 
 
 def case(campaign: Mapping[str, Any], folder: Path) -> Case:
@@ -83,3 +86,20 @@ def crew(jobs: int) -> Iterator[Crew]:
     with ExitStack() as stack:
         progress = stack.enter_context(Progress(*columns, TimeRemainingColumn()))
         yield Crew(stack.enter_context(local(jobs)).scheduler_address if jobs else None, progress)
+
+
+def in_parts(
+    jobs: int,
+    name: str,
+    function: Callable[[Any], Any],
+    wanted: Sequence[Any],
+    found: list[Any],
+    save: Callable[[list[Any]], None],
+) -> Iterator[str]:
+    """Appends the results of a function to those found, saves them after each AT_ONCE, and tells of it."""
+    with crew(jobs) as hands:
+        for i in range(0, len(wanted), AT_ONCE):
+            found += hands.each(name, function, wanted[i : i + AT_ONCE])
+            save(found)
+            yield f"{min(i + AT_ONCE, len(wanted))} of {len(wanted)} tumbles"
+    save(found)

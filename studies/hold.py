@@ -37,38 +37,44 @@ SPEED, BLUNT = 7600.0, 1e-6
 SEARCH = {**IPOPT, "ipopt": {**IPOPT["ipopt"], "max_iter": 500, "mu_strategy": "monotone", "mu_init": 1e-2}}
 
 
-def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: bool = False) -> float | None:
-    """The least largest error, rad, of a motion between two of the plant's times, s, at a rate below `rate`, rad/s; None without one.
+def least(p: plant.Parameters, begin: float, end: float, rate: float, repeats: bool = False) -> float:
+    """The least largest error, rad, of a motion between two of the plant's times, s, at a rate below `rate`, rad/s; NaN without one.
 
-    `repeats`: its attitude at the end, and rate and wheel momentum in the last interval, are those with which it began. Raises InputError
-    for an orbit that is not circular.
+    `repeats`: it goes on as it began, with attitude, rate and wheel momentum, in the interval after the end. A wheel without torque keeps
+    its momentum `h_w0`. Raises InputError for an orbit that is not circular.
     """
-    course = Course.of(p, begin, end, INTERVAL)
+    course = Course.of(p, begin, end, INTERVAL, more=int(repeats))
     n = course.count
     balance = _balance(p, course, rate).map(n)
     theta, l_w, largest = ca.MX.sym("theta", 3, n + 1), ca.MX.sym("l", 1, n), ca.MX.sym("largest")
-    momentum, gain, nu = balance(theta[:, :-1], theta[:, 1:], l_w, *_air(p, course), course.b[1::2].T, course.c[1::2].T)
+    momentum, gain, nu = balance(theta[:, :-1], theta[:, 1:], l_w, *_middles(course))
     balanced = momentum[1:] - momentum[:-1] - 0.5 * (gain[1:] + gain[:-1])
-    closed = ca.vertcat(theta[:, -1] - theta[:, 0], nu[:, -1] - nu[:, 0], l_w[-1] - l_w[0]) if repeats else ca.MX(0, 1)
+    closed = ca.vertcat(ca.vec(theta[:, -2:] - theta[:, :2]), l_w[-1] - l_w[0]) if repeats else ca.MX(0, 1)
     within = ca.vertcat(ca.sum1(theta**2).T - largest**2, ca.sum1(nu**2).T - 1.0)
     uneasy = ca.sumsqr(theta) / n + ca.sumsqr(l_w) / n + OF_RATE * ca.sumsqr(nu) / n
     x = ca.vertcat(ca.vec(theta), l_w.T, largest)
-    zero, high = balanced.numel() + closed.numel(), np.concatenate((np.full(3 * n + 3, math.pi), np.ones(n), [math.pi]))
-    best = None
+    zero, turned, momenta = (
+        balanced.numel() + closed.numel(),
+        np.full(3 * n + 3, math.pi),
+        np.full((2, n), [[-1.0], [1.0]]),
+    )
+    if p.wheel_torque_max == 0.0:
+        momenta[:] = p.h_w0 / (p.wheel_momentum_max or 1.0)
+    low, high = np.concatenate((-turned, momenta[0], [0.0])), np.concatenate((turned, momenta[1], [math.pi]))
+    best = math.nan
     for ease in EASES:
         problem = {"x": x, "f": largest + ease * uneasy, "g": ca.vertcat(balanced.T, closed, within)}
         solver = ca.nlpsol("hold", "ipopt", problem, SEARCH)
         found = solver(
             x0=np.append(np.zeros(len(high) - 1), 0.5),
-            lbx=-high,
+            lbx=low,
             ubx=high,
             lbg=np.append(np.zeros(zero), np.full(within.numel(), -np.inf)),
             ubg=0.0,
         )
         if solver.stats()["success"]:
             theta_found = np.asarray(found["x"]).ravel()[: 3 * n + 3].reshape(-1, 3)
-            error = float(np.linalg.norm(theta_found, axis=1).max())
-            best = error if best is None else min(error, best)
+            best = float(np.fmin(best, np.linalg.norm(theta_found, axis=1).max()))
     return best
 
 
@@ -105,10 +111,7 @@ def _drag(p: plant.Parameters, v_B: ca.SX, density: ca.SX) -> ca.SX:
     return ca.cross(ca.DM(areas[:, None] * (plates.centres - p.center_of_mass_B)).T @ facing, -density * v_B)
 
 
-def _air(p: plant.Parameters, course: Course) -> tuple[Array, Array]:
-    """In the middle of each interval the velocity relative to the air (3,n), m/s in LVLH axes, and the density (1,n); zero without drag."""
-    if not p.drag:
-        return np.zeros((3, course.count)), np.zeros((1, course.count))
-    flows = [p.air.flow(t) for t in course.times[1::2]]
-    v_N, density = np.array([v for v, _ in flows]), np.array([[density for _, density in flows]])
-    return np.einsum("kji,kj->ik", course.to_N[1::2], v_N), density
+def _middles(course: Course) -> tuple[Array, Array, Array, Array]:
+    """In the middle of each interval v (3,n), density (1,n), b (3,n) and c (3,n)."""
+    v, b, c = (x[1::2].T for x in (course.v, course.b, course.c))
+    return v, course.density[None, 1::2], b, c

@@ -3,21 +3,25 @@
 Rods give no torque along the field, however strong they are. With h = Q (J Omega + l a), the angular momentum in LVLH axes of a
 satellite whose attitude to LVLH is Q, b the field's direction and c its rate of change in N,
 
-    q = b.h,    dq/dt = b.(Q tau_d + M_gg) + c.h,
+    q = b.h,    dq/dt = b.(Q tau_d + M_gg + M_drag) + c.h,
 
 whatever rods and wheel do: the wheel only moves momentum between the body and its rotor, and its l is within l_max. Where the
 error stays within an angle, and the rate within a limit, h and the torques are nearly known: with the rotation vector theta and
 the rate nu of the body relative to LVLH, both in LVLH axes, and [theta, J] = theta^ J - J theta^,
 
     h    = J Omega_d + J nu + [theta, J] Omega_d + l a + l theta x a + rest,
-    M_gg = 3 n^2 e3 x (J e3 + [theta, J] e3) + rest,    Q tau_d = tau_d + theta x tau_d + rest,    dtheta/dt = nu + rest.
+    M_gg = 3 n^2 e3 x (J e3 + [theta, J] e3) + rest,    Q tau_d = tau_d + theta x tau_d + rest,    dtheta/dt = nu + rest,
+
+and of drag, with the velocity v relative to the air, its density, and the matrix S of the plates that face the flow (_drag),
+
+    M_drag = density v x (S v + [theta, S] v) + rest.
 
 Each rest has a bound. With the means of theta, nu, l and l theta over short intervals as variables (the last within McCormick's
 envelope of the product), all this is a linear programme. Its least violation of the balance of q is torque along the field that
 is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
 is returned is the value of the dual solution, which is a proof by itself, to rounding. The motion need not end as it began, and
-may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Drag is left out. studies/hold.py has
-the other side: the motion of the least largest error that was found, with drag.
+may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. studies/hold.py has the other side: the
+motion of the least largest error that was found.
 """
 
 from __future__ import annotations
@@ -34,6 +38,7 @@ import controller.reference
 import plant
 from controller.so3 import hat
 from orchestration import InputError
+from plant.drag import octagonal_cylinder
 
 from .paper import Array
 
@@ -54,17 +59,24 @@ def by_turn(J: Array, w: Array) -> Array:
     return np.array([hat(e) @ J @ w - J @ hat(e) @ w for e in np.eye(3)]).T
 
 
+def uneven(J: Array) -> float:
+    """Norm of what J differs by from a multiple of the unit matrix, which no turn changes."""
+    return float(np.linalg.norm(J - np.trace(J) / 3.0 * np.eye(3), 2))
+
+
 @dataclass(frozen=True)
 class Course:
-    """Direction of the field and its rate of change in N, both in LVLH axes, at the ends and in the middle of n intervals (2n+1, 3).
+    """At the ends and in the middle of n intervals the direction of the field and its rate of change in N, in LVLH axes (2n+1, 3).
 
-    `times` (2n+1,), s, and the rotations `to_N` (2n+1, 3, 3) from LVLH are those of the same places.
+    There too `times` (2n+1,), s, the velocity `v` relative to the air, m/s in LVLH axes (2n+1, 3), and its `density`, kg/m3 (2n+1,), zero
+    without drag.
     """
 
     times: Array
-    to_N: Array
     b: Array
     c: Array
+    v: Array
+    density: Array
     Omega_d: Array
 
     @property
@@ -78,21 +90,24 @@ class Course:
         return len(self.times) // 2
 
     @classmethod
-    def of(cls, p: plant.Parameters, begin: float, end: float, interval: float = INTERVAL) -> Course:
-        """Along the plant's orbit between two of its times, s, in intervals of at most so many s.
+    def of(cls, p: plant.Parameters, begin: float, end: float, interval: float = INTERVAL, more: int = 0) -> Course:
+        """Along the plant's orbit between two of its times, s, in intervals of at most so many s, and so many intervals more.
 
         Raises InputError for an orbit that is not circular.
         """
         if p.orbit.eccentricity > 0.0:
             raise InputError(f"expected a circular orbit, found an eccentricity of {p.orbit.eccentricity:g}")
-        times = np.linspace(begin, end, 2 * math.ceil((end - begin) / interval) + 1)
+        count = math.ceil((end - begin) / interval)
+        times = begin + (end - begin) * np.arange(2 * (count + more) + 1) / (2 * count)
         lvlh = [controller.reference.lvlh(*p.orbit.position_velocity(t)) for t in times]
         to_N = np.array([frame.R_d for frame in lvlh])
         B = np.array([p.field.at(t) for t in times])
         b_N = B / np.linalg.norm(B, axis=1)[:, None]
         c_N = np.gradient(b_N, times[1] - times[0], axis=0, edge_order=2)
-        b, c = (np.einsum("kji,kj->ki", to_N, v) for v in (b_N, c_N))
-        return cls(times, to_N, b, c, np.array(lvlh[0].Omega_d))
+        flows = [p.air.flow(t) if p.drag else (np.zeros(3), 0.0) for t in times]
+        v_N, density = np.array([v for v, _ in flows]), np.array([density for _, density in flows])
+        b, c, v = (np.einsum("kji,kj->ki", to_N, x) for x in (b_N, c_N, v_N))
+        return cls(times, b, c, v, density, np.array(lvlh[0].Omega_d))
 
     def mean(self, values: Array) -> Array:
         """Of values at ends and middles (2n+1,), over each interval (n,), by Simpson's rule."""
@@ -114,28 +129,30 @@ def programme(p: plant.Parameters, course: Course, angle: float, rate: float) ->
     l_max, n2 = p.wheel_momentum_max, float(Omega_d @ Omega_d)
     G0, h0 = tau + 3.0 * n2 * np.cross(E3, J @ E3), J @ Omega_d
     G_theta, h_theta = -hat(tau) + 3.0 * n2 * hat(E3) @ by_turn(J, E3), by_turn(J, Omega_d)
+    drag, drag_theta, of_drag = _drag(p, course, angle)
     # Bounds of what is left out: of h, of the torque, of dtheta/dt; and of what h and the torque vary by.
-    uneven = float(np.abs(np.linalg.eigvalsh(J - np.trace(J) / 3.0 * np.eye(3))).max())
-    second = 2.0 * angle**2 * math.exp(2.0 * angle) * uneven
-    of_h = second * (math.sqrt(n2) + rate) + 2.0 * angle * uneven * rate + 0.5 * angle**2 * l_max
-    of_torque = 0.5 * angle**2 * float(np.linalg.norm(tau)) + 3.0 * n2 * second
+    second = _second(angle) * uneven(J)
+    of_h = second * (math.sqrt(n2) + rate) + 2.0 * angle * uneven(J) * rate + 0.5 * angle**2 * l_max
+    of_torque = 0.5 * angle**2 * float(np.linalg.norm(tau)) + 3.0 * n2 * second + of_drag
     of_theta = 0.5 * angle * (1.0 + angle) * rate
     h_varies = np.linalg.norm(J, 2) * rate + np.linalg.norm(h_theta, 2) * angle + l_max * (1.0 + angle) + of_h
-    torque_varies = np.linalg.norm(G_theta, 2) * angle + of_torque
-    turns, bends = (float(np.linalg.norm(np.gradient(v, 0.5 * dt, axis=0), axis=1).max()) for v in (b, c))
-    steepest, known = float(np.linalg.norm(c, axis=1).max()), b @ G0 + c @ h0
-    # Within an interval b and c are those of its middle, to a quarter of what they change by.
-    of_balance = dt * (of_torque + steepest * of_h + 0.25 * dt * (turns * torque_varies + bends * h_varies))
+    torque_varies = (np.linalg.norm(G_theta, 2) + _largest(drag_theta)) * angle + of_torque
+    turns, bends, shifts = (_largest(np.gradient(x, 0.5 * dt, axis=0)) for x in (b, c, drag_theta))
+    steepest, known = _largest(c), b @ G0 + np.einsum("ki,ki->k", b, drag) + c @ h0
+    # Within an interval b, c and the change of drag are those of its middle, to a quarter of what they change by.
+    of_change = turns * torque_varies + bends * h_varies + shifts * angle
+    of_balance = dt * (of_torque + steepest * of_h + 0.25 * dt * of_change)
     fastest = float(np.abs(known).max()) + torque_varies + steepest * h_varies
     of_mean = of_h + 0.25 * dt * (turns * h_varies + fastest)
 
     b, c = b[1::2], c[1::2]
+    G = G_theta + drag_theta[1::2]
     ends = [float(np.abs(course.b @ h0).max() + h_varies), *[angle] * 3]
     means = [*[angle] * 3, *[rate] * 3, l_max, *[l_max * angle] * 3]
     found = Programme(len(b), np.array(ends), np.array(means), float(np.linalg.norm(tau)))
     # The balance of q, and what q is in the mean; the missing torque may also let q vary more within an interval.
     gained = dt * course.mean(known)
-    balance = Q_NEXT - Q - dt * _of_h(b @ G_theta + c @ h_theta, c, J, a)
+    balance = Q_NEXT - Q - dt * _of_h(np.einsum("ki,kij->kj", b, G) + c @ h_theta, c, J, a)
     found.add(balance, gained - of_balance, gained + of_balance, missing=dt)
     rest = -course.mean(course.b @ h0)
     found.add(_of_h(b @ h_theta, b, J, a) - 0.5 * (Q + Q_NEXT), rest - of_mean, rest + of_mean, missing=0.25 * dt)
@@ -146,6 +163,41 @@ def programme(p: plant.Parameters, course: Course, angle: float, rate: float) ->
         for s, t in itertools.product((-1.0, 1.0), repeat=2):  # (l_max + s l) (angle + t theta) >= 0
             found.add(l_max * t * theta + s * angle * OF_L[0] + s * t * product, -l_max * angle)
     return found
+
+
+def _second(angle: float) -> float:
+    """Of Q S Q^T - S - [theta, S], over the norm of S: an upper bound."""
+    return 2.0 * angle**2 * math.exp(2.0 * angle)
+
+
+def _largest(values: Array) -> float:
+    """Of the vectors or matrices along the first axis, the largest 2-norm; of a matrix the Frobenius norm, which is no smaller."""
+    return float(np.linalg.norm(values.reshape(len(values), -1), axis=1).max())
+
+
+def _drag(p: plant.Parameters, course: Course, angle: float) -> tuple[Array, Array, float]:
+    """The moment of drag, N m in LVLH axes, at the target (2n+1, 3); its change with theta (2n+1, 3, 3); and a bound of the rest.
+
+    Of the flow on plate i, max(n_i.v, 0), the part s_i n_i.v is linear. A plate that stands along the flow to `angle` has s_i between 0
+    and 1, and what is left of it, in units of |v|, is between 0 and `edges`: the half of that counts as known. It is the same for a plate
+    and the one on the other side.
+    """
+    if not p.drag:
+        return np.zeros_like(course.v), np.zeros((len(course.v), 3, 3)), 0.0
+    plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
+    arms = (0.5 * p.drag_factor * p.drag_coefficient * plates.areas)[:, None] * (plates.centres - p.center_of_mass_B)
+    pairs = arms + arms[np.argmin(plates.normals @ plates.normals.T, axis=1)]
+    speed = np.linalg.norm(course.v, axis=1)
+    along = course.v @ plates.normals.T / speed[:, None]
+    shares = np.clip(0.5 + 0.5 * along / angle, 0.0, 1.0)
+    edges = np.maximum(angle**2 - along**2, 0.0) / (2.0 * angle)
+    known, unknown = 0.5 * edges @ arms, 0.25 * edges @ np.linalg.norm(pairs, axis=1)
+    S = np.einsum("kp,pi,pj->kij", shares, arms, plates.normals)
+    faced = np.einsum("kij,kj->ki", S, course.v) + speed[:, None] * known
+    moment = course.density[:, None] * np.cross(course.v, faced)
+    change = np.array([rho * hat(v) @ by_turn(s, v) for rho, v, s in zip(course.density, course.v, S, strict=True)])
+    rest = _second(angle) * np.array([uneven(s) for s in S]) + angle * np.linalg.norm(known, axis=1) + unknown
+    return moment, change, float((course.density * speed**2 * rest).max())
 
 
 def _of_h(of_theta: Array, along: Array, J: Array, a: Array) -> Array:

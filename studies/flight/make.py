@@ -11,7 +11,7 @@ from orchestration.errors import hint
 from ..crew import crew
 from ..paper import FOLDER as STUDIES
 from ..paper import ROOT
-from . import figures, kept, page
+from . import closest, figures, kept, page
 from .bound import bound, starts
 from .calls import calls
 from .groups import all_groups
@@ -35,13 +35,13 @@ def make(n: int = 1000, jobs: int = 2) -> Path:
 
 
 def publish(folder: Path = ROOT / "docs") -> Path:
-    """Makes page and figures from flight.csv in the folder; flies only the two scenarios that are drawn."""
+    """Makes page and figures from the files in the folder; flies only the two scenarios that are drawn."""
     flights = kept.load(folder / "flight.csv")
     tumble = shown("tumble", "controller.phase", "plant.dipole", "controller.h_w_ref")
     hold = shown("hold", "allocator.b_wheel")
     figures.draw(flights, tumble, hold, folder / "figures")
     target = folder / "flight.md"
-    target.write_text(page.text(flights, hold, calls()), "utf-8")
+    target.write_text(page.text(flights, hold, calls(), closest.load(folder / closest.FILE)), "utf-8")
     return target
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..paper import ORBIT, Array
 from . import conditions
 from .calls import Calls
 from .cases import EARLY, HOLD, HOLD_ORBITS, RATE, RATE_MAX, SEEDS
+from .closest import Closest, compared
 from .figures import errors
 from .kept import GOALS, Flights, angle, quantile
 from .schemes import TUNED
@@ -25,8 +27,8 @@ NAMES = {"nominal": "nominal", "errors": "all errors"}
 SCHEMES = {"": "planned", " tuned": "law [8], tuned", " paper": "the paper's scheme"}
 
 
-def text(flights: Flights, hold: Result, calls: Calls) -> str:
-    """The page; `hold` is the run of scenarios/flight_hold.yaml."""
+def text(flights: Flights, hold: Result, calls: Calls, closest: Sequence[Closest] = ()) -> str:
+    """The page; `hold` is the run of scenarios/flight_hold.yaml, `closest` what was sought of SOUGHT."""
     n = len(flights.of("nominal"))
     best = [{"name": NAMES[g].capitalize(), **_summary(flights.times(g))} for g in NAMES]
     beside = {s: finite(np.concatenate([flights.times(f"{g} {s}") for g in NAMES])) for s in ("tuned", "paper")}
@@ -57,6 +59,7 @@ def text(flights: Flights, hold: Result, calls: Calls) -> str:
         tries=len(flights.of("as nominal")),
         tried=conditions.tried(flights),
         notable=conditions.notable(flights),
+        closest=compared(flights, closest),
         pairings=conditions.pairings(flights),
         failure_rates="; ".join(_failure_rate(flights, g) for g in NAMES),
         calls=_calls(calls),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
-from ..crew import crew
+from ..crew import in_parts
 from ..flight.bound import loop
 from ..flight.schemes import Data
 from ..hold_bound import missing
@@ -17,21 +18,12 @@ from .classes import ALL, DURATION, EARLY
 from .kept import LOST, Flights, not_settled
 from .searched import Missing, load_bounds, save_bounds, starts_of
 
-AT_ONCE = 16
-"""Tumbles between two writings of the file."""
-
 
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
     """Finds what the file does not have of those that are not settled, and tells of each part when it has been saved."""
     wanted = set(not_settled(flights))
     found = [bound for bound in load_bounds(file) if bound.tumble in wanted]
-    left = _left(flights, found)
-    with crew(jobs) as hands:
-        for i in range(0, len(left), AT_ONCE):
-            found += hands.each("bounds of holds", _of_tumble, left[i : i + AT_ONCE])
-            save_bounds(file, found)
-            yield f"{min(i + AT_ONCE, len(left))} of {len(left)} tumbles"
-    save_bounds(file, found)
+    yield from in_parts(jobs, "bounds of holds", _of_tumble, _left(flights, found), found, partial(save_bounds, file))
 
 
 def _left(flights: Flights, found: list[Missing]) -> list[tuple[str, str, int, Data]]:

@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
-from ..crew import crew
+from ..crew import in_parts
 from ..flight.bound import loop
 from ..flight.schemes import Data
 from ..hold import least
 from .classes import ALL, DURATION, EARLY
 from .kept import Flights
-from .searched import Closest, Search, load_bounds, load_holds, save_holds, starts_of, waiting
-
-AT_ONCE = 8
-"""Tumbles between two writings of the file."""
+from .searched import Closest, Search, load_holds, save_holds, starts_of, waiting
 
 
-def make(jobs: int, flights: Flights, bounds: Path, file: Path) -> Iterator[str]:
-    """Searches what the file does not have of those that are sought, by the file of what is excluded, and tells of each part saved."""
+def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
+    """Searches what the file does not have of those that are sought, and tells of each part when it has been saved."""
     found = load_holds(file)
     wanted = []
-    for (name, condition), searches in waiting(flights, found, load_bounds(bounds)).items():
+    for (name, condition), searches in waiting(flights, found).items():
         of_run = starts_of(name, condition, {search.run for search in searches})
         wanted += [(name, condition, search, of_run[search.run]) for search in searches]
-    with crew(jobs) as hands:
-        for i in range(0, len(wanted), AT_ONCE):
-            found += hands.each("holds", _of_tumble, wanted[i : i + AT_ONCE])
-            save_holds(file, found)
-            yield f"{min(i + AT_ONCE, len(wanted))} of {len(wanted)} tumbles"
-    save_holds(file, found)
+    yield from in_parts(jobs, "holds", _of_tumble, wanted, found, partial(save_holds, file))
 
 
 def _of_tumble(tumble: tuple[str, str, Search, Data]) -> Closest:
@@ -39,8 +32,7 @@ def _of_tumble(tumble: tuple[str, str, Search, Data]) -> Closest:
     period = 2.0 * math.pi / p.orbit.mean_motion
 
     def largest(begin: float, end: float, repeats: bool = False) -> float:
-        found = least(p, begin, end, ALL[name].slow, repeats)
-        return math.nan if found is None else math.degrees(found)
+        return math.degrees(least(p, begin, end, ALL[name].slow, repeats))
 
     orbits = ((EARLY, EARLY + period), (DURATION - period, DURATION)) if search.repeats else ()
     repeating = [largest(*orbit, repeats=True) for orbit in orbits] or [math.nan] * 2

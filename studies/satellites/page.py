@@ -59,14 +59,15 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, closest, {each.tumble: each for each in bounds}),
         why_not=_why_not(flights, closest, bounds),
-        most_missing=f"{100.0 * max(shares):.0f}%"
+        most_missing=f"{max(shares):.1f} times it"
         if (shares := [each.share for each in bounds if each.excluded])
         else "",
         near=_near(flights, closest, bounds),
         no_bound=len(set(not_settled(flights)) - {each.tumble for each in bounds}),
         compared=_compared(flights, closest),
         closer=_closer(flights, closest),
-        waiting=sum(map(len, waiting(flights, holds, bounds).values())),
+        waiting=sum(map(len, waiting(flights, holds).values())),
+        of_excluded=_of_excluded(closest, bounds),
         open=sum(_verdict(hold.tumble, closest, ()) == "not known" for hold in holds),
         unsettled=len(flights.unsettled.lines),
         were_settled=sum(bool(line["early_s"]) for line in flights.unsettled.lines),
@@ -207,6 +208,12 @@ def _found(flights: Flights, closest: Mapping[Tumble, Closest]) -> tuple[list[Ma
         line for line in flights.lines if (hold := closest.get(tumble_of(line))) and math.isfinite(hold.to_end_deg)
     ]
     return lines, np.array([closest[tumble_of(line)].to_end_deg for line in lines])
+
+
+def _of_excluded(closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> list[str]:
+    """Of the excluded tumbles the smallest of the least largest errors that were found, and the median; empty without one."""
+    errors = [closest[each.tumble].to_end_deg for each in bounds if each.excluded and each.tumble in closest]
+    return [degrees(float(f(errors))) for f in (np.nanmin, np.nanmedian)] if errors else []
 
 
 def _closer(flights: Flights, closest: Mapping[Tumble, Closest]) -> int:

@@ -78,22 +78,19 @@ class Search(NamedTuple):
     repeats: bool
 
 
-def waiting(
-    flights: Flights, holds: Iterable[Closest], bounds: Iterable[Missing]
-) -> dict[tuple[str, str], list[Search]]:
+def waiting(flights: Flights, holds: Iterable[Closest]) -> dict[tuple[str, str], list[Search]]:
     """By satellite and condition what is sought and not among those found.
 
-    That is each flight that is not settled, or lost again, and not excluded; with a wheel, motions that repeat, too. And, to compare, all
-    nominal flights without a wheel.
+    That is each flight that is not settled, or lost again; with a wheel, motions that repeat, too. And, to compare, all nominal flights
+    without a wheel.
     """
-    known, excluded = {hold.tumble for hold in holds}, {bound.tumble for bound in bounds if bound.excluded}
-    left_again = set(not_settled(flights))
+    known, left_again = {hold.tumble for hold in holds}, set(not_settled(flights))
     left: dict[tuple[str, str], list[Search]] = {}
     for line in flights.lines:
         tumble = satellite, condition, run = tumble_of(line)
         wheel = ALL[satellite].has_wheel
         to_compare = not wheel and condition == "nominal"
-        if tumble not in known | excluded and (to_compare or tumble in left_again):
+        if tumble not in known and (to_compare or tumble in left_again):
             left.setdefault((satellite, condition), []).append(Search(int(run), wheel and tumble in left_again))
     return left
 

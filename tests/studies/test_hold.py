@@ -58,6 +58,18 @@ def test_along_a_steady_field_the_error_is_that_of_a_parabola(tumble, steady):
     assert found == pytest.approx(1e-8 * TIME**2 / 16.0, rel=0.01)
 
 
+def test_a_wheel_without_torque_takes_up_nothing(tumble, steady):
+    stuck = replace(sphere(tumble, 1e-8, l_max=1e-3), wheel_torque_max=0.0)
+    assert least(stuck, BEGIN, BEGIN + TIME, RATE) == pytest.approx(1e-8 * TIME**2 / 16.0, rel=0.01)
+
+
+def test_a_stuck_wheel_that_spins_along_roll_lets_yaw_carry_momentum_along_pitch(tumble, steady):
+    """From -e to e of yaw it carries 2 l e: a torque tau over T needs e = tau T/2l, less than the parabola of a body without it."""
+    l_w, axis = 1e-2, {"wheel_axis": np.array([1.0, 0.0, 0.0]), "wheel_torque_max": 0.0}
+    spinning = replace(sphere(tumble, 1e-8, l_max=2.0 * l_w), h_w0=l_w, **axis)
+    assert 0.5e-3 < least(spinning, BEGIN, BEGIN + TIME, RATE) < 1e-8 * TIME / (2.0 * l_w)
+
+
 def test_a_wheel_takes_up_twice_its_limit_once_and_nothing_if_the_motion_repeats(tumble, steady):
     taken = 4e-7 * TIME
     assert least(sphere(tumble, 4e-7, 0.51 * taken), BEGIN, BEGIN + TIME, RATE) < 1e-3
@@ -97,12 +109,12 @@ def test_the_plant_keeps_the_balance_whatever_its_actuators_do(tumble, seed):
         else:
             momentum.append(state.l_w / p.wheel_momentum_max)
         state, _ = block.step(state, u, p, 0.5 * interval)
-    theta, course = np.array(theta).T, Course.of(p, 0.0, n * interval, interval)
+    theta = np.array(theta).T
 
     def residual(p):
-        air, field = hold._air(p, course), (course.b[1::2].T, course.c[1::2].T)
-        of_interval = hold._balance(p, course, RATE).map(n)
-        h, gain, _ = (x.full() for x in of_interval(theta[:, :-1], theta[:, 1:], np.array([momentum]), *air, *field))
+        course = Course.of(p, 0.0, n * interval, interval)
+        of_interval, middles = hold._balance(p, course, RATE).map(n), hold._middles(course)
+        h, gain, _ = (x.full() for x in of_interval(theta[:, :-1], theta[:, 1:], np.array([momentum]), *middles))
         return np.abs(np.diff(h) - 0.5 * (gain[:, 1:] + gain[:, :-1])).max(), np.abs(gain).max()
 
     left, most = residual(p)

@@ -1,6 +1,7 @@
 """The proof that no controller holds a satellite, against closed forms and against motions that are there."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import controller.reference
 from orchestration import InputError
+from plant.drag import Drag, octagonal_cylinder
+from studies import hold_bound
 from studies.flight.bound import loop, starts
 from studies.hold_bound import Course, missing, programme
 from studies.satellites.classes import tumbles
@@ -25,14 +28,29 @@ def plant_of(satellite, chosen):
 
 
 def like(p, field=None, J=None, torque=None, axis=None, l_max=None):
-    """The plant with other properties."""
+    """The plant with other properties, without drag."""
     return SimpleNamespace(
         orbit=p.orbit,
         field=p.field if field is None else SimpleNamespace(at=field),
         body=SimpleNamespace(J=p.body.J if J is None else J, wheel_axis=p.body.wheel_axis if axis is None else axis),
         disturbance_torque_B=p.disturbance_torque_B if torque is None else torque,
         wheel_momentum_max=p.wheel_momentum_max if l_max is None else l_max,
+        drag=False,
     )
+
+
+def moment_of_drag(p, t, R):
+    """By the plant's own law, N m in body axes; R from body to N."""
+    v_N, density = p.air.flow(t)
+    plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
+    return Drag(plates, p.center_of_mass_B, p.drag_factor * p.drag_coefficient).moment(R.T @ v_N, density)
+
+
+def like_disturbance(p):
+    """The plant with drag as large as its disturbance."""
+    at_target = controller.reference.lvlh(*p.orbit.position_velocity(BEGIN)).R_d
+    moment = moment_of_drag(replace(p, drag_factor=1.0), BEGIN, np.array(at_target))
+    return replace(p, drag_factor=float(np.linalg.norm(p.disturbance_torque_B) / np.linalg.norm(moment)))
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +128,10 @@ def test_a_motion_by_the_exact_equations_is_never_excluded(low, seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_needs_is_taken_off(seed):
-    """Attitudes at the full angle and any wheel momentum; the torque is that of the exact law d(h)/dt + Omega x h, without b or c."""
+    """Attitudes at the full angle, any wheel momentum, and drag as large as the disturbance; the torque is that of the exact law
+    d(h)/dt + Omega x h, without b or c."""
     p = plant_of("50 kg, wheel along (1, 2, 2)/3", lambda tilt: 15.0 * seed < tilt < 15.0 * seed + 40.0)
+    p = like_disturbance(p)
     rng, fine = np.random.default_rng(seed), 80
     course = Course.of(p, BEGIN, BEGIN + 400.0)
     n, dt = len(course.b) // 2, course.interval
@@ -132,6 +152,9 @@ def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_ne
     K = Q @ np.asarray(p.body.J) @ Q.transpose(0, 2, 1)
     h = np.einsum("tij,tj->ti", K, Omega + nu) + momentum[:, None] * (Q @ p.body.wheel_axis)
     given = Q @ p.disturbance_torque_B + 3.0 * (Omega @ Omega) * np.cross(down, K @ down)
+    given += np.array(
+        [q @ moment_of_drag(p, BEGIN + s, np.array(f.R_d) @ q) for q, f, s in zip(Q, frames, t, strict=True)]
+    )
     needed = np.einsum("ti,ti->t", b, np.gradient(h, t, axis=0, edge_order=2) + np.cross(Omega, h) - given)
 
     def means(values):
@@ -149,9 +172,38 @@ def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_ne
     assert (excess[1] + dt * means(needed) <= 0.0).all()
     assert (excess[2:4] <= 0.25 * dt * np.abs(needed).max()).all()
     assert (excess[4:] <= 1e-12).all()
-    # The terms of the angle count: with them turned round the same motion breaks the balance.
-    other = programme(like(p, torque=-p.disturbance_torque_B), course, ANGLE, rate).excess(x).reshape(-1, n)
-    assert (other[0] - dt * means(needed)).max() > 0.0 or (other[1] + dt * means(needed)).max() > 0.0
+    # With the disturbance or the drag turned round, and thrice as large, the same motion breaks the balance.
+    for turned_round in (
+        {"disturbance_torque_B": -3.0 * p.disturbance_torque_B},
+        {"drag_factor": -3.0 * p.drag_factor},
+    ):
+        other = programme(replace(p, **turned_round), course, ANGLE, rate).excess(x).reshape(-1, n)
+        assert max((other[0] - dt * means(needed)).max(), (other[1] + dt * means(needed)).max()) > 0.0
+
+
+@pytest.mark.parametrize("satellite", ["50 kg", "50 kg, elongated", "1U, no wheel"])
+def test_the_moment_of_drag_is_what_the_rows_take_it_for_to_the_bound_of_the_rest(satellite):
+    p = like_disturbance(plant_of(satellite, lambda tilt: tilt > 20.0))
+    course, rng = Course.of(p, BEGIN, BEGIN + 200.0), np.random.default_rng(0)
+    moment, change, rest = hold_bound._drag(p, course, ANGLE)
+    of_place = [np.array(controller.reference.lvlh(*p.orbit.position_velocity(t)).R_d) for t in course.times]
+    left, without = [], []
+    for k, L in enumerate(of_place):
+        for theta in rng.normal(size=(100, 3)):
+            theta *= ANGLE / np.linalg.norm(theta)
+            Q = Rotation.from_rotvec(theta).as_matrix()
+            exact = Q @ moment_of_drag(p, course.times[k], L @ Q)
+            left.append(np.linalg.norm(exact - moment[k] - change[k] @ theta))
+            without.append(np.linalg.norm(exact - moment[k]))
+    assert max(left) <= rest
+    assert 0.1 * rest < max(left) < 0.7 * max(without)
+
+
+def test_drag_alone_can_be_what_no_controller_holds():
+    p = like_disturbance(plant_of("1U, no wheel", lambda tilt: tilt < 15.0))
+    p = replace(p, drag_factor=10.0 * p.drag_factor, disturbance_torque_B=0.01 * p.disturbance_torque_B)
+    assert missing(p, BEGIN, BEGIN + 3000.0, ANGLE, 3e-3) > 0.0
+    assert missing(replace(p, drag=False), BEGIN, BEGIN + 3000.0, ANGLE, 3e-3) == 0.0
 
 
 def test_an_eccentric_orbit_is_refused(low):
