@@ -97,9 +97,10 @@ def in_parts(
     save: Callable[[list[Any]], None],
 ) -> Iterator[str]:
     """Appends the results of a function to those found, saves them after each AT_ONCE, and tells of it."""
-    with crew(jobs) as hands:
-        for i in range(0, len(wanted), AT_ONCE):
-            found += hands.each(name, function, wanted[i : i + AT_ONCE])
-            save(found)
-            yield f"{min(i + AT_ONCE, len(wanted))} of {len(wanted)} tumbles"
     save(found)
+    if wanted:
+        with crew(jobs) as hands:
+            for i in range(0, len(wanted), AT_ONCE):
+                found += hands.each(name, function, wanted[i : i + AT_ONCE])
+                save(found)
+                yield f"{name}: {min(i + AT_ONCE, len(wanted))} of {len(wanted)}"

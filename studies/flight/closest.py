@@ -46,7 +46,8 @@ def compared(flights: Flights, found: Iterable[Closest]) -> list[list[str]]:
         least_of = {one.run: one.error_deg for one in found if one.group == group}
         runs = [int(line["run"]) for line in flights.of(group)]
         least = np.array([least_of.get(run, np.nan) for run in runs])
-        flown, known = flights.column(group, "later_max_deg"), np.isfinite(least)
+        flown = flights.column(group, "later_max_deg")
+        known = np.isfinite(least) & np.isfinite(flown)
         if known.any():
             beyond = known & (flown >= LOST)
             over = (flown / least)[known]
@@ -58,7 +59,7 @@ def compared(flights: Flights, found: Iterable[Closest]) -> list[list[str]]:
                     *(degrees(float(size)) for size in sizes),
                     f"{beyond.sum()}",
                     f"{(beyond & (least >= LOST)).sum()}",
-                    *(f"{f(over):.3g}" for f in (np.min, np.median)),
+                    *(f"{f(over):.3g}" for f in (np.min, np.median, np.max)),
                 ]
             )
     return rows

@@ -59,7 +59,7 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, closest, {each.tumble: each for each in bounds}),
         why_not=_why_not(flights, closest, bounds),
-        most_missing=f"{max(shares):.1f} times it"
+        most_missing=f"{max(shares):.1f} times the disturbance"
         if (shares := [each.share for each in bounds if each.excluded])
         else "",
         near=_near(flights, closest, bounds),
@@ -142,8 +142,8 @@ def _why_not(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequen
     return rows
 
 
-VERDICTS = ("excluded", "none to the end", "none that repeats", "not ruled out", "not known")
-"""What is known of a flight that does not settle: a proof, searches that find no motion within LOST, one that finds it, nothing."""
+VERDICTS = ("excluded", "none to the end", "none that repeats", "repeats in one orbit", "not ruled out", "not known")
+"""What is known of a flight that does not settle: a proof, searches that find no motion within LOST, or find it, nothing."""
 
 
 def _verdict(tumble: Tumble, closest: Mapping[Tumble, Closest], excluded: Collection[Tumble]) -> str:
@@ -153,20 +153,22 @@ def _verdict(tumble: Tumble, closest: Mapping[Tumble, Closest], excluded: Collec
         return "not known"
     if not hold.close:
         return "none to the end"
-    if ALL[tumble[0]].has_wheel and not hold.repeating_deg >= LOST:
-        return "not known" if math.isnan(hold.first_orbit_deg + hold.last_orbit_deg) else "not ruled out"
-    return "none that repeats" if ALL[tumble[0]].has_wheel else "not ruled out"
+    if not ALL[tumble[0]].has_wheel:
+        return "not ruled out"
+    if math.isnan(sum(hold.repeating_deg)):
+        return "not known"
+    return ("not ruled out", "repeats in one orbit", "none that repeats")[sum(x >= LOST for x in hold.repeating_deg)]
 
 
 def _near(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> int:
     """Flights with a wheel against which only a search speaks, by less than a degree."""
     excluded = {each.tumble for each in bounds if each.excluded}
-    near = 0
+    needed = []
     for tumble in not_settled(flights):
         if ALL[tumble[0]].has_wheel and _verdict(tumble, closest, excluded).startswith("none"):
             hold = closest[tumble]
-            near += LOST <= np.fmax(hold.to_end_deg, hold.repeating_deg) < LOST + 1.0
-    return int(near)
+            needed.append(min(hold.repeating_deg) if hold.close else hold.to_end_deg)
+    return sum(error < LOST + 1.0 for error in needed)
 
 
 def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[Tumble, Missing]) -> list[list[str]]:
@@ -179,7 +181,7 @@ def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[T
         hold = closest.get(tumble_of(line))
         found = (hold.to_end_deg, hold.first_orbit_deg, hold.last_orbit_deg) if hold else [math.nan] * 3
         possible = ["–" if math.isnan(x) else degrees(x) for x in found]
-        missing = f"{100.0 * bound.share:.0f}%" if (bound := bounds.get(tumble_of(line))) and bound.excluded else "–"
+        missing = f"{100.0 * bound.share:.2g}%" if (bound := bounds.get(tumble_of(line))) and bound.excluded else "–"
         what = [line["satellite"], NAMES[line["condition"]], line["run"]]
         rows.append([*what, *where, *flown, *rest, missing, *possible, line["remark"]])
     return rows

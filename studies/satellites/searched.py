@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from .. import files
 from ..flight.bound import starts
 from ..flight.schemes import Data
@@ -61,9 +59,9 @@ class Closest(Searched):
     last_orbit_deg: float
 
     @property
-    def repeating_deg(self) -> float:
-        """The larger one of those that repeat; NaN where there is none."""
-        return float(np.fmax(self.first_orbit_deg, self.last_orbit_deg))
+    def repeating_deg(self) -> tuple[float, float]:
+        """Of the motions that repeat."""
+        return self.first_orbit_deg, self.last_orbit_deg
 
     @property
     def close(self) -> bool:

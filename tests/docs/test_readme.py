@@ -4,6 +4,8 @@ import math
 import re
 from collections import Counter
 
+import numpy as np
+
 from studies.satellites.classes import ALL
 from studies.satellites.kept import load, settling_times
 from studies.satellites.searched import BOUNDS, load_bounds
@@ -46,6 +48,18 @@ def test_the_satellites_that_no_controller_holds_are_those_of_their_file():
     named = "1U, no wheel", "errors"
     bounds = [it for it in load_bounds(ROOT / "docs" / BOUNDS) if (it.satellite, it.condition) == named]
     assert f"no controller can keep {sum(it.excluded for it in bounds)} of these 100 settled" in README
+
+
+def test_what_is_known_against_flights_that_do_not_settle_is_that_of_the_page():
+    known = [row for row in rows(page("satellites")) if len(row) == 9 and row[1] and row[2].isdigit()]
+    with_wheel = np.array([row[3:] for row in known if row[0] != "1U, no wheel"], int).sum(axis=0)
+    (without,) = (np.array(row[3:], int) for row in known if row[:2] == ["1U, no wheel", "nominal"])
+    proof, to_end, repeating, one, possible, unknown = with_wheel
+    assert unknown == 0
+    told = f"excludes {proof} of these {sum(with_wheel)}, for {to_end} no motion within 5 deg to the end was found, for {repeating} none"
+    assert told in README
+    assert f"for {one} one that repeats in one of two orbits alone, and for {possible} such motions are known" in README
+    assert f"for {without[0] + without[1]} no motion within 5 deg was found, even with unlimited rods" in README
 
 
 def test_the_flights_with_the_estimator_are_those_of_their_page():

@@ -10,6 +10,7 @@ from scipy.integrate import simpson, solve_ivp
 from scipy.spatial.transform import Rotation
 
 import controller.reference
+from controller.so3 import hat
 from orchestration import InputError
 from plant.drag import Drag, octagonal_cylinder
 from studies import hold_bound
@@ -197,6 +198,29 @@ def test_the_moment_of_drag_is_what_the_rows_take_it_for_to_the_bound_of_the_res
             without.append(np.linalg.norm(exact - moment[k]))
     assert max(left) <= rest
     assert 0.1 * rest < max(left) < 0.7 * max(without)
+
+
+def test_what_is_left_of_the_flow_on_a_plate_is_within_its_bound_and_reaches_both_ends():
+    """max(x + y, 0) of a plate that stands at x to the flow, |y| <= a, less its linear part: from 0 to (a^2 - x^2)/2a."""
+    a = ANGLE
+    for x in np.linspace(-1.5 * a, 1.5 * a, 13):
+        y = np.linspace(-a, a, 2001)
+        share = np.clip(0.5 + 0.5 * x / a, 0.0, 1.0)
+        left, bound = np.maximum(x + y, 0.0) - share * (x + y), max(a**2 - x**2, 0.0) / (2.0 * a)
+        assert left.min() == pytest.approx(0.0, abs=1e-4 * a)
+        assert left.max() == pytest.approx(bound, abs=1e-4 * a)
+        np.testing.assert_allclose(np.maximum(-x - y, 0.0) - (1.0 - share) * (-x - y), left, atol=1e-15)
+
+
+def test_the_rest_of_a_turned_matrix_is_within_its_bound():
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        S, theta = rng.normal(size=(3, 3)), rng.normal(size=3)
+        theta *= ANGLE / np.linalg.norm(theta)
+        Q = Rotation.from_rotvec(theta).as_matrix()
+        linear = S + hat(theta) @ S - S @ hat(theta)
+        rest = np.linalg.norm(Q @ S @ Q.T - linear, 2)
+        assert rest <= hold_bound._second(ANGLE) * hold_bound.uneven(S)
 
 
 def test_drag_alone_can_be_what_no_controller_holds():

@@ -11,11 +11,11 @@ from studies.paper import ROOT
 
 
 def test_flights_are_set_beside_the_least_largest_error_of_their_tumble():
-    largest = ("4", "6", "12", "9")
+    largest = ("4", "6", "12", "9", "")
     lines = [{"group": "drag", "run": f"{run}", "later_max_deg": most} for run, most in enumerate(largest)]
-    found = [Closest("drag", run, error) for run, error in enumerate((2.0, 4.0, 6.0, float("nan")))]
+    found = [Closest("drag", run, error) for run, error in enumerate((2.0, 4.0, 6.0, float("nan"), 3.0))]
     (row,) = compared(Flights(tuple(lines)), found)
-    assert row[1:] == ["3", "4°", "6°", "6°", "12°", "2", "1", "1.5", "2"]
+    assert row[1:] == ["3", "4°", "6°", "6°", "12°", "2", "1", "1.5", "2", "2"]
     assert compared(Flights(tuple(lines)), []) == []
 
 

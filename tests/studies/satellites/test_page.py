@@ -105,17 +105,18 @@ def test_it_is_sought_for_what_is_not_settled_and_for_some_to_compare():
 
 
 def test_of_flights_that_are_not_settled_it_is_told_what_is_known_against_them():
-    lines = [line("3U", run, "", "", later_max_deg="9", hold_rms_deg="9") for run in range(6)]
+    lines = [line("3U", run, "", "", later_max_deg="9", hold_rms_deg="9") for run in range(7)]
     holds = [
-        Closest("3U", "errors", 1, 6.0, 7.0, 8.0),
+        Closest("3U", "errors", 1, 5.5, 7.0, 8.0),
         Closest("3U", "errors", 2, 4.0, 3.0, 5.5),
         Closest("3U", "errors", 3, 4.0, 3.0, 4.5),
         Closest("3U", "errors", 4, 4.0, 6.0, NAN),
+        Closest("3U", "errors", 6, 4.0, 6.5, 7.0),
     ]
     bounds = [Missing("3U", "errors", 0, 0.3), *(Missing("3U", "errors", run, 0.0) for run in range(1, 6))]
     text = page.text(Flights(tuple(lines)), holds, bounds)
-    assert row(text, "3U", "all errors", "6")[3:] == ["1", "1", "2", "1", "1"]
-    assert "only a search speaks, 1 need less than 6°" in text
+    assert row(text, "3U", "all errors", "7")[3:] == ["1", "1", "1", "1", "1", "2"]
+    assert "either of two orbits*, 1 need less than 6°" in text
     assert row(text, "3U", "all errors", "0")[-5:] == ["30%", "–", "–", "–", ""]
     assert row(text, "3U", "all errors", "2")[-5:] == ["–", "4°", "3°", "5.5°", ""]
 
@@ -130,8 +131,8 @@ def test_flights_that_no_controller_holds_are_told_apart_from_those_that_are_not
     flights = Flights(tuple(lines))
     assert not_settled(flights) == [("3U", "errors", run) for run in "123"]
     text = page.text(flights, bounds=bounds)
-    assert row(text, "3U", "all errors", "3", "1")[4:] == ["0", "0", "0", "2"]
-    assert "the most is 0.2 times it" in text
+    assert row(text, "3U", "all errors", "3", "1")[4:] == ["0", "0", "0", "0", "2"]
+    assert "the most is 0.2 times the disturbance" in text
     assert row(text, "3U", "all errors", "2")[-5] == "18%"
     assert row(text, "3U", "all errors", "3", "–")[-5] == "–"
     assert "have not been looked at" not in text
