@@ -59,7 +59,11 @@ def compared(flights: Flights, found: Iterable[Closest]) -> list[list[str]]:
                     *(degrees(float(size)) for size in sizes),
                     f"{beyond.sum()}",
                     f"{(beyond & (least >= LOST)).sum()}",
-                    *(f"{f(over):.3g}" for f in (np.min, np.median, np.max)),
+                    *(_times(float(f(over))) for f in (np.min, np.median, np.max)),
                 ]
             )
     return rows
+
+
+def _times(over: float) -> str:
+    return f"{over:.3g}" if over < 1000.0 else "above 1000"
