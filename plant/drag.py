@@ -48,16 +48,18 @@ def octagonal_cylinder(width: float, length: float, axis: str) -> Plates:
 
 
 class Drag:
-    """Moment on plates about a centre of mass (3,), m from the geometric centre."""
+    """Moment on plates about a centre of mass (3,), m from the geometric centre.
+
+    `normals` (n,3) are those of the plates, `arms` (n,3), m3, their lever arms times 1/2 C_d A.
+    """
 
     def __init__(self, plates: Plates, center_of_mass_B: Array, coefficient: float) -> None:
         """coefficient: C_d, with any factor on the moment."""
-        self._normals = plates.normals
-        self._areas = 0.5 * coefficient * plates.areas
-        self._arms = self._areas[:, None] * (plates.centres - center_of_mass_B)
+        self.normals = plates.normals
+        self.arms = (0.5 * coefficient * plates.areas)[:, None] * (plates.centres - center_of_mass_B)
 
     def moment(self, v_B: Array, density: float) -> Array:
         """(3,) N m in body axes about the centre of mass; v_B (3,) m/s relative to the air, density kg/m3."""
-        a, b, c = np.maximum(self._normals.dot(v_B), 0.0).dot(self._arms).tolist()
+        a, b, c = np.maximum(self.normals.dot(v_B), 0.0).dot(self.arms).tolist()
         x, y, z = (-density * v_B).tolist()
         return np.array((b * z - c * y, c * x - a * z, a * y - b * x))

@@ -45,6 +45,11 @@ def load(kind: type[T], file: Path, remedy: str) -> list[T]:
     return records
 
 
+def load_if_any(kind: type[T], file: Path, remedy: str) -> list[T]:
+    """As `load`; none without a file."""
+    return load(kind, file, remedy) if file.is_file() else []
+
+
 def save(kind: type[T], file: Path, records: Iterable[T]) -> None:
     """Writes records of a dataclass, numbers to five digits."""
     lines = (asdict(record) for record in records)  # type: ignore[call-overload]

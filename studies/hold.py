@@ -20,7 +20,6 @@ import casadi as ca
 import numpy as np
 
 import plant
-from plant.drag import octagonal_cylinder
 
 from .hold_bound import E3, Course
 from .motion import IPOPT
@@ -104,11 +103,9 @@ def _turn(theta: ca.SX) -> ca.SX:
 
 def _drag(p: plant.Parameters, v_B: ca.SX, density: ca.SX) -> ca.SX:
     """Moment (3,) of plant/drag.py, N m, its edges a little blunt."""
-    plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
-    areas = 0.5 * p.drag_factor * p.drag_coefficient * plates.areas
-    along = ca.DM(plates.normals) @ v_B / SPEED
+    along = ca.DM(p.surface.normals) @ v_B / SPEED
     facing = 0.5 * SPEED * (along + ca.sqrt(along**2 + BLUNT))
-    return ca.cross(ca.DM(areas[:, None] * (plates.centres - p.center_of_mass_B)).T @ facing, -density * v_B)
+    return ca.cross(ca.DM(p.surface.arms).T @ facing, -density * v_B)
 
 
 def _middles(course: Course) -> tuple[Array, Array, Array, Array]:

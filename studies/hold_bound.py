@@ -38,7 +38,6 @@ import controller.reference
 import plant
 from controller.so3 import hat
 from orchestration import InputError
-from plant.drag import octagonal_cylinder
 
 from .paper import Array
 
@@ -175,24 +174,28 @@ def _largest(values: Array) -> float:
     return float(np.linalg.norm(values.reshape(len(values), -1), axis=1).max())
 
 
+def _facing(along: Array, angle: float) -> tuple[Array, Array]:
+    """Of plates with n.v/|v| = x the share s of max(n.v, 0) that is linear, s n.v, and the most that is left of it over |v|.
+
+    That is for a v that turns by up to an angle. What is left is between zero and (angle^2 - x^2)/(2 angle), for a plate that stands along
+    the flow to the angle; other plates face the flow, s = 1, or do not.
+    """
+    return np.clip(0.5 + 0.5 * along / angle, 0.0, 1.0), np.maximum(angle**2 - along**2, 0.0) / (2.0 * angle)
+
+
 def _drag(p: plant.Parameters, course: Course, angle: float) -> tuple[Array, Array, float]:
     """The moment of drag, N m in LVLH axes, at the target (2n+1, 3); its change with theta (2n+1, 3, 3); and a bound of the rest.
 
-    Of the flow on plate i, max(n_i.v, 0), the part s_i n_i.v is linear. A plate that stands along the flow to `angle` has s_i between 0
-    and 1, and what is left of it, in units of |v|, is between 0 and `edges`: the half of that counts as known. It is the same for a plate
-    and the one on the other side.
+    The half of what may be left of the flow on a plate (_facing) counts as known. It is the same for a plate and the one on the other side.
     """
     if not p.drag:
         return np.zeros_like(course.v), np.zeros((len(course.v), 3, 3)), 0.0
-    plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
-    arms = (0.5 * p.drag_factor * p.drag_coefficient * plates.areas)[:, None] * (plates.centres - p.center_of_mass_B)
-    pairs = arms + arms[np.argmin(plates.normals @ plates.normals.T, axis=1)]
+    normals, arms = p.surface.normals, p.surface.arms
+    pairs = arms + arms[np.argmin(normals @ normals.T, axis=1)]
     speed = np.linalg.norm(course.v, axis=1)
-    along = course.v @ plates.normals.T / speed[:, None]
-    shares = np.clip(0.5 + 0.5 * along / angle, 0.0, 1.0)
-    edges = np.maximum(angle**2 - along**2, 0.0) / (2.0 * angle)
+    shares, edges = _facing(course.v @ normals.T / speed[:, None], angle)
     known, unknown = 0.5 * edges @ arms, 0.25 * edges @ np.linalg.norm(pairs, axis=1)
-    S = np.einsum("kp,pi,pj->kij", shares, arms, plates.normals)
+    S = np.einsum("kp,pi,pj->kij", shares, arms, normals)
     faced = np.einsum("kij,kj->ki", S, course.v) + speed[:, None] * known
     moment = course.density[:, None] * np.cross(course.v, faced)
     change = np.array([rho * hat(v) @ by_turn(s, v) for rho, v, s in zip(course.density, course.v, S, strict=True)])

@@ -36,7 +36,6 @@ import controller.reference
 import plant
 from controller.reference import Reference
 from orchestration import InputError
-from plant.drag import octagonal_cylinder
 
 from .paper import Array
 from .setup import Setup
@@ -151,14 +150,12 @@ class MomentumBalance:
         if p.gravity_gradient:  # |3 mu/r^3 r_hat x J r_hat| <= 3/2 mu/r^3 (J_max - J_min)
             total += 1.5 * p.gravitational_parameter / nearest**3 * spread
         if p.drag:
-            plates = octagonal_cylinder(p.body_width, p.body_length, p.body_axis)
-            arms = np.linalg.norm(plates.centres - p.center_of_mass_B, axis=1)
             pressure = 0.0
             for t in times[::10]:
                 v, density = p.air.flow(float(t))
-                pressure = max(pressure, 0.5 * density * float(v @ v))
+                pressure = max(pressure, density * float(v @ v))
             # Twice the sampled pressure: between samples 10 s apart it moves by a few per cent.
-            total += 2.0 * pressure * p.drag_factor * p.drag_coefficient * float(plates.areas @ arms)
+            total += 2.0 * pressure * float(np.linalg.norm(p.surface.arms, axis=1).sum())
         return total
 
     def needed(self, T: float) -> tuple[Array, Array]:

@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from .. import markdown
+from ..flight.cases import LOST
 from ..flight.kept import angle, quantile
 from ..markdown import finite, orbits
 from ..paper import ORBIT, Array
 from .kept import Flight
 from .rows import OTHERS, RODS, ROWS, SENSORS, UNSEARCHED, WHEEL, Row
 
-LOST = 5.0
-"""deg: below it the attitude is held."""
 SOON = 1.5
 """Orbits, by which a flight by rods alone is to be below LOST for good."""
 

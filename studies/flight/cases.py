@@ -29,6 +29,8 @@ HOLD = 2000.0
 """The hold's error is that of so many last seconds."""
 ALARMS = ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed")
 """What the planned controller says of failures."""
+LOST = 5.0
+"""deg, within which a satellite is held."""
 RATE = 1e-3
 """Settled: below the angle and this rate, rad/s, from then to the end of the flight."""
 

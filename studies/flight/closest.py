@@ -10,14 +10,13 @@ import numpy as np
 
 from .. import files
 from ..markdown import degrees
+from .cases import LOST
 from .kept import Flights
 from .tried import TRIED
 
 FILE = "flight_hold.csv"
 SOUGHT = ("wheel stuck", "drag")
 """Groups of TRIED of whose tumbles it is sought."""
-LOST = 5.0
-"""deg."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Closest:
 
 def load(file: Path) -> list[Closest]:
     """Those of a file, none without one. Raises InputError for a file of another form."""
-    return files.load(Closest, file, "python -m studies flight --holds") if file.is_file() else []
+    return files.load_if_any(Closest, file, "python -m studies flight --holds")
 
 
 def save(file: Path, found: Iterable[Closest]) -> None:

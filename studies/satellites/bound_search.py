@@ -12,10 +12,11 @@ import numpy as np
 
 from ..crew import in_parts
 from ..flight.bound import loop
+from ..flight.cases import LOST
 from ..flight.schemes import Data
 from ..hold_bound import missing
 from .classes import ALL, DURATION, EARLY
-from .kept import LOST, Flights, not_settled
+from .kept import Flights, not_settled
 from .searched import Missing, load_bounds, save_bounds, starts_of
 
 

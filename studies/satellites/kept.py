@@ -29,8 +29,6 @@ COLUMNS = (
     "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
     "wheel_share momentum_bound_s told remark"
 ).split()
-LOST = 5.0
-"""deg, within which a satellite is held."""
 HORIZON = 6000.0
 """s, up to which the momentum bound of a flight that does not settle is sought."""
 

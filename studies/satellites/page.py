@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import markdown
-from ..flight.cases import HOLD
+from ..flight.cases import HOLD, LOST
 from ..markdown import degrees
 from ..paper import Array
 from . import without_wheel
@@ -19,7 +19,6 @@ from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
     HORIZON,
-    LOST,
     NAMES,
     STEEP,
     Flights,
@@ -40,6 +39,8 @@ BETWEEN = (0.0, 3.0, 4.0, LOST, 7.0, 15.0, math.inf)
 def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missing] = ()) -> str:
     """The page."""
     closest = {hold.tumble: hold for hold in holds}
+    excluded = {each.tumble for each in bounds if each.excluded}
+    verdicts = {tumble: _verdict(tumble, closest, excluded) for tumble in not_settled(flights)}
     of_wheel = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
     counts = [len(flights.of(name, kind)) for name in ALL for kind in CONDITIONS]
     return markdown.render(
@@ -58,16 +59,16 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
         with_wheel=len(of_wheel),
         late_with_wheel=int((np.isfinite(settling_times(of_wheel)) & (settling_times(of_wheel) > EARLY)).sum()),
         left=_left(flights, closest, {each.tumble: each for each in bounds}),
-        why_not=_why_not(flights, closest, bounds),
+        why_not=_why_not(verdicts),
         most_missing=f"{max(shares):.1f} times the disturbance"
         if (shares := [each.share for each in bounds if each.excluded])
         else "",
-        near=_near(flights, closest, bounds),
-        no_bound=len(set(not_settled(flights)) - {each.tumble for each in bounds}),
+        near=_near(verdicts, closest),
+        no_bound=len(set(verdicts) - {each.tumble for each in bounds}),
         compared=_compared(flights, closest),
         closer=_closer(flights, closest),
         waiting=sum(map(len, waiting(flights, holds).values())),
-        of_excluded=_of_excluded(closest, bounds),
+        of_excluded=_of_excluded(closest, excluded),
         open=sum(_verdict(hold.tumble, closest, ()) == "not known" for hold in holds),
         unsettled=len(flights.unsettled.lines),
         were_settled=sum(bool(line["early_s"]) for line in flights.unsettled.lines),
@@ -129,17 +130,15 @@ def _by_inclination(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _why_not(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> list[list[str]]:
+def _why_not(verdicts: Mapping[Tumble, str]) -> list[list[str]]:
     """Of each satellite and condition with flights that do not settle: how many, and what is known against them."""
-    excluded = {each.tumble for each in bounds if each.excluded}
-    of_row: dict[tuple[str, str], list[Tumble]] = {}
-    for tumble in not_settled(flights):
-        of_row.setdefault(tumble[:2], []).append(tumble)
-    rows = []
-    for (name, kind), tumbles in of_row.items():
-        known = Counter(_verdict(tumble, closest, excluded) for tumble in tumbles)
-        rows.append([name, NAMES[kind], f"{len(tumbles)}", *(f"{known[verdict]}" for verdict in VERDICTS)])
-    return rows
+    of_row: dict[tuple[str, str], Counter[str]] = {}
+    for tumble, verdict in verdicts.items():
+        of_row.setdefault(tumble[:2], Counter())[verdict] += 1
+    return [
+        [name, NAMES[kind], f"{known.total()}", *(f"{known[verdict]}" for verdict in VERDICTS)]
+        for (name, kind), known in of_row.items()
+    ]
 
 
 VERDICTS = ("excluded", "none to the end", "none that repeats", "repeats in one orbit", "not ruled out", "not known")
@@ -160,15 +159,10 @@ def _verdict(tumble: Tumble, closest: Mapping[Tumble, Closest], excluded: Collec
     return ("not ruled out", "repeats in one orbit", "none that repeats")[sum(x >= LOST for x in hold.repeating_deg)]
 
 
-def _near(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> int:
+def _near(verdicts: Mapping[Tumble, str], closest: Mapping[Tumble, Closest]) -> int:
     """Flights with a wheel against which only a search speaks, by less than a degree."""
-    excluded = {each.tumble for each in bounds if each.excluded}
-    needed = []
-    for tumble in not_settled(flights):
-        if ALL[tumble[0]].has_wheel and _verdict(tumble, closest, excluded).startswith("none"):
-            hold = closest[tumble]
-            needed.append(min(hold.repeating_deg) if hold.close else hold.to_end_deg)
-    return sum(error < LOST + 1.0 for error in needed)
+    against = [closest[tumble] for tumble, it in verdicts.items() if ALL[tumble[0]].has_wheel and it.startswith("none")]
+    return sum((min(hold.repeating_deg) if hold.close else hold.to_end_deg) < LOST + 1.0 for hold in against)
 
 
 def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[Tumble, Missing]) -> list[list[str]]:
@@ -179,7 +173,7 @@ def _left(flights: Flights, closest: Mapping[Tumble, Closest], bounds: Mapping[T
         flown = [degrees(float(line[name])) if line[name] else "–" for name in ("later_max_deg", "hold_rms_deg")]
         rest = [line["wheel_share"] or "–", line["momentum_bound_s"] or "–"]
         hold = closest.get(tumble_of(line))
-        found = (hold.to_end_deg, hold.first_orbit_deg, hold.last_orbit_deg) if hold else [math.nan] * 3
+        found = (hold.to_end_deg, *hold.repeating_deg) if hold else [math.nan] * 3
         possible = ["–" if math.isnan(x) else degrees(x) for x in found]
         missing = f"{100.0 * bound.share:.2g}%" if (bound := bounds.get(tumble_of(line))) and bound.excluded else "–"
         what = [line["satellite"], NAMES[line["condition"]], line["run"]]
@@ -212,9 +206,9 @@ def _found(flights: Flights, closest: Mapping[Tumble, Closest]) -> tuple[list[Ma
     return lines, np.array([closest[tumble_of(line)].to_end_deg for line in lines])
 
 
-def _of_excluded(closest: Mapping[Tumble, Closest], bounds: Sequence[Missing]) -> list[str]:
+def _of_excluded(closest: Mapping[Tumble, Closest], excluded: Collection[Tumble]) -> list[str]:
     """Of the excluded tumbles the smallest of the least largest errors that were found, and the median; empty without one."""
-    errors = [closest[each.tumble].to_end_deg for each in bounds if each.excluded and each.tumble in closest]
+    errors = [closest[tumble].to_end_deg for tumble in excluded if tumble in closest]
     return [degrees(float(f(errors))) for f in (np.nanmin, np.nanmedian)] if errors else []
 
 

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 from .. import files
 from ..flight.bound import starts
+from ..flight.cases import LOST
 from ..flight.schemes import Data
 from .classes import ALL, tumbles
-from .kept import CONDITIONS, LOST, Flights, Tumble, not_settled, tumble_of
+from .kept import CONDITIONS, Flights, Tumble, not_settled, tumble_of
 
 HOLDS, BOUNDS = "satellites_hold.csv", "satellites_bound.csv"
 PROVEN = 0.01
@@ -95,7 +96,7 @@ def waiting(flights: Flights, holds: Iterable[Closest]) -> dict[tuple[str, str],
 
 def load_holds(file: Path) -> list[Closest]:
     """The least largest errors of a file, none without one. Raises InputError for a file of another form."""
-    return files.load(Closest, file, "python -m studies satellites --holds") if file.is_file() else []
+    return files.load_if_any(Closest, file, "python -m studies satellites --holds")
 
 
 def save_holds(file: Path, holds: Iterable[Closest]) -> None:
@@ -105,7 +106,7 @@ def save_holds(file: Path, holds: Iterable[Closest]) -> None:
 
 def load_bounds(file: Path) -> list[Missing]:
     """The bounds of a file, none without one. Raises InputError for a file of another form."""
-    return files.load(Missing, file, "python -m studies satellites --bounds") if file.is_file() else []
+    return files.load_if_any(Missing, file, "python -m studies satellites --bounds")
 
 
 def save_bounds(file: Path, bounds: Iterable[Missing]) -> None:
