@@ -101,7 +101,8 @@ def _rods(start: Mapping[str, Any]) -> float:
 def run(which: str, letter: str = "a", changes: Mapping[str, Any] | None = None, duration: float = DURATION) -> Run:
     """Flies a manoeuvre in one of READINGS, with further start values by `block.parameter`."""
     start = {**READINGS[letter].changes, **(changes or {})}
-    flown = replay(campaign("run", which, [start], duration=duration), 0, RESULTS / "run")
+    wanted = campaign("run", which, [start], duration=duration)
+    flown = replay(wanted, 0, crew.folder_of(wanted, RESULTS))  # a folder of its own: others may fly at the same time
     result = flown.result
     signals = {
         ("unheld_" if block == _FREE else "") + name: result[f"{block}.{name}"]
