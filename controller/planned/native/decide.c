@@ -15,11 +15,12 @@ static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
-/* A hold is strained from an angle on, or from a smaller one or a share of wheel_momentum_max that has lasted for so many orbits. */
-static const double STRAINED_ANGLE = 0.0174532925;                                               /* rad (1 deg) */
+/* A hold is strained where an angle, or a share of wheel_momentum_max, has lasted for so many orbits; with a larger angle sooner:
+ * after so many T, in which an ordinary plan undoes what was sudden. */
+static const double STRAINED_ANGLE = 0.0174532925, STRAINED_TIME = 2.0;                          /* rad (1 deg), T */
 static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTING_ORBITS = 0.05; /* rad (0.5 deg) */
-static const double STRAINED_ORBITS = 1.0;                                                       /* settled, until it is not */
-static const double STRAINED_LOST = 1.0;                                                         /* rad (57 deg) */
+static const double STRAINED_ORBITS = 1.0; /* without a cause, until it is not */
+static const double STRAINED_LOST = 1.0;   /* rad (57 deg) */
 
 /* Where the satellite stands against its target. */
 typedef struct {
@@ -76,6 +77,7 @@ void controller_planned_give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
     x->settled_since = x->loaded_since = INFINITY;
+    x->strained_until = -INFINITY;
     x->planned.nodes = 0;
     x->search.active = x->search.ready = x->challenged = x->provisional = x->strained = false;
     x->plan.stages = 0;
@@ -91,13 +93,16 @@ static bool has_come(const ControllerPlannedState *x, double early)
     return x->search.ready && x->t >= x->search.t - early;
 }
 
-/* Whether the wheel possibly cannot keep the hold close; ends when it has been settled for an orbit and the wheel is not loaded. */
-static bool is_strained(const ControllerPlannedState *x, const Standing *s)
+/* Whether the wheel possibly cannot keep the hold close: where there is a cause, and until there has been none for an orbit. */
+static bool is_strained(ControllerPlannedState *x, const Standing *s)
 {
     const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const bool begins = s->angle > STRAINED_ANGLE || x->t - x->loaded_since > LASTING_ORBITS * orbit;
-    const bool goes_on = x->strained && !(x->t - x->settled_since > STRAINED_ORBITS * orbit);
-    return x->phase == PHASE_HOLD && !x->rods_alone && (begins || goes_on);
+    const double lasts = x->t - x->loaded_since;
+    const bool far = s->angle > STRAINED_ANGLE && lasts > STRAINED_TIME * x->scales.time;
+    if (far || lasts > LASTING_ORBITS * orbit) {
+        x->strained_until = x->t + STRAINED_ORBITS * orbit;
+    }
+    return x->phase == PHASE_HOLD && !x->rods_alone && x->t < x->strained_until;
 }
 
 /* The phase from now on; whether a plan or a steering is due. */

@@ -98,6 +98,7 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
                    .orbit = orbit,
                    .bias_N = x->field_bias_N,
                    .bias_t = x->t,
+                   .profile = x->strained ? &x->profile : NULL,
                    .target_kind = law->p.reference,
                    .R_d0 = law->R_d0};
     if (controller_planned_has_R_ref(u)) {
@@ -178,6 +179,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, &x->identification);
+    controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
         controller_planned_watch_attitude(dt, x->scales.time, p->attitude_noise, matrix(u->R_NB), x->estimate.Omega,
@@ -223,6 +225,8 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
         x->predicted = measured;
     }
     x->estimate = controller_planned_corrected(x, R, measured.Omega, measured.l);
+    controller_planned_profile_keep(x->t, ONBOARD_TURN / x->scales.orbit_rate, vector(x->identification.p + TORQUE),
+                                    x->phase == PHASE_HOLD, &x->profile);
     x->t_sample = x->t;
     x->measured = measured;
     x->B_B = B_B;

@@ -52,6 +52,9 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
 /* The noise of the measurements is that of the parameters, which may change in flight. */
 void controller_planned_set_noise(const ControllerPlannedParameters *p, Identification *id);
 
+/* The bound of the disturbance, and how soon it is forgotten. */
+void controller_planned_set_disturbance(const Scales *scales, bool strained, Identification *id);
+
 /* Inertia and gains are those of before the flight again. */
 void controller_planned_begin_properties(Identification *id);
 

@@ -99,24 +99,30 @@ void controller_planned_set_noise(const ControllerPlannedParameters *p, Identifi
     id->variance[1] = p->rate_noise * p->rate_noise;
 }
 
+void controller_planned_set_disturbance(const Scales *scales, bool strained, Identification *id)
+{
+    const double inertia = scales->momentum * scales->time;
+    const double forgotten = strained ? scales->strained_disturbance_time : scales->disturbance_time;
+    id->limit[1] = strained ? scales->strained_disturbance_max : scales->disturbance_max;
+    /* The filter at rest then forgets over that time. */
+    id->torque_density = id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (forgotten * forgotten) : 0.0;
+}
+
 void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales, Identification *id)
 {
-    const double T = scales->time, inertia = scales->momentum * T;
+    const double T = scales->time;
     memset(id, 0, sizeof *id);
     store_symmetric(matrix(p->J_B), id->start + INERTIA);
     store_symmetric(controller_planned_sigma_before(p), id->inertia_spread);
     store(vector(p->rod_gains0), id->start + GAINS);
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
-    id->limit[1] = scales->disturbance_max;
     id->limit[2] = scales->residual_dipole_max;
-    id->limit[3] = PRODUCTS * TRUST * inertia;
+    id->limit[3] = PRODUCTS * TRUST * scales->momentum * T;
     controller_planned_set_noise(p, id);
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
     id->bias_density = EXPECTED * EXPECTED * id->limit[0] * id->limit[0] / BIAS_TIME;
-    /* The filter at rest then forgets over disturbance_time. */
-    id->torque_density =
-        id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (scales->disturbance_time * scales->disturbance_time) : 0.0;
+    controller_planned_set_disturbance(scales, false, id);
     id->time = T;
     id->watch.pause = PAUSE * T;
     id->lasts = LASTS * T;

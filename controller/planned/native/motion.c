@@ -10,7 +10,7 @@ Around controller_planned_around_of(const OnboardField *field, const TwoBody *or
     Vector r_N, v_N;
     two_body_at(orbit, t, &r_N, &v_N);
     const double r = norm(r_N);
-    return (Around){onboard_field_at(field, t, r_N), scale(1.0 / r, r_N), orbit->mu / (r * r * r)};
+    return (Around){onboard_field_at(field, t, r_N), scale(1.0 / r, r_N), orbit->mu / (r * r * r), {0.0, 0.0, 0.0}};
 }
 
 Around controller_planned_around_at(const Ahead *ahead, double t)
@@ -18,6 +18,9 @@ Around controller_planned_around_at(const Ahead *ahead, double t)
     Around around = controller_planned_around_of(ahead->field, &ahead->orbit, t);
     const double share = exp(-larger(t - ahead->bias_t, 0.0) / BIAS_FADES);
     around.B_N = add(around.B_N, scale(share, ahead->bias_N));
+    if (ahead->profile != NULL) {
+        around.change_B = controller_planned_profile_change(ahead->profile, ahead->orbit.t, t);
+    }
     return around;
 }
 
@@ -71,7 +74,7 @@ static Vector torque(const Model *model, const Around *around, const Motion *x, 
     const Vector B = apply_transposed(x->R, around->B_N);
     Vector tau = add(cross(momentum_of(model, x), x->Omega), cross(dipole(model, u), B));
     tau = add(tau, gravity_gradient(model->J, around, x->R));
-    tau = add(tau, model->disturbance_B);
+    tau = add(tau, add(model->disturbance_B, around->change_B));
     return subtract(tau, scale(model->wheel_torque_max * u[3], model->wheel_axis));
 }
 

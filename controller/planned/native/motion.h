@@ -4,6 +4,7 @@
 
 #include "box_qp.h"
 #include "onboard.h"
+#include "profile.h"
 #include "scales.h"
 
 enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
@@ -39,6 +40,7 @@ typedef struct {
     Vector B_N;          /* T */
     Vector r_hat_N;      /* unit position */
     double rate_squared; /* mu/r^3, 1/s^2 */
+    Vector change_B;     /* N m, of the disturbance torque, from that of now */
 } Around;
 
 enum { AHEAD_TIMES = 16 }; /* at which a given target may be known */
@@ -53,8 +55,9 @@ typedef struct {
 typedef struct {
     const OnboardField *field;
     TwoBody orbit;
-    Vector bias_N; /* T, added to the field, fading over BIAS_FADES */
-    double bias_t; /* when it was measured, s */
+    Vector bias_N;          /* T, added to the field, fading over BIAS_FADES */
+    double bias_t;          /* when it was measured, s */
+    const Profile *profile; /* of the disturbance; NULL: it is taken to be constant */
     int target_kind;
     int knots; /* after knot[0], which is now; 0: the target is known for now only */
     Knot knot[AHEAD_TIMES + 1];

@@ -11,12 +11,13 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 3.0;
-static const double NUTATION = 1.0;             /* from which it is fast */
-static const double DISTURBANCE_MAX = 0.036;    /* of the rods' torque: more could not be opposed by rods in the hold */
-static const double RESIDUAL_DIPOLE_MAX = 0.05; /* of dipole_max */
-static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0; /* s */
-static const double STRONG_DRAG = 370e3;                         /* m, the height below which drag is strong */
-static const double DENSITY_HEIGHT = 60e3;                       /* m, in which the density of the air falls by e there */
+static const double NUTATION = 1.0;          /* from which it is fast */
+static const double DISTURBANCE_MAX = 0.036; /* of the rods' torque: more could not be opposed by rods in the hold */
+static const double STRAINED_DISTURBANCE = 4.0, STRAINED_SOONER = 10.0; /* in a strained hold: more, and forgotten sooner */
+static const double RESIDUAL_DIPOLE_MAX = 0.05;                         /* of dipole_max */
+static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0;        /* s */
+static const double STRONG_DRAG = 370e3;                                /* m, the height below which drag is strong */
+static const double DENSITY_HEIGHT = 60e3; /* m, in which the density of the air falls by e there */
 static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;                             /* T^2 */
@@ -92,6 +93,8 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);
     const double least = 1.0 / controller_planned_largest_of(J, identity);
+    const double disturbance = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque);
+    const double forgotten = given_or(p->disturbance_time, two_digits(drag_forgotten(a)));
     const double l = two_digits(smaller(DAMPING * momentum, DAMPING_SAMPLED * least / p->control_period));
     return (Scales){
         .time = T,
@@ -115,8 +118,10 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .L = {{l, 0.0, 0.0}, {0.0, l, 0.0}, {0.0, 0.0, l}},
         .plan_period = given_or(p->plan_period, PLAN_PERIOD * T),
         .steering_limit = given_or(p->steering_limit, two_digits(STEERING_LIMIT * momentum)),
-        .disturbance_max = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque),
-        .disturbance_time = given_or(p->disturbance_time, two_digits(drag_forgotten(a))),
+        .disturbance_max = disturbance,
+        .strained_disturbance_max = p->disturbance_max >= 0.0 ? disturbance : STRAINED_DISTURBANCE * disturbance,
+        .disturbance_time = forgotten,
+        .strained_disturbance_time = p->disturbance_time > 0.0 ? forgotten : forgotten / STRAINED_SOONER,
         .residual_dipole_max = p->residual_dipole_max >= 0.0 ? p->residual_dipole_max : RESIDUAL_DIPOLE_MAX * dipole,
     };
 }

@@ -30,9 +30,9 @@ typedef struct {
     Matrix L;                         /* N m s */
     double plan_period;               /* s */
     double steering_limit;            /* N m s */
-    double disturbance_max;           /* N m */
-    double disturbance_time;          /* s */
-    double residual_dipole_max;       /* A m2 */
+    double disturbance_max, strained_disturbance_max;   /* N m; that of a strained hold */
+    double disturbance_time, strained_disturbance_time; /* s */
+    double residual_dipole_max;                         /* A m2 */
 } Scales;
 
 /* `a`: the orbit's semi-major axis, m. Parameters that are given win, but for the tunable gains. */

@@ -125,7 +125,7 @@ static Model model_of(const FlatModel *f)
 
 static Around around_of(const FlatAround *f)
 {
-    return (Around){vector(f->B_N), vector(f->r_hat_N), f->rate_squared};
+    return (Around){vector(f->B_N), vector(f->r_hat_N), f->rate_squared, {0.0, 0.0, 0.0}};
 }
 
 static Motion motion_of(const FlatMotion *f)
