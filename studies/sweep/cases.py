@@ -10,6 +10,7 @@ from orchestration.campaign.load import read_campaign
 
 from ..flight.cases import SEEDS, Group, drawn, tumbles
 from ..flight.schemes import Data, base, change
+from ..flight.tried import TRIED
 from ..paper import ORBIT, ROOT
 from ..satellites.classes import tumbles as tumbles_of_satellite
 from .loop import FROZEN_ATTITUDE, FROZEN_FIELD, Flight, parameters, tumbles_of
@@ -97,6 +98,12 @@ def _small(runs: int) -> list[Flight]:
     return [Flight(given, until=1.5 * ORBIT, hold=0.5 * ORBIT, rate=group.slow) for given in tumbles_of(group)]
 
 
+def _much_drag(runs: int) -> list[Flight]:
+    """The first tumbles of docs/flight.md at 400 km with ten times the drag, with their hold from `early` on."""
+    group = next(t for t in TRIED if t.name == "drag").group(runs)
+    return [whole(group, each) for each in group.drawn()]
+
+
 def _below(satellite: str, start: str, limit: float) -> Callable[[int], list[Flight]]:
     """The first tumbles of a satellite with this start value below a limit, half of them under all errors."""
 
@@ -166,6 +173,7 @@ GROUPS = {
     "hold": Cases(_hold, 10, ("hold",)),
     "small satellite": Cases(_small, 2, ("hold",)),
     "low inclination": Cases(_below("50 kg, wheel along (1, 2, 2)/3", "plant.inclination", LOW), 12, ("hold",)),
+    "much drag": Cases(_much_drag, 12, ("hold", "sound")),
     "strong drag": Cases(_below("3U", "plant.orbit_radius", NEAR), 12, ("hold", "sound")),
     "estimate": Cases(_estimate, 10, ("settled", "hold", "sound")),
     "failed rods": Cases(_failing(RODS), len(RODS), ("found", "sound", "hold")),
