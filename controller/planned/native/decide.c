@@ -15,8 +15,8 @@ static const double SEARCH_KEPT = 0.4;      /* T, for which the plan of a search
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
-/* A hold is strained where an angle, or a share of wheel_momentum_max, has lasted for so many orbits; with a larger angle sooner:
- * after so many T, in which an ordinary plan undoes what was sudden. */
+/* A hold is strained where it has been loaded, by an angle or a share of wheel_momentum_max, for so many orbits; with a larger angle
+ * sooner: after so many T, in which an ordinary plan undoes what was sudden. */
 static const double STRAINED_ANGLE = 0.0174532925, STRAINED_TIME = 2.0;                          /* rad (1 deg), T */
 static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTING_ORBITS = 0.05; /* rad (0.5 deg) */
 static const double STRAINED_ORBITS = 1.0; /* without a cause, until it is not */
@@ -93,16 +93,13 @@ static bool has_come(const ControllerPlannedState *x, double early)
     return x->search.ready && x->t >= x->search.t - early;
 }
 
-/* Whether the wheel possibly cannot keep the hold close: where there is a cause, and until there has been none for an orbit. */
-static bool is_strained(ControllerPlannedState *x, const Standing *s)
+/* Until when the wheel possibly cannot keep the hold close, s: an orbit after the last cause. */
+static double strained_until(const ControllerPlannedState *x, const Standing *s)
 {
-    const double orbit = ONBOARD_TURN / x->scales.orbit_rate;
-    const double lasts = x->t - x->loaded_since;
+    const double lasts = x->t - x->loaded_since, period = x->scales.period;
     const bool far = s->angle > STRAINED_ANGLE && lasts > STRAINED_TIME * x->scales.time;
-    if (far || lasts > LASTING_ORBITS * orbit) {
-        x->strained_until = x->t + STRAINED_ORBITS * orbit;
-    }
-    return x->phase == PHASE_HOLD && !x->rods_alone && x->t < x->strained_until;
+    const bool beyond = x->strained && norm(vector(x->identification.p + TORQUE)) > x->scales.disturbance_max;
+    return far || beyond || lasts > LASTING_ORBITS * period ? x->t + STRAINED_ORBITS * period : x->strained_until;
 }
 
 /* The phase from now on; whether a plan or a steering is due. */
@@ -124,7 +121,8 @@ static bool change_phase(ControllerPlannedState *x, const Standing *s, double ea
     } else if (x->phase == PHASE_ACQUISITION && x->t - x->settled_since >= SETTLED_TIME * x->scales.time - early) {
         x->phase = PHASE_HOLD;
     }
-    x->strained = is_strained(x, s);
+    x->strained_until = strained_until(x, s);
+    x->strained = x->phase == PHASE_HOLD && !x->rods_alone && x->t < x->strained_until;
     return due;
 }
 

@@ -225,8 +225,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
         x->predicted = measured;
     }
     x->estimate = controller_planned_corrected(x, R, measured.Omega, measured.l);
-    controller_planned_profile_keep(x->t, ONBOARD_TURN / x->scales.orbit_rate, vector(x->identification.p + TORQUE),
-                                    x->phase == PHASE_HOLD, &x->profile);
+    controller_planned_profile_keep(x->t, x->scales.period, vector(x->identification.p + TORQUE), x->strained, &x->profile);
     x->t_sample = x->t;
     x->measured = measured;
     x->B_B = B_B;

@@ -4,10 +4,10 @@
 
 static const double FADES = 0.1; /* orbits, in which what differs from the last orbit fades by e */
 
-void controller_planned_profile_keep(double t, double period, Vector disturbance_B, bool hold, Profile *profile)
+void controller_planned_profile_keep(double t, double period, Vector disturbance_B, bool good, Profile *profile)
 {
     const double part = period / (double)PROFILE_PARTS;
-    const bool goes_on = profile->period == period && t >= profile->t && t < profile->t + 2.0 * part;
+    const bool goes_on = profile->period > 0.0 && t < profile->t + 2.0 * part;
     if (!goes_on) {
         memset(profile, 0, sizeof *profile); /* to the last byte: it is part of a saved state */
         profile->period = period;
@@ -18,7 +18,7 @@ void controller_planned_profile_keep(double t, double period, Vector disturbance
     }
     profile->t = goes_on ? profile->t + part : t;
     profile->newest = (profile->newest + 1) % PROFILE_NODES;
-    profile->known[profile->newest] = hold;
+    profile->known[profile->newest] = good;
     profile->disturbance_B[profile->newest] = disturbance_B;
 }
 
@@ -43,6 +43,6 @@ Vector controller_planned_profile_change(const Profile *profile, double now, dou
     if (!(period > 0.0 && estimated(profile, now - period, &before) && estimated(profile, t - period, &then))) {
         return (Vector){0.0, 0.0, 0.0};
     }
-    const double share = exp(-(t - now) / (FADES * period));
+    const double share = exp(-larger(t - now, 0.0) / (FADES * period));
     return add(subtract(then, profile->now_B), scale(share, subtract(profile->now_B, before)));
 }

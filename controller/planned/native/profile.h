@@ -1,4 +1,4 @@
-/* How the disturbance torque varies along the orbit: what was estimated in the hold, an orbit before. Drag has the orbit's period. */
+/* How the disturbance torque varies along the orbit: what was estimated an orbit before, body axes. Drag has the orbit's period. */
 #ifndef CONTROLLER_PLANNED_PROFILE_H
 #define CONTROLLER_PLANNED_PROFILE_H
 
@@ -8,7 +8,7 @@
 
 enum {
     PROFILE_PARTS = 64,               /* of an orbit */
-    PROFILE_NODES = PROFILE_PARTS + 2 /* those of the last orbit, and of the part in which it began */
+    PROFILE_NODES = PROFILE_PARTS + 2 /* those round each time of the last orbit, and one for rounding */
 };
 
 typedef struct {
@@ -16,15 +16,15 @@ typedef struct {
     double t;                            /* s, of the newest node */
     int32_t newest;                      /* its place; the one before it is the older by a part of the orbit */
     Vector now_B;                        /* what is estimated now, N m */
-    bool known[PROFILE_NODES];           /* whether it was estimated in the hold */
+    bool known[PROFILE_NODES];           /* whether its estimate was good */
     Vector disturbance_B[PROFILE_NODES]; /* N m */
 } Profile;
 
-/* Takes what is estimated at t, s, and keeps it where a node is due. After a gap it begins anew. */
-void controller_planned_profile_keep(double t, double period, Vector disturbance_B, bool hold, Profile *profile);
+/* Takes what is estimated at t, s, and keeps it where a node is due. After a gap of two parts it begins anew. */
+void controller_planned_profile_keep(double t, double period, Vector disturbance_B, bool good, Profile *profile);
 
-/* By how much the disturbance differs at t from that of `now`, N m: it becomes what it was an orbit before, and what the present one
- * differs from that fades. Zero where the last orbit is not known. */
+/* By how much the disturbance differs at t from that of `now`, N m: the change is that of an orbit before, and the present difference
+ * from that orbit fades. Zero where the last orbit is not known, and later than an orbit after the newest node. */
 Vector controller_planned_profile_change(const Profile *profile, double now, double t);
 
 #endif

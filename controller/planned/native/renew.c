@@ -10,7 +10,7 @@ enum { ITERATIONS = 5 }; /* of a plan at every renewal */
 static int32_t behind(const Model *model, bool strained, double *stage)
 {
     const double T = model->scales.time, orbits = strained ? STRAINED_ORBITS_AHEAD : HOLD_ORBITS;
-    const double wanted = orbits * ONBOARD_TURN / model->scales.orbit_rate;
+    const double wanted = orbits * model->scales.period;
     const double lacks = larger(wanted - model->horizon.until[PIECES - 1], 0.0);
     *stage = larger(STAGE_LONG * T, lacks / LONGER_MAX);
     return (int32_t)(lacks / *stage + 0.5);

@@ -15,11 +15,6 @@ static const double TURN_SLOWEST = 1.0, TURN_MORE = 8.0; /* n, least rate of a s
 static const double TURN_LARGEST = 3.0;                  /* rad, of a start */
 static const double NO_WHEEL = 0.01; /* of momentum J/T and torque J/T^2, below which a wheel is as good as none */
 
-static double period_of(const Model *model)
-{
-    return ONBOARD_TURN / model->scales.orbit_rate;
-}
-
 bool controller_planned_is_no_wheel(double torque_max, double momentum_max, const Scales *scales)
 {
     return torque_max < NO_WHEEL * scales->torque || momentum_max < NO_WHEEL * scales->momentum;
@@ -27,8 +22,8 @@ bool controller_planned_is_no_wheel(double torque_max, double momentum_max, cons
 
 void controller_planned_plan_by_rods(Model *model, const Plan *was)
 {
-    const double period = period_of(model), n = model->scales.orbit_rate;
     Scales *scales = &model->scales;
+    const double period = scales->period, n = scales->orbit_rate;
     model->wheel_torque_max = 0.0;
     for (int i = 0; i < PIECES; ++i) {
         model->horizon.until[i] = RODS_HORIZON.until[i] * period;
@@ -55,7 +50,7 @@ Turn controller_planned_random_turn(const Model *model, uint32_t *random)
 {
     const double z = 2.0 * draw(random) - 1.0, around = ONBOARD_TURN * draw(random), across = sqrt(1.0 - z * z);
     const Vector axis = {across * cos(around), across * sin(around), z};
-    const double angle = TURN_LARGEST * draw(random), until = TURN_UNTIL * draw(random) * period_of(model);
+    const double angle = TURN_LARGEST * draw(random), until = TURN_UNTIL * draw(random) * model->scales.period;
     return (Turn){scale(angle, axis), until, (TURN_SLOWEST + TURN_MORE * draw(random)) * model->scales.orbit_rate, false};
 }
 
@@ -69,5 +64,5 @@ double controller_planned_rods_limit(const Model *model, double l, bool steered)
 
 double controller_planned_rods_cost(const Model *model)
 {
-    return RODS_CHALLENGED * period_of(model);
+    return RODS_CHALLENGED * model->scales.period;
 }

@@ -96,10 +96,12 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     const double disturbance = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque);
     const double forgotten = given_or(p->disturbance_time, two_digits(drag_forgotten(a)));
     const double l = two_digits(smaller(DAMPING * momentum, DAMPING_SAMPLED * least / p->control_period));
+    const double rate = sqrt(p->gravitational_parameter / (a * a * a));
     return (Scales){
         .time = T,
         .momentum = momentum,
-        .orbit_rate = sqrt(p->gravitational_parameter / (a * a * a)),
+        .orbit_rate = rate,
+        .period = ONBOARD_TURN / rate,
         .least_moment = least,
         .torque = torque,
         .fast_nutation = nutation(J, vector(p->wheel_axis), h) > NUTATION / T,

@@ -14,7 +14,7 @@ static const double PLAN_PERIOD = 0.2; /* T */
 typedef struct {
     double time;                                 /* T, s, to two digits */
     double momentum, torque;                     /* J/T, N m s; J/T^2, N m */
-    double orbit_rate;                           /* rad/s, the mean one */
+    double orbit_rate, period;                   /* of the orbit: rad/s, the mean one; s */
     double least_moment;                         /* the least principal one, kg m2 */
     bool fast_nutation;                          /* by more than a radian in T, with the wheel at its limit */
     double weight_angle;                         /* of a plan's cost */

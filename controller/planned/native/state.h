@@ -30,11 +30,11 @@ typedef struct {
     Plan plan;
     Search search;
     int32_t longer;        /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
-    double strained_until; /* s; without a new cause */
+    double strained_until; /* s; when the strained hold ends without a new cause; -infinity: none */
     double loaded_since;   /* s; in the hold, by the wheel or the angle (decide.c); beyond t while it is not */
     bool strained;         /* a hold that the wheel possibly cannot keep close (strained.h) */
     PlannedMotion planned; /* of the plan of a strained hold */
-    Profile profile;       /* of the disturbance, along the last orbit */
+    Profile profile;       /* of the disturbance, along the last orbit, as far as it was strained */
     bool provisional;      /* the plan is what the first search had come to in its first sample */
     bool challenged;       /* the search's plan is held against the plan at the next sample */
     Motion reference;      /* of the plan, at t_sample */

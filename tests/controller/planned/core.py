@@ -374,9 +374,9 @@ def strained(m: Satellite, a: Ahead, x: Motion, renewals: int) -> tuple[Array, A
     return lengths(), wheel(), angles()
 
 
-def profile_change(period: float, t: Array, d: Array, hold: Array, ahead: Array) -> Array:
+def profile_change(period: float, t: Array, d: Array, good: Array, ahead: Array) -> Array:
     """By how much the disturbance changes until times ahead (m,), s, from the last of the estimates d (n, 3) at t (n,), N m (m, 3)."""
-    flags = (c_ubyte * len(t))(*hold.astype(int).tolist())
+    flags = (c_ubyte * len(t))(*good.astype(int).tolist())
     p, change = _room(len(ahead), 3)
     times = _doubles(t), _doubles(d), flags, len(ahead), _doubles(ahead)
     library().probe_profile(c_double(period), len(t), *times, p)

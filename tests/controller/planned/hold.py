@@ -20,8 +20,13 @@ from .block import (
 
 def flown(satellite, run, errors, duration, signals):
     """A tumble of docs/satellites.md: times, s, attitude error, deg, and more signals."""
-    group = tumbles(satellite, run + 1, errors)
+    return fly(tumbles(satellite, run + 1, errors), run, duration, signals)
+
+
+def fly(group, run, duration, signals, **start):
+    """A tumble of a group with other start values of the controller: times, s, attitude error, deg, and more signals."""
     data = change(json.loads(json.dumps(group.scenario)), group.drawn()[run])
+    data = change(data, {f"controller.{name}": value for name, value in start.items()})
     record = {"interval": 2.0, "signals": ["judge.attitude_error", *signals]}
     result = orchestration.run({**data, "duration": duration, "record": record})
     return result.time, np.degrees(result["judge.attitude_error"]), *(result[name] for name in signals)

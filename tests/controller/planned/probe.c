@@ -62,7 +62,7 @@ PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *
 PROBE double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations);
 PROBE void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length, double *wheel,
                           double *angle);
-PROBE void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *hold, int m,
+PROBE void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *good, int m,
                          const double *ahead, double *change);
 PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
                        double *cost, double *u);
@@ -472,14 +472,14 @@ void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
     }
 }
 
-/* Of n estimates d of the disturbance at t, in the hold or not: by how much it changes from the last one to m times ahead. */
-void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *hold, int m,
+/* Of n estimates d of the disturbance at t, good or not: by how much it changes from the last one to m times ahead. */
+void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *good, int m,
                    const double *ahead, double *change)
 {
     Profile profile;
     memset(&profile, 0, sizeof profile);
     for (int i = 0; i < n; ++i) {
-        controller_planned_profile_keep(t[i], period, vector(d + 3 * i), hold[i], &profile);
+        controller_planned_profile_keep(t[i], period, vector(d + 3 * i), good[i], &profile);
     }
     for (int i = 0; i < m; ++i) {
         store(controller_planned_profile_change(&profile, t[n - 1], ahead[i]), change + 3 * i);
