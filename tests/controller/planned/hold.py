@@ -37,11 +37,11 @@ def turned(degrees):
 
 
 @contextlib.contextmanager
-def holding():
+def holding(**start):
     """A controller at the target, from when its hold begins, and a function that steps it n times and returns its phases."""
     with Instance(BLOCK) as it:
         it.set("reference", "inertial")
-        for name, value in AS_MEASURED.items():
+        for name, value in (AS_MEASURED | start).items():
             it.set(name, value)
         it.initialize()
         k = 0

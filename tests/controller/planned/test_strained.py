@@ -80,12 +80,27 @@ def test_what_is_no_cause_does_not_make_it_last_longer(seconds, strained):
         assert is_strained(it, step) == strained
 
 
-def test_a_hold_after_an_attitude_was_lost_is_an_ordinary_one():
-    with holding() as (it, step):
+@pytest.mark.parametrize(("dipole", "strained"), [(2.0, True), (1.0, False)])
+def test_a_disturbance_beyond_the_usual_bound_is_a_cause_that_goes_on(dipole, strained):
+    """Rods that give 5e-5 N m to a satellite at rest, where the bound is 4e-5, or half of it; with gravity. The jump shows as torque for 600 s."""
+    with holding(disturbance_max=-1.0) as (it, step):
         strained_at_the_target(it, step)
-        it.set("R_NB", np.zeros((3, 3)))
+        it.set("b_B", [0.0, 0.0, 3e-5])
+        it.set("u_applied", [dipole, 0.0, 0.0, 0.0])
+        step(14000)
+        assert np.linalg.norm(it.get("disturbance_B")) == pytest.approx(dipole * 3e-5 * math.sqrt(2.0 / 3.0), rel=0.2)
+        assert is_strained(it, step) == strained
+
+
+def test_a_hold_after_the_reference_was_lost_is_an_ordinary_one():
+    with holding() as (it, step):
+        for name in ("Omega_ref", "dOmega_ref"):
+            it.set(name, np.zeros(3))
+        it.set("R_ref", turned(0.0))
+        strained_at_the_target(it, step)
+        it.set("R_ref", np.zeros((3, 3)))
         assert set(step(4)) == {4}
-        it.set("R_NB", turned(0.0))
+        it.set("R_ref", turned(0.0))
         assert 3 in step(400)
         assert not is_strained(it, step)
 
