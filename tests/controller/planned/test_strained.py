@@ -116,10 +116,13 @@ def drag(t):
     return 1e-5 * np.column_stack((1.0 + np.sin(turn), np.cos(2.0 * turn), np.full_like(turn, 3.0)))
 
 
-def test_a_disturbance_that_repeats_is_known_an_orbit_ahead():
+@pytest.mark.parametrize("now", [NOW, PERIOD + 8.0 * PERIOD / 64.0], ids=["between two nodes", "at a node"])
+def test_a_disturbance_that_repeats_is_known_an_orbit_ahead(now):
     """Between two of 64 nodes a harmonic of 2/P is known to (4 pi/64)^2/8: 0.5%."""
-    change = core.profile_change(PERIOD, SAMPLES, drag(SAMPLES), SAMPLES >= 0.0, AHEAD)
-    assert change == pytest.approx(drag(AHEAD) - drag([NOW]), abs=1e-7)
+    samples, ahead = SAMPLES[now >= SAMPLES], now + AHEAD - NOW
+    change = core.profile_change(PERIOD, samples, drag(samples), samples >= 0.0, ahead)
+    assert samples[-1] == now
+    assert change == pytest.approx(drag(ahead) - drag([now]), abs=1e-7)
     assert np.abs(change).max() > 1.5e-5
 
 
