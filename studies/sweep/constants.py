@@ -129,7 +129,7 @@ CONSTANTS = tuple(
         ("decide.c", "STRAINED_ORBITS", "how long it is strained after its last cause", "low inclination, much drag"),
         ("scales.c", "STRAINED_DISTURBANCE", "largest disturbance in a strained hold", "much drag"),
         ("scales.c", "STRAINED_SOONER", "how much sooner it is forgotten there", "much drag"),
-        ("profile.c", "FADES", "time over which its difference from the last orbit fades", "much drag"),
+        ("profile.c", "PROFILE_FADES", "time over which its difference from the last orbit fades", "much drag"),
         ("scales.c", "STIFFNESS", "stiffness of the law [8]", "hold"),
         ("scales.c", "DAMPING", "its damping", "hold"),
         ("scales.c", "UNEVEN", "how even its stiffness is", "hold"),

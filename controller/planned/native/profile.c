@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-static const double FADES = 0.1; /* orbits, in which what differs from the last orbit fades by e */
+static const double PROFILE_FADES = 0.1; /* orbits, in which what differs from the last orbit fades by e */
 
 void controller_planned_profile_keep(double t, double period, Vector disturbance_B, bool good, Profile *profile)
 {
@@ -43,6 +43,6 @@ Vector controller_planned_profile_change(const Profile *profile, double now, dou
     if (!(period > 0.0 && estimated(profile, now - period, &before) && estimated(profile, t - period, &then))) {
         return (Vector){0.0, 0.0, 0.0};
     }
-    const double share = exp(-larger(t - now, 0.0) / (FADES * period));
+    const double share = exp(-larger(t - now, 0.0) / (PROFILE_FADES * period));
     return add(subtract(then, profile->now_B), scale(share, subtract(profile->now_B, before)));
 }
