@@ -64,7 +64,6 @@ static bool begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, C
     x->waiting = false;
     x->phase = PHASE_STEERING; /* or damping, by the first sample */
     x->settled_since = x->loaded_since = INFINITY;
-    x->strained_until = -INFINITY;
     x->until_sample = law->p.control_period;
     x->next_plan = x->next_challenge = x->t;
     sample(law, x, u, true);

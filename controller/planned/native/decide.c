@@ -77,7 +77,7 @@ void controller_planned_give_up(ControllerPlannedState *x, const Motion *now)
 {
     x->phase = PHASE_DAMPING;
     x->settled_since = x->loaded_since = INFINITY;
-    x->strained_until = -INFINITY;
+    x->strained_until = 0.0;
     x->planned.nodes = 0;
     x->search.active = x->search.ready = x->challenged = x->provisional = x->strained = false;
     x->plan.stages = 0;

@@ -30,7 +30,7 @@ typedef struct {
     Plan plan;
     Search search;
     int32_t longer;        /* stages that a hold's plan has behind its usual horizon; negative: of which it is cut */
-    double strained_until; /* s; when the strained hold ends without a new cause; -infinity: none */
+    double strained_until; /* s; when the strained hold ends without a new cause; not beyond t: there is none */
     double loaded_since;   /* s; in the hold, by the wheel or the angle (decide.c); beyond t while it is not */
     bool strained;         /* a hold that the wheel possibly cannot keep close (strained.h) */
     PlannedMotion planned; /* of the plan of a strained hold */
