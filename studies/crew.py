@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -65,16 +66,16 @@ class Crew:
 
     def each(self, name: str, function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
         """The results of a function of each item, in their order."""
+        return [result for _, result in sorted(self.as_found(name, function, list(items)), key=itemgetter(0))]
+
+    def as_found(self, name: str, function: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """The results as they are found, each with the place of its item."""
         from orchestration.campaign.flying.cluster import each  # Dask, which takes 2 s to import  # noqa: PLC0415
 
-        given = list(items)
-        bar = self._progress.add_task(name, total=len(given))
-        found = each(function, given, self._address) if self._address else enumerate(map(function, given))
-        results: dict[int, Any] = {}
-        for place, result in found:
-            results[place] = result
+        bar = self._progress.add_task(name, total=len(items))
+        for found in each(function, items, self._address) if self._address else enumerate(map(function, items)):
             self._progress.update(bar, advance=1)
-        return [results[place] for place in range(len(given))]
+            yield found
 
 
 @contextmanager
@@ -96,11 +97,15 @@ def in_parts(
     found: list[Any],
     save: Callable[[list[Any]], None],
 ) -> Iterator[str]:
-    """Appends the results of a function to those found, saves them after each AT_ONCE, and tells of it."""
+    """Appends the results of a function to those found, in their order, saves them after each AT_ONCE, and tells of it."""
     save(found)
-    if wanted:
-        with crew(jobs) as hands:
-            for i in range(0, len(wanted), AT_ONCE):
-                found += hands.each(name, function, wanted[i : i + AT_ONCE])
+    if not wanted:
+        return
+    there, results = list(found), dict[int, Any]()
+    with crew(jobs) as hands:
+        for place, result in hands.as_found(name, function, wanted):
+            results[place] = result
+            if len(results) % AT_ONCE == 0 or len(results) == len(wanted):
+                found[:] = [*there, *(results[i] for i in sorted(results))]
                 save(found)
-                yield f"{name}: {min(i + AT_ONCE, len(wanted))} of {len(wanted)}"
+                yield f"{name}: {len(results)} of {len(wanted)}"
