@@ -207,9 +207,9 @@ def _found(flights: Flights, closest: Mapping[Tumble, Closest]) -> tuple[list[Ma
 
 
 def _of_excluded(closest: Mapping[Tumble, Closest], excluded: Collection[Tumble]) -> list[str]:
-    """Of the excluded tumbles the smallest of the least largest errors that were found, and the median; empty without one."""
+    """Of the excluded tumbles the smallest of the least largest errors that were found, rounded down, and the median; empty without one."""
     errors = [closest[tumble].to_end_deg for tumble in excluded if tumble in closest]
-    return [degrees(float(f(errors))) for f in (np.nanmin, np.nanmedian)] if errors else []
+    return [f"{math.floor(10.0 * np.nanmin(errors)) / 10.0:g}°", degrees(float(np.nanmedian(errors)))] if errors else []
 
 
 def _closer(flights: Flights, closest: Mapping[Tumble, Closest]) -> int:

@@ -56,9 +56,13 @@ def test_what_is_known_against_flights_that_do_not_settle_is_that_of_the_page():
     (without,) = (np.array(row[3:], int) for row in known if row[:2] == ["1U, no wheel", "nominal"])
     proof, to_end, repeating, one, possible, unknown = with_wheel
     assert unknown == 0
-    told = f"excludes {proof} of these {sum(with_wheel)}, for {to_end} no motion within 5 deg to the end was found, for {repeating} none"
+    assert f"a proof excludes {proof} of these {sum(with_wheel)}." in README
+    told = f"For {to_end + repeating} a search found no motion within 5 deg (for {to_end} none to the end, for {repeating} none that"
     assert told in README
-    assert f"for {one} one that repeats in one of two orbits alone, and for {possible} such motions are known" in README
+    assert (
+        f"for {one} it found one that repeats in one of two orbits alone, and for {possible} such motions are known"
+        in README
+    )
     assert f"for {without[0] + without[1]} no motion within 5 deg was found, even with unlimited rods" in README
 
 
