@@ -68,7 +68,7 @@ reproduction: $(VENV)/test
 flight: $(VENV)/test
 	$(BIN)/python -m studies flight
 
-# The flight code on an emulated Cortex-M7 (QEMU): docs/processor.md; some minutes.
+# The flight code on an emulated Cortex-M7 (QEMU): docs/processor.md; about ten minutes.
 pil: $(VENV)/test
 	$(BIN)/python -m studies processor
 
