@@ -21,7 +21,7 @@ from ..acceptance.vector import name_of, record, scenario_of
 from ..campaign.drawing.expression import Expression
 from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
-from ..quantities import QuantityError, parse
+from ..quantities import QuantityError, parse_unit, value_in
 from ..results.place import put
 from ..runner.open import open_scenario
 from ..runner.read import load as load_scenario
@@ -144,7 +144,7 @@ def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]
         expression = Expression(entry["expression"], found.values, list(found.values))
         needed, known = expression.uses & found.values.keys(), {**values, **given}
         if needed <= known.keys():
-            numbers = {used: _number(used, known[used]) for used in needed}
+            numbers = {used: _number(used, known[used], found.values[used]) for used in needed}
             try:
                 values[name] = f"{expression.value(numbers):.7g} {entry['unit']}"
             except QuantityError:
@@ -155,13 +155,19 @@ def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]
     return values
 
 
-def _number(name: str, value: Any) -> float:
-    """In SI units."""
+def _number(name: str, value: Any, entry: dict[str, Any]) -> float:
+    """In the unit and the range that are stated for it."""
     try:
-        number, unit = parse(str(value))
+        unit = parse_unit(entry["unit"])
+        number = value_in(str(value), unit)
     except QuantityError as error:
         raise InputError(f"--set {name}: {error}") from None
-    return number if unit is None else number * unit.factor + unit.offset
+    if "range" in entry:
+        least, most = entry["range"]
+        if not value_in(least, unit) <= number <= value_in(most, unit):
+            found = f"{value} ({number:.10g} {entry['unit']})"
+            raise InputError(f"--set {name}: expected {least} to {most}, found {found}")
+    return number
 
 
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:

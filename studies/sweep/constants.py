@@ -223,6 +223,7 @@ NOT_SWEPT = {
     "units": "LOW_ORBIT SURFACE_FIELD",
     "the table of six starts of a search": "STRAIGHT",
     "the limit of the damping for long control periods, which none of the flights has": "DAMPING_SAMPLED",
+    "bodies more slender than those of the flights, of which satellites.md has measurements": "SLENDER",
     "wheels that are as good as none": "NO_WHEEL",
     "references by the ports, of which planned.md has measurements": "CHANGE_LASTS STILL",
 }

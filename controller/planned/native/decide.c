@@ -57,7 +57,7 @@ static Standing standing_of(const ControllerPlannedState *x, const Model *model,
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
     const bool steered = x->phase == PHASE_STEERING;
-    const double limit = smaller(x->scales.steering_limit, RATE_MAX * x->scales.least_moment / x->scales.time);
+    const double limit = smaller(x->scales.steering_limit, RATE_MAX * x->scales.turning_moment / x->scales.time);
     const double needed = steered || !has_wheel(model) ? norm(D_N) : beyond_wheel(model, &target, D_N);
     const double left = needed / (has_wheel(model) ? limit : controller_planned_rods_limit(model, now->l, steered));
     const double angle = principal_angle(Q), time = x->steering.time, later = larger(time - search_time, 0.0);

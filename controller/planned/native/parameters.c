@@ -65,11 +65,7 @@ bool controller_planned_gains_fit(ControllerPlannedLaw *law, const Scales *scale
     const double stiffness = p->control_period * controller_planned_largest_of(L, S);
     law->gains_fit = stiffness < 2.0;
     return law->gains_fit ||
-           fault(f,
-                 has_K0   ? "K0"
-                 : has_L0 ? "L0"
-                          : "control_period",
-                 stiffness,
+           fault(f, has_K0 ? "K0" : "L0", stiffness,
                  "(K0[i] + K0[j]) control_period/L0 below 2 about each axis, with the gains as given or computed (this is the "
                  "largest): smaller K0, larger L0 or a shorter control_period");
 }

@@ -32,8 +32,9 @@ typedef struct {
     /* N.m.s; frame B; L, symmetric and positive definite [9], below 2 J_B/control_period about each axis; all
      * zero: computed from the satellite's data */
     double L0[3][3];
-    /* s; Time between two samples of the control; between them all outputs are held. At most a fifth of
-     * √(J/(dipole_max B)), in which the rods turn the satellite */
+    /* s; Time between two samples of the control; between them all outputs are held. At most a fifth of T =
+     * √(J/(dipole_max B)), in which the rods turn the satellite; J is the mean moment of inertia, at most ten
+     * times the least one */
     double control_period;
     /* frame B; Rows: the rods' unit axes u1, u2, u3 that the plan assumes [16]; of unit length to 1e-6,
      * linearly independent */

@@ -11,6 +11,7 @@ static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped b
 static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
 static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 3.0;
+static const double SLENDER = 10.0;          /* of the least moment of inertia: the mean one counts as no more than this */
 static const double NUTATION = 1.0;          /* from which it is fast */
 static const double DISTURBANCE_MAX = 0.036; /* of the rods' torque: more could not be opposed by rods in the hold */
 static const double STRAINED_DISTURBANCE = 4.0, STRAINED_SOONER = 10.0; /* in a strained hold: more, and forgotten sooner */
@@ -87,12 +88,12 @@ static double nutation(Matrix J, Vector a, double l)
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
 {
     const Matrix J = matrix(p->J_B);
-    const double inertia = (J.a.x + J.b.y + J.c.z) / 3.0, ratio = ONBOARD_RADIUS / a;
+    const double least = 1.0 / controller_planned_largest_of(J, identity), mean = (J.a.x + J.b.y + J.c.z) / 3.0;
+    const double inertia = smaller(mean, SLENDER * least), ratio = ONBOARD_RADIUS / a;
     const double dipole = p->dipole_max * ((p->rod_limits[0] + p->rod_limits[1] + p->rod_limits[2]) / 3.0); /* of a rod, mean */
     const double T = two_digits(sqrt(inertia / (dipole * SURFACE_FIELD * ratio * ratio * ratio)));
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);
-    const double least = 1.0 / controller_planned_largest_of(J, identity);
     const double disturbance = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque);
     const double forgotten = given_or(p->disturbance_time, two_digits(drag_forgotten(a)));
     const double l = two_digits(smaller(DAMPING * momentum, DAMPING_SAMPLED * least / p->control_period));
@@ -102,7 +103,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .momentum = momentum,
         .orbit_rate = rate,
         .period = ONBOARD_TURN / rate,
-        .least_moment = least,
+        .turning_moment = larger(least, mean / SLENDER),
         .torque = torque,
         .fast_nutation = nutation(J, vector(p->wheel_axis), h) > NUTATION / T,
         .weight_angle = WEIGHT_ANGLE,

@@ -15,7 +15,7 @@ typedef struct {
     double time;                                 /* T, s, to two digits */
     double momentum, torque;                     /* J/T, N m s; J/T^2, N m */
     double orbit_rate, period;                   /* of the orbit: rad/s, the mean one; s */
-    double least_moment;                         /* the least principal one, kg m2 */
+    double turning_moment;                       /* kg m2: the least principal moment, more for a slender body */
     bool fast_nutation;                          /* by more than a radian in T, with the wheel at its limit */
     double weight_angle;                         /* of a plan's cost */
     double weight_far;                           /* the same of what an angle is beyond a limit; none but by rods alone */

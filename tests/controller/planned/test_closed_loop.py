@@ -37,11 +37,12 @@ controller.wheel_torque_ff -> allocator.wheel_torque_ff
 """
 
 
-def fly(connections, allocator="allocator_bounded", duration=1500.0, faults=()):
+def fly(connections, allocator="allocator_bounded", duration=1500.0, faults=(), shared=None):
     """A tumble of 3.7 deg/s in SI units and within the true limits."""
     return orchestration.run(
         {
             "name": "tumble",
+            "shared": shared or {},
             "step": "0.1 s",
             "duration": duration,
             "blocks": {
@@ -104,6 +105,16 @@ def test_a_tumble_settles_within_the_limits(connections):
     assert phases[0] == 1
     assert phases[-1] == 3
     assert (np.diff(phases.astype(int)) >= 0).all()
+
+
+def test_a_body_with_a_very_small_moment_settles():
+    """Of a hundredth of the mean one, with another wheel: the rods turn it about that axis much sooner than about the others."""
+    slender = {"J_B": {"diagonal": [0.02, 3.0, 3.0]}, "wheel_axis": [0.0, 1.0, 0.0]}
+    actuators = {"dipole_max": 2.0, "wheel_torque_max": 1e-3, "wheel_momentum_max": 0.02}
+    result = fly(ALWAYS + MEASURED + FORWARD, duration=6000.0, shared=slender | actuators)
+    angle, _ = errors(result)
+    assert angle.max() > 3.0
+    assert angle[result.time > 5000.0].max() < math.radians(5.0)
 
 
 def test_the_papers_allocator_runs_with_the_planned_controller_but_holds_through_the_steering():

@@ -110,6 +110,23 @@ def test_files_that_are_there_are_kept(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("altitude", "message"),
+    [
+        ("500", "--set altitude: expected 150 km to 1970 km, found 500 (500 m)"),
+        ("-100 km", "--set altitude: expected 150 km to 1970 km, found -100 km (-100000 m)"),
+        ("500 kg", "--set altitude: the unit 'kg' "),
+        ("500 deg", "--set altitude: the unit 'deg' "),
+    ],
+)
+def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, message):
+    values = {name: value for name, value in GIVEN.items() if name != "orbit_radius"} | {"altitude": altitude}
+    sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
+    result = orchestrate("new", "satellite", str(tmp_path / "cube"), *sets)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+@pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"dipole_max": "0.3 N.m"}, "--set dipole_max: shared.dipole_max: the unit"),
