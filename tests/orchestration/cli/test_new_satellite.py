@@ -25,7 +25,8 @@ GIVEN = {
 
 
 def made(folder, **changes):
-    values = {**GIVEN, **changes}
+    """Of GIVEN with changes, without a value that is None."""
+    values = {name: value for name, value in {**GIVEN, **changes}.items() if value is not None}
     sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
     return orchestrate("new", "satellite", str(folder), *sets)
 
@@ -55,12 +56,10 @@ def test_the_period_is_that_of_the_orbit(tmp_path, radius, period):
 
 
 def test_the_orbit_is_stated_by_its_height_or_by_its_radius(tmp_path):
-    values = {name: value for name, value in GIVEN.items() if name != "orbit_radius"}
-    sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
-    assert orchestrate("new", "satellite", str(tmp_path / "cube"), *sets, "--set", "altitude=500 km").exit_code == 0
+    assert made(tmp_path / "cube", orbit_radius=None, altitude="500 km").exit_code == 0
     scenario = orchestration.load(tmp_path / "cube" / "tumble.yaml")
     assert scenario.cycle.period == pytest.approx(5677.0, abs=0.1)  # Kepler's third law at 6878.137 km
-    asked = orchestrate("new", "satellite", str(tmp_path / "other"), *sets).stderr
+    asked = made(tmp_path / "other", orbit_radius=None).stderr
     assert '--set "altitude=500 km"' in asked
     assert "orbit_radius" not in asked
     both = made(tmp_path / "other", altitude="500 km")
@@ -119,9 +118,7 @@ def test_files_that_are_there_are_kept(tmp_path):
     ],
 )
 def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, message):
-    values = {name: value for name, value in GIVEN.items() if name != "orbit_radius"} | {"altitude": altitude}
-    sets = [part for name, value in values.items() for part in ("--set", f"{name}={json.dumps(value)}")]
-    result = orchestrate("new", "satellite", str(tmp_path / "cube"), *sets)
+    result = made(tmp_path / "cube", orbit_radius=None, altitude=altitude)
     assert (result.exit_code, result.stdout) == (2, "")
     assert message in result.stderr
 
