@@ -60,19 +60,19 @@ figures: $(VENV)/test
 	  $(BIN)/orchestrate scenarios/$$scenario.yaml --quiet --figures && cp results/$$scenario/figures/*.png docs/figures/ || exit; \
 	done
 
-# The paper's claims, examined: docs/reproduction.md and its figures; about five minutes on two cores.
+# The paper's claims, examined: docs/evidence/reproduction.md and its figures; about five minutes on two cores.
 reproduction: $(VENV)/test
-	$(BIN)/python -m studies reproduction
+	$(BIN)/python -m evidence reproduction
 
-# Thousands of flights in SI units as campaigns: docs/flight.md and its figures; about an hour on two cores, goes on where it was stopped.
+# Thousands of flights in SI units as campaigns: docs/evidence/flight.md and its figures; about an hour on two cores, goes on where it was stopped.
 flight: $(VENV)/test
-	$(BIN)/python -m studies flight
+	$(BIN)/python -m evidence flight
 
-# The flight code on an emulated Cortex-M7 (QEMU): docs/processor.md; about ten minutes.
+# The flight code on an emulated Cortex-M7 (QEMU): docs/evidence/processor.md; about ten minutes.
 pil: $(VENV)/test
-	$(BIN)/python -m studies processor
+	$(BIN)/python -m evidence processor
 
-# The outside authorities' table, docs/verification.md.
+# The outside authorities' table, docs/evidence/verification.md.
 authorities: $(VENV)/test
 	$(BIN)/python -m tests.authorities
 
@@ -92,8 +92,8 @@ format: $(VENV)/test
 docs: $(VENV)/test
 	$(BIN)/orchestrate schema > docs/scenario.schema.json
 	$(BIN)/orchestrate schema --campaign > docs/campaign.schema.json
-	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/errors.md
-	$(BIN)/python -m tests.orchestration.broken > docs/broken-fmus.md
+	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/evidence/errors.md
+	$(BIN)/python -m tests.orchestration.broken > docs/evidence/broken-fmus.md
 	$(BIN)/python -m docs.site.packages
 	$(BIN)/python -m fmus.native
 

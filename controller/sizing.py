@@ -1,7 +1,7 @@
 """Gain sizing (section III.B of the paper): K0, L0 and the gain schedule [10] from what a mission wishes.
 
 The paper asks for gains whose largest torque lies well inside the limits of the actuators, and gives no procedure.
-This one is ours; docs/sizing.md derives it. With constant gains, Phi(x) = x and exact torque:
+This one is ours; docs/use/sizing.md derives it. With constant gains, Phi(x) = x and exact torque:
 
 - guaranteed: V = 1/2 omega.J omega + U, U = tr(K - K Q), never rises [11], so that every state of the motion has
   1/2 omega.J omega + U <= V0, the largest V of the starts. From it follow the bounds of rate and torque here;

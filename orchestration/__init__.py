@@ -21,14 +21,19 @@ from .errors import BlockError, InputError
 
 if TYPE_CHECKING:
     from .results.result import Result
-    from .runner.read import load
-    from .runner.run import run
     from .scenario.scenario import Scenario
+    from .session.read import load
+    from .session.run import run
 
 __all__ = ["BlockError", "InputError", "Result", "Scenario", "load", "run"]
 
 
-_MODULES = {"Result": ".results.result", "Scenario": ".scenario.scenario", "load": ".runner.read", "run": ".runner.run"}
+_MODULES = {
+    "Result": ".results.result",
+    "Scenario": ".scenario.scenario",
+    "load": ".session.read",
+    "run": ".session.run",
+}
 
 
 def __getattr__(name: str) -> Any:

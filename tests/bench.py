@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 import orchestration
-from orchestration.runner.open import locate
+from orchestration.session.open import locate
 
 from . import bench_campaign
 

@@ -64,7 +64,7 @@ MARKERS = {
         "plant/sensors/test_loop.py",
         "plant/test_gravity_gradient.py",
         "plant/test_invariants.py",
-        "studies",
+        "evidence",
     ),
     "thorough": (
         "docs/test_site.py",

@@ -17,7 +17,7 @@ PACKAGES = (
     "orchestration",
     "plant",
     "release",
-    "studies",
+    "evidence",
     "supervisor",
 )
 LINES_MAX, HEAD = 250, 20

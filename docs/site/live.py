@@ -35,4 +35,4 @@ def add(pages: Path) -> None:
 
 def _front() -> str:
     tabs = "\n".join(_TAB.format(name=name, about=about) for name, about in SHOWN.items())
-    return f"Fly it here: move a slider, and the blocks run in this browser ([how](docs/live.md)).\n\n{tabs}"
+    return f"Fly it here: move a slider, and the blocks run in this browser ([how](docs/use/live.md)).\n\n{tabs}"

@@ -13,11 +13,11 @@ from pathlib import Path
 from latex2mathml.converter import convert
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/decisions/*.md", "examples/*/README.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/*/*.md", "examples/*/README.md")
 # What pages link to and a browser shows as it is.
 SHOWN = (
     "LICENSE",
-    "docs/*.csv",
+    "docs/evidence/*.csv",
     "docs/*.json",
     "docs/figures/*",
     "docs/site/*.css",

@@ -16,10 +16,10 @@ from ..errors import BlockError, InputError
 from ..expectations.judge import Outcome
 from ..fmu.model import TYPES, Variable
 from ..results.result import Result
-from ..runner.open import open_scenario
-from ..runner.read import load
-from ..runner.run import whole
 from ..scenario.source import Source
+from ..session.open import open_scenario
+from ..session.read import load
+from ..session.run import whole
 from ..swap.own_claims import own_claims
 from ..system.starts import taken
 from ..system.wiring import fed

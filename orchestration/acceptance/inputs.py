@@ -8,8 +8,8 @@ import numpy as np
 
 from ..fmu.model import Floats, NameUnknown
 from ..results.result import Result
-from ..runner.open import Opened
 from ..scenario.references import Connection
+from ..session.open import Opened
 from ..swap.as_ours import model
 from ..swap.findings import Finding, Fit
 from ..system.wiring import Link, Mismatch, links

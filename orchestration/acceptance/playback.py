@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..master.master import Master
-from ..runner.open import Opened, open_scenario
 from ..scenario.load import load
 from ..scenario.source import Source
+from ..session.open import Opened, open_scenario
 from ..system.clock import Clock
 from ..system.order import Order
 from ..system.wiring import Link, Node, Wiring

@@ -16,10 +16,10 @@ from fmus import kit
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import reference
-from ..runner.read import load
-from ..runner.run import whole
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
+from ..session.read import load
+from ..session.run import whole
 from ..swap.findings import Finding, Fit
 from ..system.values import values_of
 from ..system.wiring import fed

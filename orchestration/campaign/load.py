@@ -14,13 +14,13 @@ from ..expectations import metrics
 from ..expectations.span import numeric
 from ..paths import located
 from ..quantities import QuantityError
-from ..runner.flight import with_values
-from ..runner.open import open_scenario
-from ..runner.read import read
 from ..scenario import complaints, extends
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key, Source
+from ..session.flight import with_values
+from ..session.open import open_scenario
+from ..session.read import read
 from ..swap.option import swapped
 from ..system.starts import resolve
 from .drawing import draws as drawing

@@ -14,11 +14,11 @@ from ..fmu.interfaces import is_path
 from ..quantities import QuantityError
 from ..results.place import put
 from ..results.result import Result
-from ..runner.flight import with_values
-from ..runner.manifest import start_values
-from ..runner.read import load
-from ..runner.run import whole
 from ..scenario.text import written
+from ..session.flight import with_values
+from ..session.manifest import start_values
+from ..session.read import load
+from ..session.run import whole
 from ..system.starts import resolve
 from .flying.job import Pilot
 from .load import Case

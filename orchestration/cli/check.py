@@ -14,7 +14,7 @@ from ..acceptance.suggest import suggest as proposed
 from ..acceptance.vector import play
 from ..errors import InputError
 from ..fmu.archive import shown
-from ..runner.read import load, read
+from ..session.read import load, read
 from ..swap.findings import Finding
 from .console import folded, say, say_json
 from .help import examples

@@ -13,7 +13,7 @@ from ..acceptance.page import write
 from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
 from ..errors import BlockError, InputError, writing
 from ..results.place import put, refuse_foreign
-from ..runner.read import load, read
+from ..session.read import load, read
 from ..swap.option import swapped
 from .console import complain, folded, notes, open_page, say, say_json, table
 from .help import examples

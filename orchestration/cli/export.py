@@ -12,8 +12,8 @@ from ..export import ssp as ssp_writer
 from ..export.system import check_plain, flat
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
-from ..runner.read import load, read
 from ..scenario.scenario import Scenario
+from ..session.read import load, read
 from .console import say
 from .help import examples
 from .options import FLAVOUR, STEP

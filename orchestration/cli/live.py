@@ -11,7 +11,7 @@ from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
 from ..results.place import put
-from ..runner.run import whole
+from ..session.run import whole
 from .console import notes, open_page, say
 from .help import examples
 from .options import DURATION, OPEN, STEP

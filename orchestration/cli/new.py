@@ -23,11 +23,11 @@ from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
 from ..quantities import QuantityError, parse_unit, value_in
 from ..results.place import put
-from ..runner.open import open_scenario
-from ..runner.read import load as load_scenario
-from ..runner.read import read
-from ..runner.run import whole
 from ..scenario import template
+from ..session.open import open_scenario
+from ..session.read import load as load_scenario
+from ..session.read import read
+from ..session.run import whole
 from .console import say
 from .help import examples
 from .overrides import settings

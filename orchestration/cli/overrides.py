@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..runner.read import load, read
 from ..scenario.realtime import OFF, with_pace
 from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..scenario.text import parse
+from ..session.read import load, read
 from ..swap.option import swapped
 from .console import is_quiet, notes
 

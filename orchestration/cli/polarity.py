@@ -13,8 +13,8 @@ from ..acceptance.polarity.mend import as_yaml
 from ..acceptance.polarity.swaps import Looked, look
 from ..acceptance.polarity.trials import Trials, run
 from ..results.place import check_writable
-from ..runner.read import load, read
 from ..scenario.source import Source
+from ..session.read import load, read
 from ..swap.option import swapped
 from .console import Progress, complain, folded, notes, say, say_json, table
 from .help import examples

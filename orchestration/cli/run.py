@@ -14,8 +14,8 @@ from ..results import formats
 from ..results.figures import require
 from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
-from ..runner import run as runner
-from ..runner.realtime import pacer
+from ..session import run as runner
+from ..session.realtime import pacer
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say

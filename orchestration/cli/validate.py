@@ -14,10 +14,10 @@ from ..fmu.interfaces import is_path
 from ..live.system import checked
 from ..results import formats
 from ..results.figures import require
-from ..runner.limits import limits
-from ..runner.open import Opened, open_scenario
-from ..runner.read import read
 from ..scenario.scenario import Scenario
+from ..session.limits import limits
+from ..session.open import Opened, open_scenario
+from ..session.read import read
 from ..swap.own_claims import own_claims
 from ..system import acting
 from .console import folded, notes, say, table

@@ -13,11 +13,11 @@ from ..errors import InputError
 from ..fmu.archive import Fmu
 from ..fmu.model import Variable
 from ..fmu.starts import scalars_of, starts_of
-from ..runner.open import open_scenario
-from ..runner.run import whole
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
+from ..session.open import open_scenario
+from ..session.run import whole
 from ..system.wiring import Node
 
 Scalar = float | int | bool | str

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from ..fmu.model import Element
-from ..runner.plan import Plan
+from ..session.plan import Plan
 from ..system.disturbances import Disturbance
 from ..system.faults import Faults, Setting
 from ..system.wiring import Node

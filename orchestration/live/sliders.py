@@ -11,10 +11,10 @@ from ..errors import InputError, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..quantities import ONE, QuantityError, parse_unit, value_in, with_unit
 from ..rotation import about
-from ..runner.plan import Plan
 from ..scenario.live import Slider
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
+from ..session.plan import Plan
 from ..system.starts import taken
 from ..system.wiring import Node
 

@@ -12,11 +12,11 @@ from fmus.native.wasm import module
 
 from ..errors import InputError
 from ..fmu.interfaces import is_path
-from ..runner.limits import limits
-from ..runner.open import Opened, open_scenario
-from ..runner.read import load
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
+from ..session.limits import limits
+from ..session.open import Opened, open_scenario
+from ..session.read import load
 from ..system.faults import Faults, resolve
 from ..system.starts import Start
 from .sliders import Control, controls, start_value

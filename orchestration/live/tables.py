@@ -14,7 +14,7 @@ from ..fmu.types import CODES
 from ..instances.calls import Exchange
 from ..instances.layout import exchanges
 from ..master.bus import Bus, Seat, lay_out
-from ..runner.plan import Plan
+from ..session.plan import Plan
 from ..system.faults import Faults
 from ..system.starts import Start
 from ..system.wiring import Node

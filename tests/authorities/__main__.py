@@ -1,4 +1,4 @@
-"""`python -m tests.authorities`: measures every authority and writes docs/verification.md and its figure.
+"""`python -m tests.authorities`: measures every authority and writes docs/evidence/verification.md and its figure.
 
 Authorities whose package is not installed are kept as the page has them, marked with the version measured
 then; `--require-all` refuses instead. Exit status 1 where one disagrees.
@@ -14,9 +14,9 @@ from pathlib import Path
 
 from . import Authority, load
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs" / "evidence"
 PAGE = DOCS / "verification.md"
-FIGURE = DOCS / "figures" / "integrator_cost.png"
+FIGURE = DOCS.parent / "figures" / "integrator_cost.png"
 
 HEAD = """# Verification: how far the plant lies from outside authorities
 
@@ -30,7 +30,7 @@ stands in `tests/authorities/`, in the function of the name given.
 INTEGRATOR = """
 ## The integrator: what it gains and what it keeps
 
-![Attitude error against evaluations of the moment, energy and orthogonality over ten orbits](figures/integrator_cost.png)
+![Attitude error against evaluations of the moment, energy and orthogonality over ten orbits](../figures/integrator_cost.png)
 
 A tumble at 0.11 rad/s with a spinning wheel; full inertia with products. Evaluations are counted as in the plant, where a command
 may change at every step: 2, 6 and 8 a step at order 2, 4 and 6; 4 for RK4.

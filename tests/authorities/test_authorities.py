@@ -1,4 +1,4 @@
-"""Every authority of docs/verification.md, each within its tolerance."""
+"""Every authority of docs/evidence/verification.md, each within its tolerance."""
 
 from __future__ import annotations
 
@@ -26,4 +26,4 @@ def test_the_page_lists_every_authority():
 
     page = PAGE.read_text("utf-8")
     missing = [authority.what for authority in AUTHORITIES if f"| {authority.what} |" not in page]
-    assert not missing, f"docs/verification.md is out of date, run `make authorities`: {missing}"
+    assert not missing, f"docs/evidence/verification.md is out of date, run `make authorities`: {missing}"

@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 import pytest
 
+from evidence.__main__ import main as studies
 from fmus.build import BLOCKS, ensure
 from orchestration.cli.main import main
-from studies.__main__ import main as studies
 
 from .commands import PAGES, ROOT, commands, run, workspace
 
@@ -22,19 +22,19 @@ NOT_RUN = {
     "python3 -m venv .venv && . .venv/bin/activate": "installs the environment that this test runs in",
     "pip install -e '.[build]'": "installs the environment that this test runs in",
     "pip install -e '.[campaign]'": "installs the environment that this test runs in",
-    "orchestrate campaign scenarios/campaigns/paper_settling.yaml": "takes a minute; docs/campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/paper_settling.yaml": "takes a minute; docs/use/campaigns.md has a smaller one",
     "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install -e '.[tools]'": "installs the environment that this test runs in",
     "pip install casadi": "installs the environment that this test runs in",
-    "orchestrate campaign scenarios/campaigns/estimated.yaml": "flies 1000 runs; docs/campaigns.md has a smaller one",
-    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; docs/campaigns.md has a smaller one",
-    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; docs/campaigns.md has a smaller one",
-    "python -m studies estimator": "takes half a minute, needs ahrs and writes figures into docs/; tests/estimator flies fewer",
-    "python -m studies optimum --cases 50": "takes minutes, needs casadi and writes docs/optimum.md",
-    "python -m studies rival --cases 50": "takes minutes; tests/studies/flight/test_rival.py flies one",
-    "python -m studies sweep": "takes forty minutes, and writes docs/sweep.md",
+    "orchestrate campaign scenarios/campaigns/estimated.yaml": "flies 1000 runs; docs/use/campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; docs/use/campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; docs/use/campaigns.md has a smaller one",
+    "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/; tests/estimator flies fewer",
+    "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
+    "python -m evidence rival --cases 50": "takes minutes; tests/evidence/flight/test_rival.py flies one",
+    "python -m evidence sweep": "takes forty minutes, and writes docs/evidence/sweep.md",
     "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
-    "make pil": "takes minutes, needs QEMU and writes docs/processor.md",
+    "make pil": "takes minutes, needs QEMU and writes docs/evidence/processor.md",
 }
 """Commands that are not run, each with the reason."""
 
@@ -79,7 +79,7 @@ def test_a_command_named_in_a_sentence_exists(page: str) -> None:
         tool, *words = command.replace("python -m", "python").split()
         if tool == "make":
             assert words[0] in targets, command
-        elif words[0] == "studies" and words[1:]:
+        elif words[0] == "evidence" and words[1:]:
             known = studies.get_command(click.Context(studies), words[1])
             assert known, command
             assert options(words) <= options_of(known), command

@@ -6,9 +6,9 @@ from collections import Counter
 
 import numpy as np
 
-from studies.satellites.classes import ALL
-from studies.satellites.kept import load, settling_times
-from studies.satellites.searched import BOUNDS, load_bounds
+from evidence.satellites.classes import ALL
+from evidence.satellites.kept import load, settling_times
+from evidence.satellites.searched import BOUNDS, load_bounds
 
 from .commands import ROOT
 
@@ -30,7 +30,7 @@ def test_the_tumbles_of_the_papers_satellite_are_those_of_their_page():
 
 def test_the_satellites_counted_are_those_of_their_flights():
     all_, settled, unsettled = Counter(), Counter(), Counter()
-    lines = load(ROOT / "docs" / "satellites.csv").lines
+    lines = load(ROOT / "docs" / "evidence" / "satellites.csv").lines
     for line, time in zip(lines, settling_times(lines), strict=True):
         if ALL[line["satellite"]].has_wheel:
             kind = line["condition"], float(line["inclination_deg"]) >= 30.0
@@ -46,7 +46,7 @@ def test_the_satellites_counted_are_those_of_their_flights():
 
 def test_the_satellites_that_no_controller_holds_are_those_of_their_file():
     named = "1U, no wheel", "errors"
-    bounds = [it for it in load_bounds(ROOT / "docs" / BOUNDS) if (it.satellite, it.condition) == named]
+    bounds = [it for it in load_bounds(ROOT / "docs" / "evidence" / BOUNDS) if (it.satellite, it.condition) == named]
     assert f"no controller can keep {sum(it.excluded for it in bounds)} of these 100 settled" in README
 
 
@@ -86,4 +86,4 @@ def rows(text: str) -> list[list[str]]:
 
 
 def page(name: str) -> str:
-    return (ROOT / "docs" / f"{name}.md").read_text("utf-8")
+    return next((ROOT / "docs").glob(f"*/{name}.md")).read_text("utf-8")

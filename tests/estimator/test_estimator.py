@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 import estimator
 from estimator import onboard
 from estimator.start import triad
+from evidence.estimator import steady
 from plant import tables
 from plant.geomagnetic import Field
 from plant.orbit import from_position_velocity
-from studies.estimator import steady
 from tests.blocks import inputs, parameters
 
 MU = 3.986004418e14

@@ -1,4 +1,4 @@
-"""The estimator behind the sensors of a tumbling plant, against the truth: `studies.estimator.consistency` with few runs."""
+"""The estimator behind the sensors of a tumbling plant, against the truth: `evidence.estimator.consistency` with few runs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from evidence.estimator.consistency import FROM, bounds, errors, measured, tumble
 from orchestration import run
-from studies.estimator.consistency import FROM, bounds, errors, measured, tumble
 
 DARK = 5
 """A run that starts in eclipse."""

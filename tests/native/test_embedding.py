@@ -1,4 +1,4 @@
-"""The listing of docs/embedding.md is compiled and flown; the laws compile for a processor without an operating system."""
+"""The listing of docs/use/embedding.md is compiled and flown; the laws compile for a processor without an operating system."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SIZES = """size_t sizes(int which)
 
 
 def listing() -> str:
-    text = (ROOT / "docs" / "embedding.md").read_text("utf-8")
+    text = (ROOT / "docs" / "use" / "embedding.md").read_text("utf-8")
     (found,) = re.findall(r"```c\n(.*?)```", text, flags=re.DOTALL)
     return found
 
@@ -154,7 +154,7 @@ FLOWN = ("controller", "allocator", "allocator_bounded", "controller_planned", "
 def test_the_page_states_the_memory_of_both_laws(flight: ctypes.CDLL) -> None:
     flight.sizes.restype = ctypes.c_size_t
     stated = f"One controller takes {flight.sizes(0)} bytes and one allocator {flight.sizes(1)} bytes"
-    assert stated in (ROOT / "docs" / "embedding.md").read_text("utf-8")
+    assert stated in (ROOT / "docs" / "use" / "embedding.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("block", some(FLOWN, "controller", "allocator"))

@@ -1,6 +1,6 @@
 """Broken FMUs, and what `orchestrate` makes of each.
 
-`python -m tests.orchestration.broken > docs/broken-fmus.md` writes them as a page. It ends with an error where one does not end as
+`python -m tests.orchestration.broken > docs/evidence/broken-fmus.md` writes them as a page. It ends with an error where one does not end as
 its case says; the tests run all cases of FMI 2.0, and of those of FMI 3.0, which end alike, some.
 """
 
@@ -352,7 +352,7 @@ def _servant() -> Any:
     """Makes processes that have imported already what the command needs."""
     servant = multiprocessing.get_context("forkserver")
     servant.set_forkserver_preload(
-        ["orchestration.cli.main", "orchestration.runner.run", "orchestration.instances.isolation"]
+        ["orchestration.cli.main", "orchestration.session.run", "orchestration.instances.isolation"]
     )
     return servant
 
@@ -415,7 +415,7 @@ def outcomes_3() -> dict[str, Outcome]:
 
 
 def page() -> str:
-    """docs/broken-fmus.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
+    """docs/evidence/broken-fmus.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
     found = _outcomes(CASES_3)
     differing = [
         (case.name, problems, found[case.name]) for case in CASES_3 if (problems := wrong(case, found[case.name]))
@@ -465,7 +465,7 @@ HEAD = """\
 
 What becomes of a run with an FMU that breaks, as its exit status (3: an FMU failed; 2: found before anything ran), its message and
 the samples on disk. Each row is a test, which also sees to it that the run ends by itself, that no process is left over and that no
-file lies where it should not. This page is made from their output by `python -m tests.orchestration.broken > docs/broken-fmus.md`,
+file lies where it should not. This page is made from their output by `python -m tests.orchestration.broken > docs/evidence/broken-fmus.md`,
 which tests all rows; of those of FMI 3.0, `make test` tests some.
 
 The FMU is given by its path, so it runs in a process of its own, here with `timeout: 1 s` (`20 s` where it takes memory) and `memory: 300 MB`; it breaks in the step

@@ -12,8 +12,8 @@ from orchestration.errors import BlockError
 from orchestration.fmu.model import Element, Floats, Model, Variable
 from orchestration.instances.block import Block
 from orchestration.results.result import Result
-from orchestration.runner.plan import plan
-from orchestration.runner.run import run_blocks
+from orchestration.session.plan import plan
+from orchestration.session.run import run_blocks
 
 Values = dict[Element, Any]
 

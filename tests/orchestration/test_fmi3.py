@@ -16,7 +16,7 @@ from orchestration.export import ssp
 from orchestration.export.system import flat
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.model import Element
-from orchestration.runner.open import locate
+from orchestration.session.open import locate
 
 from . import as_fmi3, fmus, vendor
 from .wrong_inputs import SCENARIO

@@ -13,8 +13,8 @@ from orchestration.cli.summary import summary
 from orchestration.export.system import check_plain
 from orchestration.results.figures import draw
 from orchestration.results.phases import bands
-from orchestration.runner.flight import Flight
-from orchestration.runner.open import open_scenario
+from orchestration.session.flight import Flight
+from orchestration.session.open import open_scenario
 
 BASE: dict[str, Any] = {
     "name": "timeline",

@@ -1,4 +1,4 @@
-"""Writes docs/tools.md: python -m tests.tools"""
+"""Writes docs/use/tools.md: python -m tests.tools"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/tools.md, made by running the recipes."""
+"""docs/use/tools.md, made by running the recipes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .measure import LOOPS, ONES, RECIPES, STEPS, Recipe, difference
 
-TARGET = Path(__file__).parents[2] / "docs" / "tools.md"
+TARGET = Path(__file__).parents[2] / "docs" / "use" / "tools.md"
 
 _HEAD = """# Our FMUs in other tools
 

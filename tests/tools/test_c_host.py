@@ -68,4 +68,4 @@ def test_the_python_flavour_says_what_it_needs_and_the_way_out(host: Path, block
     assert "/50%s %n/binaries/" in said
     assert "undefined symbol: _Py" in said or "undefined symbol: Py" in said
     words = " ".join((Path(__file__).parent / "words.md").read_text("utf-8").split())
-    assert message.strip() in words, "docs/tools.md has the exact words"
+    assert message.strip() in words, "docs/use/tools.md has the exact words"

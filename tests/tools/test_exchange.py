@@ -1,4 +1,4 @@
-"""What OMSimulator's exchange, imitated, makes of the scenarios; docs/tools.md tells of it."""
+"""What OMSimulator's exchange, imitated, makes of the scenarios; docs/use/tools.md tells of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/tools.md is what the recipes give, up to versions and rounding."""
+"""docs/use/tools.md is what the recipes give, up to versions and rounding."""
 
 from __future__ import annotations
 

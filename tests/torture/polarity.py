@@ -1,6 +1,6 @@
 """Every wrong wiring of V.B and of the tumble, and the FMUs of other teams: what is found, by what, and what mends them.
 
-`--page docs/polarity.md` puts the tables into the page.
+`--page docs/use/polarity.md` puts the tables into the page.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from orchestration.acceptance.polarity import page
 from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.swaps import Looked, look
 from orchestration.acceptance.polarity.trials import Trials, run
-from orchestration.runner.read import read
+from orchestration.session.read import read
 from orchestration.swap.option import swapped
 
 from ..orchestration.acceptance import teams

@@ -21,8 +21,8 @@ import yaml
 
 from orchestration import BlockError, InputError, load
 from orchestration.errors import ResultsError
-from orchestration.runner.open import open_scenario
-from orchestration.runner.run import execute
+from orchestration.session.open import open_scenario
+from orchestration.session.run import execute
 
 from ..orchestration import fmus, vendor
 from ..orchestration.wrong_inputs import SCENARIO

@@ -1,4 +1,4 @@
-/* Frames of the link's protocol and the values in them; the same code at both ends (docs/link-protocol.md).
+/* Frames of the link's protocol and the values in them; the same code at both ends (docs/use/link-protocol.md).
  * No heap, no operating system, no globals that are written to. */
 #ifndef LINK_FRAME_H
 #define LINK_FRAME_H

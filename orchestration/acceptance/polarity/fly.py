@@ -17,10 +17,10 @@ from ...instances.block import Block
 from ...interrupt import Stopped
 from ...master.master import Master
 from ...master.recording import Watch
-from ...runner.open import open_scenario
-from ...runner.plan import Plan
 from ...scenario.load import load
 from ...scenario.source import Source
+from ...session.open import open_scenario
+from ...session.plan import Plan
 from ...system import order
 from ...system.order import Order
 from ...system.wiring import Node, Wiring

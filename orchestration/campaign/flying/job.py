@@ -16,8 +16,8 @@ from ...expectations.metrics import Measure, Meter, MetricError
 from ...expectations.span import Limits
 from ...fmu.model import Floats
 from ...quantities import QuantityError
-from ...runner.flight import Flight
-from ...runner.open import Opened
+from ...session.flight import Flight
+from ...session.open import Opened
 from ..drawing.design import Design
 from ..drawing.draws import Draws
 from .functions import Code, functions

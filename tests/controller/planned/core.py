@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimator.native import tables
+from evidence.structures import filled, record
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
-from studies.structures import filled, record
 from tests.once import built
 
 ROOT = Path(__file__).parents[3]

@@ -1,4 +1,4 @@
-"""Flights of docs/satellites.md, and a controller in the hold that is shown any attitude: what tests of the hold share."""
+"""Flights of docs/evidence/satellites.md, and a controller in the hold that is shown any attitude: what tests of the hold share."""
 
 import contextlib
 import json
@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import orchestration
-from studies.flight.schemes import change
-from studies.satellites.classes import tumbles
+from evidence.flight.schemes import change
+from evidence.satellites.classes import tumbles
 from tests.native.driver import Instance
 
 from .block import (
@@ -19,7 +19,7 @@ from .block import (
 
 
 def flown(satellite, run, errors, duration, signals):
-    """A tumble of docs/satellites.md: times, s, attitude error, deg, and more signals."""
+    """A tumble of docs/evidence/satellites.md: times, s, attitude error, deg, and more signals."""
     return fly(tumbles(satellite, run + 1, errors), run, duration, signals)
 
 

@@ -1,4 +1,4 @@
-"""docs/planned.md states sizes and constants; they are those of the code."""
+"""docs/how/planned.md states sizes and constants; they are those of the code."""
 
 import math
 import re
@@ -8,7 +8,7 @@ import pytest
 
 from . import core
 
-TEXT = (core.ROOT / "docs" / "planned.md").read_text("utf-8")
+TEXT = (core.ROOT / "docs" / "how" / "planned.md").read_text("utf-8")
 SOURCE = "\n".join(path.read_text("utf-8") for path in sorted(core.NATIVE.glob("*.[ch]")))
 
 
@@ -26,7 +26,7 @@ def _rows():
 def test_a_constant_has_the_value_that_the_page_states(name, value):
     (found,) = re.findall(rf"\b{name} = ([-\d.e]+)[,;]", SOURCE)
     digits = len(Decimal(value).as_tuple().digits)
-    assert float(f"{float(found):.{digits}g}") == float(value), f"docs/planned.md states {name} = {value}"
+    assert float(f"{float(found):.{digits}g}") == float(value), f"docs/how/planned.md states {name} = {value}"
 
 
 def test_the_table_is_read():

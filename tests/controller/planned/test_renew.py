@@ -1,4 +1,4 @@
-"""How far a renewed plan sees, in orbits and in the satellite's time T (docs/planned.md, docs/satellites.md)."""
+"""How far a renewed plan sees, in orbits and in the satellite's time T (docs/how/planned.md, docs/evidence/satellites.md)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ACQUISITION, HOLD = 2, 3
 QUARTER = 0.5 * math.pi * math.sqrt(6.971e6**3 / core.MU)
 """s, by Kepler's third law."""
 T = 16.0
-"""s, of the 1U in docs/satellites.md; 50 s of the paper's satellite."""
+"""s, of the 1U in docs/evidence/satellites.md; 50 s of the paper's satellite."""
 ONE_U = core.Satellite(np.diag([2.47e-3, 2.47e-3, 2.17e-3]), 0.2 * np.eye(3), dipole_max=0.2)
 ONE_U = replace(ONE_U, wheel_torque_max=1e-4, wheel_momentum_max=1e-3)
 PLENTY = 10**9

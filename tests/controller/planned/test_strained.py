@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from evidence.flight.tried import TRIED
 from fmus.interface import load
-from studies.flight.tried import TRIED
 
 from . import core
 from .block import BLOCK
@@ -159,7 +159,7 @@ TORQUES = [f"{name}[{i}]" for name in ("plant.tau_drag_B", "controller.disturban
 
 
 def much_drag(**start):
-    """Run 21 of docs/flight.md with ten times the drag at 400 km: times, errors, deg, drag and its estimate, N m (n, 3)."""
+    """Run 21 of docs/evidence/flight.md with ten times the drag at 400 km: times, errors, deg, drag and its estimate, N m (n, 3)."""
     group = next(tried for tried in TRIED if tried.name == "drag").group(22)
     time, error, *torques = fly(group, 21, 17300.0, TORQUES, **start)
     return time, error, np.transpose(torques[:3]), np.transpose(torques[3:])

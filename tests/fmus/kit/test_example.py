@@ -12,7 +12,7 @@ from fmus import kit
 from fmus.interface import parse
 from orchestration import load, run
 from orchestration.acceptance.compare import compare
-from orchestration.runner.read import read
+from orchestration.session.read import read
 from orchestration.swap.option import swapped
 from tests.commands import orchestrate
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from studies.processor.emulator import Emulator
-from studies.processor.firmware import PACKAGES, build
+from evidence.processor.emulator import Emulator
+from evidence.processor.firmware import PACKAGES, build
 from tests.machine import require
 from tests.native.driver import Instance
 

@@ -15,7 +15,7 @@ from fmus.kit import linked
 from fmus.link import bench, device, wire
 from fmus.link.device import Device, Field, Layout, Ports, Reader, Refused, frame
 
-PAGE = (Path(__file__).parents[3] / "docs" / "link-protocol.md").read_text("utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "use" / "link-protocol.md").read_text("utf-8")
 LAMP = """
 [block]
 name = "lamp"

@@ -12,7 +12,7 @@ import pytest
 
 from orchestration.acceptance.compare import compare
 from orchestration.acceptance.tolerances import tolerances
-from orchestration.runner.read import read
+from orchestration.session.read import read
 from orchestration.swap import option as swap
 from tests.commands import orchestrate
 

@@ -17,8 +17,8 @@ from orchestration.acceptance.polarity.swaps import look
 from orchestration.acceptance.polarity.trials import ports_of, run
 from orchestration.acceptance.polarity.wrongs import wrongs
 from orchestration.quantities import parse_unit
-from orchestration.runner.read import read
 from orchestration.scenario.text import parse
+from orchestration.session.read import read
 from orchestration.swap.option import swapped as with_swap
 from orchestration.system.wiring import Wiring
 from tests.commands import orchestrate

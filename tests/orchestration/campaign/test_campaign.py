@@ -25,8 +25,8 @@ from orchestration.campaign.load import read_campaign
 from orchestration.campaign.replay import replay
 from orchestration.cli.main import main
 from orchestration.errors import InputError, ResultsError
-from orchestration.runner.read import read
-from orchestration.runner.run import run
+from orchestration.session.read import read
+from orchestration.session.run import run
 
 from .. import vendor
 

@@ -74,7 +74,7 @@ def test_a_run_says_which_fmu_it_builds_unless_quiet(loop, quick_build, monkeypa
         build(["allocator"], flavour, tmp_path)
         return loop.parent / "motor.fmu"
 
-    monkeypatch.setattr("orchestration.runner.open.ensure", built)
+    monkeypatch.setattr("orchestration.session.open.ensure", built)
     loop.write_text(loop.read_text().replace("fmu: motor.fmu", "fmu: plant"))
     assert orchestrate(loop.name, *options).stderr == told
 
@@ -157,7 +157,7 @@ def test_help_names_the_commands_and_the_exit_status():
 
 
 def test_an_error_of_our_own_is_one_line(loop, monkeypatch):
-    monkeypatch.setattr("orchestration.runner.run.execute", lambda *a, **k: 1 / 0)
+    monkeypatch.setattr("orchestration.session.run.execute", lambda *a, **k: 1 / 0)
     result = orchestrate(loop.name)
     assert result.exit_code == 70
     assert result.stderr.startswith("internal error: ZeroDivisionError: division by zero")

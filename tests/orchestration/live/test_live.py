@@ -18,8 +18,8 @@ from orchestration.errors import InputError
 from orchestration.live.sliders import controls
 from orchestration.live.system import checked, prepare
 from orchestration.results import place
-from orchestration.runner.open import open_scenario
-from orchestration.runner.read import load
+from orchestration.session.open import open_scenario
+from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab
 from tests.orchestration.results.test_place import full
 

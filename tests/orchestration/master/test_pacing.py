@@ -19,8 +19,8 @@ from orchestration.master.pacing import Monotonic, Pacer
 from orchestration.results import lateness
 from orchestration.results.report import page
 from orchestration.results.result import Result
-from orchestration.runner.manifest import manifest
-from orchestration.runner.plan import plan
+from orchestration.session.manifest import manifest
+from orchestration.session.plan import plan
 
 from ..mocks import Mock, model, ramp, real, run
 

@@ -50,7 +50,7 @@ def test_figures_without_matplotlib_are_refused_before_the_run(loop, monkeypatch
 
     found = util.find_spec
     monkeypatch.setattr(util, "find_spec", lambda name, *a: None if name == "matplotlib" else found(name, *a))
-    monkeypatch.setattr("orchestration.runner.run.execute", lambda *a: pytest.fail("it was run"))
+    monkeypatch.setattr("orchestration.session.run.execute", lambda *a: pytest.fail("it was run"))
     result = orchestrate(loop.name, "--figures")
     assert result.exit_code == 2
     assert result.stderr.startswith("figures need Matplotlib: pip install")

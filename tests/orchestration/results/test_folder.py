@@ -215,7 +215,7 @@ def test_a_second_run_into_a_folder_is_refused_before_it_runs(loop, monkeypatch)
     other.start()
     assert begun.wait(30)
     with monkeypatch.context() as patch:
-        patch.setattr("orchestration.runner.run.execute", lambda *a: pytest.fail("it was run"))
+        patch.setattr("orchestration.session.run.execute", lambda *a: pytest.fail("it was run"))
         told = orchestrate(loop.name)
         with pytest.raises(InputError, match="another run writes there"):
             run(loop, out="results/loop")
@@ -312,7 +312,7 @@ def test_a_name_too_long_for_matlab_is_refused_before_the_run(loop, monkeypatch,
         long.save(tmp_path / "out", "mat")
     assert contents(tmp_path / "out") == WHOLE
     monkeypatch.setattr(formats, "_FIELD_MAX", 4)
-    monkeypatch.setattr("orchestration.runner.run.run_blocks", lambda *a: pytest.fail("it was run"))
+    monkeypatch.setattr("orchestration.session.run.run_blocks", lambda *a: pytest.fail("it was run"))
     told = orchestrate(loop.name, "--format", "mat")
     assert told.exit_code == 2
     assert "remedy: --format csv or parquet" in told.stderr

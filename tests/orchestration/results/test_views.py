@@ -162,7 +162,7 @@ def test_a_second_run_gives_the_same_bits_and_what_one_run_changes_is_not_in_the
 def test_a_scenario_that_is_run_again_is_planned_once_and_gives_the_same_in_all_that_does_not_tell_the_time(
     monkeypatch,
 ):
-    from orchestration.runner import open as opening
+    from orchestration.session import open as opening
 
     scenario = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"
     first = run(scenario, duration="10 s")

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from fmus import places
-from orchestration.runner.read import load
 from orchestration.scenario.checked import checked_before, dumped
 from orchestration.scenario.types import Model
+from orchestration.session.read import load
 
 SCENARIOS = sorted(places.shared("scenarios").glob("*.yaml"))
 
@@ -61,7 +61,7 @@ def test_nothing_is_kept_once_the_models_are_built(work: Path) -> None:
 def test_the_next_process_builds_no_models_and_has_the_same_scenario(work: Path) -> None:
     program = (
         "import sys; from pathlib import Path; from fmus import places; places.work = lambda: Path(sys.argv[1])\n"
-        "from orchestration.runner.read import load; from orchestration.scenario.scenario import Scenario\n"
+        "from orchestration.session.read import load; from orchestration.scenario.scenario import Scenario\n"
         "scenario = load(sys.argv[2]); print(Scenario.__pydantic_complete__, repr(scenario), scenario.source)"
     )
     command = [sys.executable, "-c", program, str(work), str(places.shared("scenarios") / "mission_day.yaml")]

@@ -11,7 +11,7 @@ import pytest
 from fmus import kit
 from fmus.build import Block, build
 from fmus.interface import load, parse
-from orchestration.runner.read import load as load_scenario
+from orchestration.session.read import load as load_scenario
 from tests.commands import orchestrate
 
 pytestmark = [pytest.mark.compile, pytest.mark.isolate, pytest.mark.fly]

@@ -245,8 +245,8 @@ def test_a_refused_setting_names_its_time():
         raise block.fail("fmi2SetReal of gain")
 
     block.set = refuse
-    from orchestration.runner.plan import plan
-    from orchestration.runner.run import run_blocks
+    from orchestration.session.plan import plan
+    from orchestration.session.run import run_blocks
 
     ready = plan(
         load({"name": "x", "step": 0.1, "duration": 1, "blocks": {"block": {"fmu": "mock", "start": {"free": 0}}},

@@ -403,7 +403,7 @@ def test_a_flavour_that_a_block_has_not_is_refused_at_its_line(here, monkeypatch
     monkeypatch.setattr(fmus_interface, "load", load_one)
     monkeypatch.setattr("fmus.build.load", load_one)
     monkeypatch.setattr("fmus.block.load", load_one)
-    monkeypatch.setattr("orchestration.runner.open.load_interface", load_one)
+    monkeypatch.setattr("orchestration.session.open.load_interface", load_one)
     result = orchestrate("delayed.yaml", "--flavour", "python")
     assert result.exit_code == 2
     assert (

@@ -9,7 +9,7 @@ import pytest
 from fmus.interface import InterfaceError, parse
 from orchestration import InputError, load
 from orchestration.fmu.model import Model
-from orchestration.runner.open import open_scenario
+from orchestration.session.open import open_scenario
 from orchestration.system import periods
 
 FLIGHT = Path(__file__).parents[3] / "scenarios" / "flight_vb.yaml"

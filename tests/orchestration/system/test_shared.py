@@ -15,8 +15,8 @@ from fmus.interface import load as load_interface
 from orchestration import BlockError, InputError, load, run
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
-from orchestration.runner.open import open_scenario
-from orchestration.runner.refusal import refusal
+from orchestration.session.open import open_scenario
+from orchestration.session.refusal import refusal
 from tests.commands import orchestrate
 
 from .. import vendor

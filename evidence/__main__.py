@@ -1,0 +1,242 @@
+"""python -m evidence: the momentum bound and the gains of a scenario, and the pages that studies write to docs/.
+
+Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may ask for too much torque; 2 the input is wrong; others as of `orchestrate`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from typing import Any
+
+import click
+from rich.console import Console
+
+from orchestration import InputError
+from orchestration.cli.console import say
+from orchestration.cli.status import Commands
+
+from .allocators import make as allocator_runs
+from .allocators import page as allocator_page
+from .estimator import make as estimates
+from .failures import make as failures_flown
+from .failures.rows import TABLES
+from .flight import make as flights
+from .flight.closest import FILE as HOLDS_FLOWN
+from .flight.rivals import compare
+from .flight.tune import search
+from .of_scenario import momentum_bound, sizing
+from .optimum import page as least_times
+from .optimum.kept import FILE
+from .paper import ROOT
+from .processor import make as cost
+from .reproduction import make as paper
+from .satellites import bound_search
+from .satellites import make as satellites_flown
+from .satellites.kept import FILE as SATELLITES
+from .satellites.kept import load
+from .satellites.searched import BOUNDS, HOLDS
+from .sensors import make as sensor_figures
+from .sweep import make as swept
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+def main() -> None:
+    """Studies of the loop."""
+
+
+def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
+    return click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")(
+        command
+    )
+
+
+_HOLDS = "Search how close to the target a motion can stay, some ten seconds each (needs the package casadi)."
+
+
+main.add_command(momentum_bound)
+main.add_command(sizing)
+
+
+@main.command()
+def sensors() -> None:
+    """Make the figures of docs/use/sensors.md: an eclipse, and the Allan deviation of gyros."""
+    say(f"written: {sensor_figures()}")
+
+
+@main.command()
+def processor() -> None:
+    """Make docs/evidence/processor.md: the flight code on an emulated Cortex-M7, in the loop through the link."""
+    say(f"written: {cost.make()}")
+
+
+@main.command()
+@_jobs
+def reproduction(jobs: int) -> None:
+    """Make docs/evidence/reproduction.md and its figures, all from runs."""
+    say(f"written: {paper.make(jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option(
+    "--fly",
+    is_flag=True,
+    help="Fly all that docs/evidence/allocators.md shows and keep it in docs/evidence/allocators.csv.",
+)
+@click.option(
+    "--page", is_flag=True, help="Write docs/evidence/allocators.md and its figure from docs/evidence/allocators.csv."
+)
+def allocators(jobs: int, fly: bool, page: bool) -> None:
+    """The paper's allocator against the bounded one, under the paper's law at 36 nodes: a minute, with --fly five."""
+    if fly or not page:
+        done = allocator_runs.compute(allocator_runs.cases() if fly else allocator_runs.comparison(), jobs)
+        Console().print(allocator_runs.table(done))
+    if fly:
+        allocator_runs.save(done)
+    if page:
+        say(f"written: {allocator_page.write(allocator_runs.load())}")
+
+
+@main.command()
+@_jobs
+@click.option(
+    "--cases",
+    default=1000,
+    show_default=True,
+    type=click.IntRange(2, 1000),
+    help="Random tumbles of each kind; fewer write to results/.",
+)
+@click.option(
+    "--page", is_flag=True, help="Write page and figures from docs/evidence/flight.csv, without flying its cases."
+)
+@click.option("--holds", is_flag=True, help=_HOLDS)
+def flight(jobs: int, cases: int, page: bool, holds: bool) -> None:
+    """Make docs/evidence/flight.md and its figures from campaigns; one that was interrupted goes on."""
+    if holds:
+        _needs_casadi()
+        from .flight.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
+
+        for line in make(jobs, ROOT / "docs" / "evidence" / HOLDS_FLOWN):
+            say(line)
+    say(f"written: {flights.publish() if page or holds else flights.make(cases, jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option(
+    "--runs", default=200, show_default=True, type=click.IntRange(2, 10000), help="Tumbles for the consistency."
+)
+def estimator(jobs: int, runs: int) -> None:
+    """The tables of docs/evidence/estimation.md, and its figures; half a minute. Needs the package ahrs (pip install ahrs)."""
+    for shown in estimates.make(runs, jobs):
+        Console().print(shown)
+
+
+@main.command()
+@click.option(
+    "--cases", default=50, show_default=True, type=click.IntRange(1, 1000), help="Nominal tumbles, from run 0."
+)
+@click.option("--flown", is_flag=True, help="Fly the tumbles of docs/evidence/optimum.csv anew; their best times stay.")
+@click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/optimum.csv, without searching.")
+def optimum(cases: int, flown: bool, page: bool) -> None:
+    """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about half a minute each, one process.
+
+    What is in docs/evidence/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
+    """
+    if not page:
+        _needs_casadi()
+        from .optimum.make import fly_again, make  # CasADi, a package of three studies alone  # noqa: PLC0415
+
+        file = ROOT / "docs" / "evidence" / FILE
+        for line in fly_again(file) if flown else make(cases, file):
+            say(line)
+    say(f"written: {least_times.publish()}")
+
+
+@main.command()
+@click.option("--cases", default=40, show_default=True, type=click.IntRange(2, 1000), help="Flights of acquisition.")
+def sweep(cases: int) -> None:
+    """Fly with constants of the planned controller at half and twice their values, for docs/evidence/sweep.md: forty minutes, one process."""
+    for line in swept.make(cases, ROOT / "docs" / "evidence" / swept.FILE):
+        say(line)
+    say(f"written: {swept.publish()}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=10, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles.")
+def rival(jobs: int, cases: int) -> None:
+    """Fly a controller from the literature on tumbles of docs/evidence/flight.md beside ours, and print the table of docs/evidence/rival.md."""
+    for line in compare(cases, jobs):
+        say(line)
+
+
+@main.command("flight-case")
+@click.argument("group")
+@click.argument("run", type=int)
+def flight_case(group: str, run: int) -> None:
+    """Fly one case of docs/evidence/flight.md, such as nominal 17, and write its scenario."""
+    flown = flights.fly_case(group, run)
+    for name, value in flown.metrics.items():
+        say(f"{name:14} {value}")
+    say(f"written: {flown.file}")
+
+
+@main.command("flight-tune")
+@_jobs
+def flight_tune(jobs: int) -> None:
+    """Search the gains of law [8] in SI units that docs/evidence/flight.md compares with."""
+    for line in search(jobs):
+        say(line)
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
+@click.option("--page", is_flag=True, help="Write the page from docs/evidence/satellites.csv, without flying.")
+@click.option("--holds", is_flag=True, help=_HOLDS)
+@click.option(
+    "--bounds",
+    is_flag=True,
+    help="Prove which of those that are not settled no controller can hold, some seconds each.",
+)
+def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> None:
+    """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/evidence/satellites.md; one that was interrupted goes on."""
+    docs, progress = ROOT / "docs" / "evidence", list[Iterator[str]]()
+    if bounds:
+        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
+    if holds:
+        _needs_casadi()
+        from .satellites.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
+
+        progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
+    for line in itertools.chain(*progress):
+        say(line)
+    made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)
+    say(f"written: {made}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=10, show_default=True, type=click.IntRange(1, 1000), help="Flights of each row.")
+@click.option(
+    "--table", "tables", multiple=True, type=click.Choice(TABLES), help="Fly this table alone; may be repeated."
+)
+@click.option("--page", is_flag=True, help="Write the page from docs/evidence/failures.csv, without flying.")
+def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None:
+    """Fly tumbles with rods, sensors and wheels that fail, and make docs/evidence/failures.md; one that was interrupted goes on.
+
+    A flight takes about two seconds of a core, one with a stuck wheel 36.
+    """
+    say(f"written: {failures_flown.write() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
+
+
+def _needs_casadi() -> None:
+    if find_spec("casadi") is None:
+        raise InputError("the package casadi is not installed; remedy: pip install casadi")
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m evidence")

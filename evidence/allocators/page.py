@@ -1,0 +1,99 @@
+"""docs/evidence/allocators.md and its figure, every number in them from docs/evidence/allocators.csv."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fmus.interface import load as load_interface
+
+from .. import markdown
+from ..paper import ORBIT, ROOT, SCENARIOS, TITLES
+from ..plots import BLUE, RED, limit, name_axes, panels, save
+from .make import ALLOCATORS, COLUMNS, NODES, WEIGHTS, Flown, rows
+
+
+def write(done: Mapping[str, Flown]) -> Path:
+    """Draws and writes; returns the page."""
+    save({"allocators-wheel": figure(done)}, ROOT / "docs" / "figures")
+    target = ROOT / "docs" / "evidence" / "allocators.md"
+    target.write_text(text(done), "utf-8")
+    return target
+
+
+def figure(done: Mapping[str, Flown]) -> Any:
+    """The wheel's peak over the orbit at every node; hollow where an error left its tolerance."""
+    drawn, axes = panels(1, 2, 5.6, 3.4, sharey=True)
+    most = load_interface("plant").variables["wheel_momentum_max"].start
+    for ax, which in zip(axes[0], SCENARIOS, strict=True):
+        for name, colour, marker in zip(ALLOCATORS, (RED, BLUE), "so", strict=True):
+            f = done[f"{which} {name} a"]
+            peak = 1e3 * np.maximum(f.wheel, f.wheel_later)
+            ax.plot(NODES, peak, color=colour, linewidth=0.8, alpha=0.6)
+            for kept, face in ((True, colour), (False, "white")):
+                at = f.kept == kept
+                ax.plot(NODES[at], peak[at], marker, color=colour, markerfacecolor=face, markersize=5)
+            ax.plot([], [], marker + "-", color=colour, label=ALLOCATORS[name])
+        limit(ax, 1e3 * most)
+        ax.set_yscale("log")
+        name_axes(
+            ax,
+            "node longitude, °E",
+            "largest wheel momentum in an orbit, mN m s",
+            f"{TITLES[which]}:\nhollow where the errors leave their tolerance",
+        )
+    axes[0][0].legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(0.0, 0.93))
+    return drawn
+
+
+def text(done: Mapping[str, Flown]) -> str:
+    """The page."""
+
+    def count(name: str) -> dict[str, int]:
+        runs = [done[f"{w} {name} a"] for w in SCENARIOS]
+        return {
+            "settled": sum(int(np.isfinite(f.settled).sum()) for f in runs),
+            "kept": sum(int(f.kept.sum()) for f in runs),
+            "latched": sum(int(f.latched.sum()) for f in runs),
+        }
+
+    start = {v.name: v.start for v in load_interface("allocator_bounded").of("parameter")}
+    return markdown.render(
+        Path(__file__).parent,
+        nodes=len(NODES),
+        total=len(SCENARIOS) * len(NODES),
+        runs=f"{len(done) * len(NODES):,}",
+        orbit=f"{ORBIT:.0f}",
+        count={name: count(name) for name in ALLOCATORS},
+        rod_weight=f"{1e6 * start['rod_weight']:g}",
+        wheel_weight=f"{start['wheel_weight']:g}",
+        wheel_weight_ff=f"{start['wheel_weight_ff']:g}",
+        header="|".join(["", "allocator", *COLUMNS]),
+        mass=rows(done, "a"),
+        si=rows(done, "c"),
+        weights_header="|".join(["`wheel_weight`", *(f"{w}: {h}" for w in SCENARIOS for h in _OF_WEIGHTS)]),
+        weights=_weights(done, start["wheel_weight"]),
+        best=f"{max(WEIGHTS, key=lambda w: sum(f.kept.sum() for f in _of_weight(done, w))):g}",
+    )
+
+
+def _of_weight(done: Mapping[str, Flown], weight: float) -> list[Flown]:
+    return [done[f"{which} wheel_weight {weight:g}"] for which in SCENARIOS]
+
+
+def _weights(done: Mapping[str, Flown], start: float) -> list[list[str]]:
+    return [
+        [f"{w:g}" + (" (start)" if w == start else "")]
+        + [show(f) for f in _of_weight(done, w) for show in _OF_WEIGHTS.values()]
+        for w in WEIGHTS
+    ]
+
+
+_OF_WEIGHTS = {
+    "settled": lambda f: f"{int(np.isfinite(f.settled).sum())}",
+    "kept": lambda f: f"{int(f.kept.sum())}",
+    "largest wheel momentum in the hold, median": lambda f: f"{1e3 * np.median(f.wheel_later):.2f}",
+}

@@ -1,0 +1,47 @@
+"""Flies the rows in turn, so that those of a table have about as many flights at any time, and writes docs/evidence/failures.md."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from orchestration.campaign.flying.rows import Rows
+
+from ..crew import crew, runs_of
+from ..paper import FOLDER, ROOT
+from . import page
+from .kept import FILE, load, save
+from .rows import ROWS, Row
+
+RESULTS = FOLDER / "failures"
+PART = 2
+"""Flights of a row before the next one has its turn."""
+
+
+def parts(cases: int, tables: Collection[str]) -> Iterator[tuple[Row, int]]:
+    """A row of these tables and the number of flights that it has after this part, in the order of flying."""
+    for most in [*range(PART, cases, PART), cases]:
+        yield from ((row, most) for row in ROWS if row.table in tables)
+
+
+def make(cases: int, tables: Collection[str], jobs: int) -> Path:
+    """Flies what is left of so many flights of each row; then writes docs/evidence/failures.csv and the page, and returns it."""
+    with crew(jobs) as hands:
+        for row, most in parts(cases, tables):
+            rows = flown(row)
+            if rows is None or len(rows) < most:
+                hands.fly(row.case(most), RESULTS)
+    save(ROOT / "docs" / "evidence" / FILE, [(row, found) for row in ROWS if (found := flown(row))])
+    return write()
+
+
+def flown(row: Row) -> Rows | None:
+    """What these FMUs have flown so far; None where they have not begun."""
+    return runs_of(row.case(PART), RESULTS)
+
+
+def write() -> Path:
+    """Writes the page from docs/evidence/failures.csv."""
+    target = ROOT / "docs" / "evidence" / "failures.md"
+    target.write_text(page.text(load(ROOT / "docs" / "evidence" / FILE)), "utf-8")
+    return target

@@ -1,0 +1,109 @@
+"""The tables of docs/evidence/failures.md from docs/evidence/failures.csv; page.md.j2 has the words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .. import markdown
+from ..flight.cases import LOST
+from ..flight.kept import angle, quantile
+from ..markdown import finite, orbits
+from ..paper import ORBIT, Array
+from .kept import Flight
+from .rows import OTHERS, RODS, ROWS, SENSORS, UNSEARCHED, WHEEL, Row
+
+SOON = 1.5
+"""Orbits, by which a flight by rods alone is to be below LOST for good."""
+
+
+def text(flights: Sequence[Flight]) -> str:
+    """The page."""
+    of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
+    columns = {RODS: _rod, OTHERS: _other, SENSORS: _sensor, UNSEARCHED: _unsearched, WHEEL: _wheel}
+    tables = {
+        table: [columns[table](row, of[row.name]) for row in ROWS if row.table == table and of[row.name]]
+        for table in columns
+    }
+    counts = {table: _counts([len(of[row.name]) for row in ROWS if row.table == table]) for table in columns}
+    searched = [(row, of[row.name]) for row in ROWS if row.table != UNSEARCHED]
+    return markdown.render(
+        Path(__file__).parent,
+        **tables,
+        counts=counts,
+        flown=len(flights),
+        wrong=[
+            f"{row.text}, {_torque(row)}, flight {f.run}: `{'`, `'.join(f.others.split())}`"
+            for row, them in searched
+            for f in them
+            if f.others
+        ],
+        failed=[f"{f.row}, flight {f.run}: {f.remark}" for f in flights if f.remark],
+    )
+
+
+def _counts(numbers: Sequence[int]) -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low}" if low == high else f"{low} to {high}"
+
+
+def _torque(row: Row) -> str:
+    return f"{1e6 * row.push:.3g} µN m" if row.push else "none"
+
+
+def _column(flights: Sequence[Flight], name: str) -> Array:
+    return np.array([getattr(flight, name) for flight in flights])
+
+
+def _found(times: Array) -> list[str]:
+    """How many, the median and the worst of those, s."""
+    known = times[np.isfinite(times)]
+    spread = (f"{which(known):.0f} s" if len(known) else "–" for which in (np.median, np.max))
+    return [finite(times), *spread]
+
+
+def _spread(times: Array) -> list[str]:
+    """How many, the median and the worst of all, orbits."""
+    return [finite(times), *(orbits(quantile(times, q) / ORBIT) for q in (0.5, 1.0))]
+
+
+def _hold(flights: Sequence[Flight]) -> list[str]:
+    """Rms at the median and worst, and the largest angle, deg."""
+    rms, largest = (_column(flights, name) for name in ("hold_rms_deg", "hold_max_deg"))
+    known = np.isfinite(rms)
+    return [angle(rms[known], np.median), angle(rms[known], np.max), angle(largest[known], np.max)]
+
+
+def _rod(row: Row, flights: Sequence[Flight]) -> list[str]:
+    found, settled = _found(_column(flights, "found_s")), _spread(_column(flights, "settled_s"))
+    return [row.text, _torque(row), *found, *settled, *_hold(flights)]
+
+
+def _other(row: Row, flights: Sequence[Flight]) -> list[str]:
+    times = _column(flights, "settled_s")
+    spread = [f"{t:,.0f} s" if math.isfinite(t := quantile(times, q)) else "not settled" for q in (0.5, 0.9, 1.0)]
+    return [row.text, _torque(row), *_found(_column(flights, "found_s")), finite(times), *spread, *_hold(flights)]
+
+
+def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:
+    held = (_column(flights, "hold_max_deg") < LOST).sum()
+    return [row.text, *_found(_column(flights, "found_s")), f"{held} of {len(flights)}", *_hold(flights)]
+
+
+def _unsearched(row: Row, flights: Sequence[Flight]) -> list[str]:
+    return [row.text, _torque(row), *_spread(_column(flights, "settled_s")), *_hold(flights)]
+
+
+def _wheel(row: Row, flights: Sequence[Flight]) -> list[str]:
+    soon = np.where((times := _column(flights, "within_5_s")) <= SOON * ORBIT, times, math.inf)
+    return [
+        row.text,
+        _torque(row),
+        *_found(_column(flights, "found_s"))[1:],
+        *_spread(_column(flights, "within_15_s")),
+        finite(soon),
+        *_hold(flights),
+    ]

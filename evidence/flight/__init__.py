@@ -1,0 +1,1 @@
+"""Random tumbles, V.B, V.C and long holds in SI units: docs/evidence/flight.md."""

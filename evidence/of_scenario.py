@@ -1,0 +1,145 @@
+"""The commands of `python -m evidence` on one scenario: its momentum bound, and gains for it."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from orchestration import InputError
+from orchestration.cli.console import say
+from orchestration.cli.overrides import overridden
+from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
+from orchestration.session.read import read as read_source
+
+from .momentum_bound import balance
+from .setup import read
+from .sizing import setup_of, study, table
+
+IMPOSSIBLE = 1
+_DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
+_ANGLE, _RATE, _TORQUE = parse_unit("rad"), parse_unit("rad/s"), parse_unit("N.m")
+
+
+def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
+    """A positive number of an option, or None where it is not given."""
+    if text is None:
+        return None
+    try:
+        number: Any = text
+        with contextlib.suppress(ValueError):
+            number = float(text)
+        value = value_in(number, unit)
+    except QuantityError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if not 0.0 < value < float("inf"):
+        raise InputError(f"{option} {text}: expected above zero, found {value:g} {unit.name}")
+    return value
+
+
+@click.command("momentum-bound")
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option("--time", metavar="T", help="Whether the manoeuvre is possible within this time; in s or with a unit.")
+@click.option("--dipole-max", metavar="M", help="Limit of each rod instead of the plant's; in A.m2 or with a unit.")
+@click.option("--horizon", default="1 h", show_default=True, metavar="T", help="Longest time that is looked at.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
+@click.pass_context
+def momentum_bound(
+    ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
+) -> None:
+    """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
+    wanted = _quantity("--time", time, SECOND)
+    limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
+    longest = _quantity("--horizon", horizon, SECOND) or 0.0
+    setup = read(overridden(read_source(scenario), sets))
+    bound = balance(setup, limit, max(longest, wanted or 0.0))
+    times = bound.least_time()
+    rods = setup.loop.plant.dipole_max if limit is None else limit
+    say(
+        f"{setup.scenario.name}: rods of {rods:g} A m2, together at most {bound.rho:.4f} A m2; wheel {1e3 * bound.l_max:g} mN m s"
+    )
+    say(f"initial momentum {bound.H0_size:.4f} N m s")
+    for what, least in (("least time", times.least), ("  along the momentum alone", times.simple)):
+        say(f"{what}: " + (f"beyond {times.horizon:g} s" if least is None else f"{least:.1f} s"), bold=what[0] == "l")
+    if wanted is None:
+        return
+    v = bound.at(wanted)
+    if v.possible:
+        say(f"within {wanted:g} s: not excluded")
+        return
+    direction = ", ".join(f"{x:.5f}" for x in v.direction)
+    say(f"within {wanted:g} s: impossible, {v.gap:.4f} N m s are short", bold=True)
+    say(f"  along the inertial direction ({direction})")
+    say(f"  needed beyond what the wheel can keep {v.needed:.4f} N m s")
+    say(f"  largest impulse of the rods           {v.impulse:.4f}")
+    say(f"  disturbances and tolerances           {v.slack:.4f}")
+    ctx.exit(IMPOSSIBLE)
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--time", required=True, metavar="T", help="Wished time to settle; in s or with a unit.")
+@click.option(
+    "--attitude-error", metavar="A", help="Largest initial error, by default the scenario's; in rad or with a unit."
+)
+@click.option(
+    "--rate", metavar="W", help="Largest initial rate error, by default the scenario's; in rad/s or with a unit."
+)
+@click.option(
+    "--torque",
+    metavar="T",
+    help="Torque that the actuators give, instead of what rods and wheel give; in N.m or with a unit.",
+)
+@click.option("--damping", type=float, help="Damping ratio, instead of the one with the least torque.")
+@click.option(
+    "--schedule",
+    type=click.Choice(["constant", "error"]),
+    default="constant",
+    show_default=True,
+    help="Gains that are constant, or follow the errors [10].",
+)
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the start values to this file.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
+@click.pass_context
+def sizing(
+    ctx: click.Context,
+    file: Path,
+    time: str,
+    attitude_error: str | None,
+    rate: str | None,
+    torque: str | None,
+    damping: float | None,
+    schedule: str,
+    out: Path | None,
+    sets: tuple[str, ...],
+) -> None:
+    """Gains of `controller` for FILE, a scenario or a satellite: start values as YAML, and what of them is guaranteed.
+
+    Exit status 1 where the guaranteed torque is above what the actuators give.
+    """
+    setup = setup_of(overridden(read_source(file), sets))
+    found = study(
+        setup,
+        _quantity("--time", time, SECOND) or 0.0,
+        _quantity("--attitude-error", attitude_error, _ANGLE),
+        _quantity("--rate", rate, _RATE),
+        _quantity("--torque", torque, _TORQUE),
+        damping,
+        schedule,
+    )
+    shown = Table("", "value", "formula", "standing")
+    for row in table(found, found.fly(setup.loop.controller)):
+        shown.add_row(*row)
+    Console(stderr=True).print(shown)
+    text = found.yaml()
+    if out is None:
+        click.echo(text, nl=False)
+    else:
+        out.write_text(text, "utf-8")
+        say(f"written: {out}")
+    if found.sizing.torque_max > found.sizing.wish.torque:
+        ctx.exit(IMPOSSIBLE)

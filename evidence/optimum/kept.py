@@ -1,0 +1,48 @@
+"""docs/evidence/optimum.csv: a line for each tumble; docs/evidence/optimum.md and its figure are made from it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import files
+
+FILE = "optimum.csv"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A tumble: times in s, shares of the actuators' limits, on average until T."""
+
+    run: int
+    initial_rate_deg_s: float
+    bound_s: float
+    best_s: float
+    flown_s: float
+    handed_over_s: float
+    best_after_s: float
+    """From the flown motion at the hand-over; NaN where the plan has it from the start."""
+    start: str
+    feasible: int
+    tried: int
+    rods_best: float
+    rods_flown: float
+    wheel_best: float
+    wheel_flown: float
+    check_angle_deg: float
+    check_rate_rad_s: float
+    check_gap_deg: float
+    held_on: bool
+    turned: bool
+    """Whether the search was made again from the best with a turn more."""
+    seconds: float
+
+
+def load(file: Path) -> list[Line]:
+    """The lines of a file that `save` wrote. Raises InputError for one of another form."""
+    return files.load(Line, file, "python -m evidence optimum")
+
+
+def save(file: Path, found: Sequence[Line]) -> None:
+    files.save(Line, file, sorted(found, key=lambda line: line.run))

@@ -1,0 +1,157 @@
+"""The fields of docs/evidence/reproduction.md, each a number or a table from the results; page.md.j2 has the words."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import markdown
+from ..paper import LIMITS, READINGS, constants
+from . import findings, sweep
+from .claims import CLAIMS, OUTCOMES, Claim, all_hold, hold_outcome, outcome
+from .seen import Seen
+
+
+def text(done: dict[str, Any]) -> str:
+    """The page."""
+    fields: dict[str, Any] = {}
+    for part in (
+        _head,
+        _claims,
+        _open,
+        findings.bound,
+        findings.latch,
+        findings.convergence,
+        findings.robustness,
+        findings.orbit,
+    ):
+        fields |= part(done)
+    counts = np.bincount(outcome("V.C", done["latch 0.65 0.9"]), minlength=len(OUTCOMES)).tolist()
+    return markdown.render(
+        Path(__file__).parent, **fields, outcomes="; ".join(OUTCOMES), outcome_counts=", ".join(map(str, counts))
+    )
+
+
+def _head(done: dict[str, Any]) -> dict[str, Any]:
+    met = all(bool(all_hold(w, done[f"{w}: run a"].seen)[0]) for w in CLAIMS)
+    gaps = [v.gap for v in done["V.B: bound 15 A m2"].at_claim]
+    code = hold_outcome(done["latch 0.65 0.9"])
+    limit, time = LIMITS["V.B"]
+    return {
+        "verdict": "every claim of both manoeuvres is met" if met else "not every claim is met",
+        "nodes_kept": int(all_hold("V.C", done["latch 0.65 0.9"]).sum()),
+        "short": f"{min(gaps):.2f} to {max(gaps):.2f}",
+        "vb_limit": f"{limit:g}",
+        "vb_time": f"{time:.0f}",
+        "excluded": f"{sum(gap > 0.0 for gap in gaps)} of {len(gaps)}",
+        "latched": int(np.isin(code, (3, 4)).sum()),
+        "converge_error": markdown.finite(done["random starts, error"].converged),
+        "random_starts": len(done["random starts, constant"].converged),
+    }
+
+
+def _cell(claim: Claim, seen: Seen, letter: str) -> str:
+    if letter == "b" and claim.of_limits:
+        return "no meaning"
+    value, margin = float(claim.value(seen)[0]), float(claim.margin(seen)[0])
+    word = "met" if margin > 0.0 else "**not met**"
+    shown = claim.show(value)
+    unit = f" {claim.unit}" if claim.unit and math.isfinite(value) else ""
+    if shown in ("yes", "no"):
+        return f"{word}: {shown}"
+    return f"{word}: {shown}{unit}" + (f" (margin {margin:.3g})" if claim.graded and math.isfinite(margin) else "")
+
+
+def _angle(radians: float) -> str:
+    return markdown.degrees(math.degrees(radians))
+
+
+def _claims(done: dict[str, Any]) -> dict[str, Any]:
+    tables = {}
+    for which, claims in CLAIMS.items():
+        runs = [done[f"{which}: run {letter}"] for letter in READINGS]
+        rows = [
+            [claim.text, claim.paper + (" (implied)" if claim.implied else "")]
+            + [_cell(claim, r.seen, letter) for r, letter in zip(runs, READINGS, strict=True)]
+            for claim in claims
+        ]
+        rows += [
+            ["outcome of the hold", "", *(r.hold for r in runs)],
+            ["attitude error at the end", "", *(_angle(r.seen.attitude_error[0]) for r in runs)],
+            ["largest torque demanded", "", *(f"{1e3 * r.seen.torque[0]:.3g} mN m" for r in runs)],
+        ]
+        tables[which] = rows
+    settled = np.concatenate([done[f"{w}: SI for an orbit"].settled for w in CLAIMS])
+    run = done["V.B: run a"]
+    L = run.signals["gain_l"] * constants()["controller.L0"][0][0]
+    expected = float(L[1] * (run.signals["rate_error_B"][1] ** 2).sum())
+    starts = np.concatenate([done[f"random starts, {s}"].converged for s in ("constant", "error")])
+    moment = sweep.drag_moments("V.B")[-1]
+    further = [
+        [
+            "robust to drag that the law does not know",
+            f"met: {_angle(done['V.B: drag'].attitude_error[-1])} with {moment:.0e} N m "
+            f"({moment / 1e-5:.0f} times the paper's moment; [robustness](#robustness))",
+        ],
+        [
+            "convergence is almost global",
+            f"met: {markdown.finite(starts)} random starts, with exact torque ([convergence](#almost-global-convergence))",
+        ],
+        [
+            "a wheel on the roll axis keeps the satellite controllable round its orbit",
+            f"met for holding LVLH: below {_angle(done['with drag'].signals['attitude_error'].max())} with the paper's "
+            "drag; not at each instant ([round the orbit](#round-the-orbit))",
+        ],
+    ]
+    return {
+        "readings": "; ".join(f"({r.letter}) {r.text}" for r in READINGS.values()),
+        "claims": tables,
+        "further": further,
+        "vc_demand": f"{done['V.C: run a'].seen.hold_by_rod[0]:.0f}",
+        "vb_rods": f"{float(done['V.B: run b'].seen.dipole[0]) / 15.0:.0f}",
+        "si_runs": len(settled),
+        "si_settled": int(np.isfinite(settled).sum()),
+        "start_ratio": f"{-float(np.gradient(run.signals['lyapunov'], run.time)[1]) / expected:.2f}",
+    }
+
+
+def _number(value: float, constant: sweep.Constant) -> str:
+    return f"{value:.2g}" if constant.name in ("bend of Φ", "factor on drag") else f"{value:g}"
+
+
+def _range(constant: sweep.Constant, which: str, seen: Seen) -> tuple[str, str]:
+    """Where every claim is met, and what is lost beyond."""
+    ends = sweep.interval(constant, which, seen)
+    if ends is None:
+        return "none", "claims are not met at the value taken"
+    low, high, below, above = ends
+    unit = f" {constant.unit}" if constant.unit and constant.unit != "°" else constant.unit
+    reasons = [f"{side}: {reason}" for side, reason in (("below", below), ("above", above)) if reason]
+    return (
+        f"{_number(low, constant)} to {_number(high, constant)}{unit}",
+        "; ".join(reasons) or "none within what was tried",
+    )
+
+
+def _open(done: dict[str, Any]) -> dict[str, Any]:
+    rows = []
+    for i, constant in enumerate(sweep.ONE_BY_ONE):
+        tried = f"{_number(float(constant.values[0]), constant)} to {_number(float(constant.values[-1]), constant)}"
+        ranges = [cell for w in CLAIMS for cell in _range(constant, w, done[f"{w}: one by one"][i])]
+        rows.append([constant.name, constant.taken, tried, *ranges])
+    shares = []
+    for key, of in (("node and K0", "node longitude and K₀'s scale"), ("K0 and L0", "K₀'s and L₀'s scale")):
+        b, c = (all_hold(w, done[f"{w}: {key}"]) for w in CLAIMS)
+        shares.append({"of": of} | {k: f"{100.0 * m.mean():.1f}%" for k, m in (("vb", b), ("vc", c), ("both", b & c))})
+    at = int(np.flatnonzero(np.isclose(sweep.NODES, 160.0))[0])
+    kept = {w: [f"{s:g}" for s in sweep.STEPS if all_hold(w, done[f"{w}: step {s:g} s"])[at]] for w in CLAIMS}
+    return {
+        "open": rows,
+        "shares": shares,
+        "steps_kept": "; ".join(
+            f"{w} at {', '.join(steps)} s" if steps else f"{w} at none" for w, steps in kept.items()
+        ),
+    }

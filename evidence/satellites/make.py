@@ -1,0 +1,52 @@
+"""Flies the satellites in turn, so that each has about as many flights at any time, and writes docs/evidence/satellites.md."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from orchestration.campaign.flying.rows import Rows
+
+from ..crew import crew, runs_of
+from ..paper import FOLDER, ROOT
+from . import page
+from .classes import ALL, tumbles
+from .kept import CONDITIONS, FILE, load, save
+from .searched import BOUNDS, HOLDS, load_bounds, load_holds
+
+RESULTS = FOLDER / "satellites"
+PART = 10
+"""Flights of a satellite before the next one has its turn."""
+
+
+def parts(cases: int) -> Iterator[tuple[str, str, int]]:
+    """Satellite, condition and the number of flights that it has after this part, in the order of flying."""
+    for most in [*range(PART, cases, PART), cases]:
+        for satellite in ALL:
+            for condition in CONDITIONS:
+                yield satellite, condition, most
+
+
+def make(cases: int, jobs: int) -> Path:
+    """Flies what is left of so many tumbles each; then writes docs/evidence/satellites.csv and the page, and returns it."""
+    with crew(jobs) as hands:
+        for satellite, condition, most in parts(cases):
+            rows = flown(satellite, condition)
+            if rows is None or len(rows) < most:
+                hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
+    save(ROOT / "docs" / "evidence" / FILE, {(s, c): found for s in ALL for c in CONDITIONS if (found := flown(s, c))})
+    return write()
+
+
+def flown(satellite: str, condition: str) -> Rows | None:
+    """What these FMUs have flown so far; None where they have not begun."""
+    return runs_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
+
+
+def write() -> Path:
+    """Writes the page from the files in docs/."""
+    docs = ROOT / "docs" / "evidence"
+    target = docs / "satellites.md"
+    found = load_holds(docs / HOLDS), load_bounds(docs / BOUNDS)
+    target.write_text(page.text(load(docs / FILE), *found), "utf-8")
+    return target

@@ -1,1 +1,0 @@
-"""The paper's allocator and the bounded one under the paper's law: docs/allocators.md."""

@@ -1,1 +1,0 @@
-"""What docs/estimation.md says of the estimator: consistency, steady state, convergence, a public filter beside it."""

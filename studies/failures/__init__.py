@@ -1,1 +1,0 @@
-"""Rods, sensors and wheels that fail in flight, and what becomes of it: docs/failures.md."""

@@ -1,1 +1,0 @@
-"""Random tumbles, V.B, V.C and long holds in SI units: docs/flight.md."""

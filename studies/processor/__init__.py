@@ -1,1 +1,0 @@
-"""The flight code on an emulated Cortex-M7, in the loop through the link: docs/processor.md."""

@@ -1,1 +1,0 @@
-"""The paper's claims examined: docs/reproduction.md."""

@@ -1,1 +1,0 @@
-"""Satellites from 1U to 500 kg, flown by their data alone: docs/satellites.md."""

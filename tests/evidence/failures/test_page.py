@@ -1,0 +1,62 @@
+"""docs/evidence/failures.md: its tables say what the flights in docs/evidence/failures.csv say."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from evidence.failures import page
+from evidence.failures.kept import Flight, load
+from evidence.failures.rows import ROWS
+from evidence.paper import ORBIT
+from orchestration import InputError
+
+DOCS = Path(__file__).parents[3] / "docs" / "evidence"
+GOOD = (0, 50.0, 0.1 * ORBIT, 300.0, 0.2 * ORBIT, 340.0, 0.01, 0.08, "", "")
+
+
+def flight(name, **more):
+    return Flight(**{**dict(zip(Flight.__dataclass_fields__, (name, *GOOD), strict=True)), **more})
+
+
+def cells(text, start):
+    return next(line for line in text.splitlines() if line.startswith(f"| {start} |")).strip("| ").split(" | ")
+
+
+def name(text):
+    return next(row.name for row in ROWS if row.text.startswith(text))
+
+
+def test_the_page_is_that_of_the_kept_flights():
+    assert (DOCS / "failures.md").read_text("utf-8") == page.text(load(DOCS / "failures.csv"))
+
+
+def test_a_flight_that_is_not_found_and_one_that_is_lost_are_counted_as_such():
+    rod = name("rod 2 dead")
+    lost = flight(rod, run=1, found_s=math.inf, settled_s=math.inf, hold_rms_deg=90.0, hold_max_deg=170.0)
+    text = page.text([flight(rod), lost])
+    assert cells(text, "rod 2 dead, from the start")[1:] == [
+        *("1 µN m", "1 of 2", "50 s", "50 s", "1 of 2", "0.100", "not settled", "45°", "90°", "170°"),
+    ]
+    assert "| rod 1 dead" not in text
+
+
+def test_below_five_degrees_too_late_does_not_count_as_soon():
+    stuck = name("stuck from the start")
+    late = flight(stuck, run=1, within_5_s=1.6 * ORBIT, found_s=400.0, within_15_s=ORBIT)
+    row = next(r for r in page.text([flight(stuck), late]).splitlines() if r.startswith("| stuck") and "| 225 s |" in r)
+    assert row.strip("| ").split(" | ")[3:8] == ["400 s", "2 of 2", "0.052", "1.000", "1 of 2"]
+
+
+def test_another_rod_that_was_told_is_named():
+    rod = name("rod 2 dead")
+    assert "rod 2 dead, from the start, 1 µN m, flight 0: `rod_1`, `field_failed`" in page.text(
+        [flight(rod, others="rod_1 field_failed")]
+    )
+    assert "or the failure of a sound part" in page.text([flight(rod)])
+
+
+def test_a_file_of_another_form_is_refused_with_the_command(tmp_path):
+    (tmp_path / "failures.csv").write_text("row,run\n")
+    with pytest.raises(InputError, match="python -m evidence failures"):
+        load(tmp_path / "failures.csv")

@@ -1,0 +1,51 @@
+"""docs/evidence/optimum.md and docs/evidence/optimum.csv: that they agree, and that the lines can be."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from evidence.__main__ import main
+from evidence.optimum import page
+from evidence.optimum.kept import FILE, load, save
+from evidence.paper import ROOT
+from orchestration import InputError
+
+LINES = load(ROOT / "docs" / "evidence" / FILE)
+TEXT = (ROOT / "docs" / "evidence" / "optimum.md").read_text("utf-8")
+
+
+def test_the_page_is_made_from_the_file():
+    assert page.text(LINES) == TEXT
+
+
+def test_the_page_says_the_median_and_the_worst_of_the_ratios():
+    ratios = sorted(line.flown_s / line.best_s for line in LINES)
+    assert f"**Flown over best found: {np.median(ratios):.2f} × at the median, {ratios[-1]:.2f} × at worst**" in TEXT
+
+
+def test_no_time_found_is_below_its_momentum_bound_or_later_than_the_flight():
+    for line in LINES:
+        assert not line.best_s < line.bound_s
+        assert line.best_s <= 1.1 * line.flown_s
+        assert line.check_angle_deg < 5.0
+        assert line.check_rate_rad_s < 1e-3
+
+
+def test_a_file_is_read_as_it_was_written(tmp_path):
+    save(tmp_path / FILE, LINES[::-1])
+    assert (tmp_path / FILE).read_bytes() == (ROOT / "docs" / "evidence" / FILE).read_bytes()
+
+
+def test_a_file_of_another_form_is_refused(tmp_path):
+    (tmp_path / FILE).write_text("run,best\n1,2\n", "utf-8")
+    with pytest.raises(
+        InputError, match="expected a column 'initial_rate_deg_s', found none; remedy: python -m evidence"
+    ):
+        load(tmp_path / FILE)
+
+
+def test_without_casadi_the_command_says_what_to_install(monkeypatch):
+    monkeypatch.setattr("evidence.__main__.find_spec", lambda name: None)
+    found = CliRunner().invoke(main, ["optimum"])
+    assert found.exit_code == 2
+    assert "remedy: pip install casadi" in found.stderr
