@@ -30,7 +30,7 @@ TESTS: dict[str, tuple[str, ...]] = {
     "controller/so3.py": ("tests/controller/test_so3.py",),
     "orchestration/expectations/checks.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/span.py": ("tests/orchestration/expectations",),
-    "orchestration/expectations/judge.py": ("tests/orchestration/expectations",),
+    "orchestration/expectations/outcomes.py": ("tests/orchestration/expectations",),
     "orchestration/expectations/holds.py": ("tests/orchestration/expectations",),
     "orchestration/swap/conversion.py": tuple(
         f"tests/orchestration/swap/test_{name}.py" for name in ("conversion", "rotation", "mapping", "fit")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BlockError, InputError
-from ..expectations.judge import Outcome
+from ..expectations.outcomes import Outcome
 from ..fmu.model import TYPES, Variable
 from ..results.result import Result
 from ..scenario.source import Source

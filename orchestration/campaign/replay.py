@@ -72,12 +72,12 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
         folder.mkdir(parents=True, exist_ok=True)
         put(file, text)
     pilot = Pilot(case.job)
-    meters = pilot.meters()
-    result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], meters))
-    metrics: dict[str, float | None] = {meter.measure.metric.name: None for meter in meters}
+    observers = pilot.observers()
+    result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], observers))
+    metrics: dict[str, float | None] = {one.measure.metric.name: None for one in observers}
     expectations = {outcome.name: outcome.passed for outcome in result.outcomes}
     if result.failure is None:
-        metrics = {meter.measure.metric.name: None if math.isnan(value := meter.value()) else value for meter in meters}
+        metrics = {one.measure.metric.name: None if math.isnan(value := one.value()) else value for one in observers}
     met = {
         claim.name: result.failure is None and claim.met(list(metrics.values()), expectations)
         for claim in case.job.claims

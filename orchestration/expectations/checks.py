@@ -1,4 +1,4 @@
-"""A scenario's expectations, checked against its blocks before the run; judge.py holds the run against them."""
+"""A scenario's expectations, checked against its blocks before the run; outcomes.py holds the run against them."""
 
 from __future__ import annotations
 

@@ -116,7 +116,7 @@ class Broken:
     allowed: float
 
 
-class Watcher:
+class ConsistencyObserver:
     """Takes in samples piece by piece, until one breaks the check."""
 
     def __init__(self, relation: Relation) -> None:
@@ -125,11 +125,14 @@ class Watcher:
         self.closest = math.inf
         """The least of what is allowed over what the sides are apart: how often larger the difference could have been."""
         self._kept: tuple[Floats, dict[Node, Floats]] | None = None
+        self._count = 0
+        """Base steps that it has been shown."""
 
-    def see(self, count: int, time: Floats, columns: Mapping[Node, Floats]) -> None:
-        """Takes in the samples after base steps `count`, `count` + 1 ... that follow those before."""
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before, of every base step."""
         relation = self.relation
-        first = -count % relation.every
+        first = -self._count % relation.every
+        self._count += len(time)
         if self.broken is not None or first >= len(time):
             return
         new = {node: columns[node][first :: relation.every] for node in relation.needed}

@@ -33,7 +33,7 @@ class Flag:
         return f"{self.name}{often} from {self.first:.5g} s to {'the end' if self.standing else f'{self.until:.5g} s'}"
 
 
-class Judge:
+class FlagObserver:
     """Takes in the flags piece by piece, and has their times in the end."""
 
     def __init__(self, nodes: Sequence[Node], models: Mapping[str, Model]) -> None:

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..fmu.model import Floats, Model
@@ -75,7 +74,7 @@ def _releases(n: int) -> str:
 
 
 @dataclass(frozen=True)
-class Look:
+class HoldCheck:
     """A hold of the scenario whose signals the blocks have."""
 
     entry: HoldEntry
@@ -88,9 +87,9 @@ class Look:
         return [self.flag, *self.kept, *self.limits.values()]
 
 
-def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
+def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[HoldCheck]:
     """Checks the scenario's holds against the blocks. Raises InputError with every error."""
-    looks: list[Look] = []
+    held: list[HoldCheck] = []
     errors: list[str] = []
     for number, entry in enumerate(scenario.holds):
         key: Key = ("holds", number)
@@ -107,10 +106,10 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Look]:
         except InputError as error:
             errors += error.messages
         else:
-            looks.append(Look(entry, flag, kept, limits))
+            held.append(HoldCheck(entry, flag, kept, limits))
     if errors:
         raise InputError(*errors)
-    return looks
+    return held
 
 
 def _flag(scenario: Scenario, key: Key, name: Reference, models: Mapping[str, Model]) -> Node:
@@ -120,53 +119,43 @@ def _flag(scenario: Scenario, key: Key, name: Reference, models: Mapping[str, Mo
     return nodes[0]
 
 
-class Judge:
+class HoldObserver:
     """Takes in a hold's signals piece by piece, and has its outcome in the end."""
 
-    def __init__(self, name: str, signal: str) -> None:
-        self.name, self.signal = name, signal
+    def __init__(self, check: HoldCheck) -> None:
+        self.check = check
         self._spans: list[tuple[float, float | None]] = []
         self._seen = self._held = self._from_zero = False
         self._since: dict[str, float] = {}
         """The limits that stand, and since when."""
 
-    def see(
-        self,
-        time: Floats,
-        held: NDArray[np.bool_],
-        kept: Floats,
-        limits: Mapping[str, NDArray[np.bool_]] | None = None,
-    ) -> None:
-        """Takes in what follows: `held` (n,) true while `kept` (n, m) keep their values; `limits` (n,) flags by name."""
+    def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
+        """Takes in the samples that follow those before; a flag is true where it is not zero."""
         if not len(time):
             return
+        held = columns[self.check.flag] != 0.0
         if not self._seen:
-            self._seen, self._from_zero = True, bool(held[0]) and not kept[0].any()
+            self._seen = True
+            self._from_zero = bool(held[0]) and not any(columns[node][0] for node in self.check.kept)
         for i in np.flatnonzero(held != np.concatenate(([self._held], held[:-1]))):
             if held[i]:
                 self._spans.append((float(time[i]), None))
             else:
                 self._spans[-1] = self._spans[-1][0], float(time[i])
         self._held = bool(held[-1])
-        for limit, flag in (limits or {}).items():
-            off = np.flatnonzero(~flag)
+        for limit, node in self.check.limits.items():
+            off = np.flatnonzero(columns[node] == 0.0)
             if len(off):
                 self._since.pop(limit, None)
-            if flag[-1]:
+            if columns[node][-1] != 0.0:
                 self._since.setdefault(limit, float(time[off[-1] + 1 if len(off) else 0]))
 
     @property
     def hold(self) -> Hold:
-        """What became of it up to now."""
+        """The hold as it stands up to now."""
         outcome = AT_ZERO if self._from_zero else RELEASED
         if not self._spans or self._held:
             outcome = LATCHED if self._held else NEVER
         standing = dict(self._since) if self._held else {}
-        return Hold(self.name, self.signal, outcome, list(self._spans), self._from_zero, standing)
-
-
-def see(look: Look, judge: Judge, time: Floats, columns: Mapping[Node, Floats]) -> None:
-    """Shows a hold's signals to its judge."""
-    held = columns[look.flag] != 0.0
-    kept = np.column_stack([columns[node] for node in look.kept])
-    judge.see(time, held, kept, {limit: columns[node] != 0.0 for limit, node in look.limits.items()})
+        entry = self.check.entry
+        return Hold(entry.name, entry.signal, outcome, list(self._spans), self._from_zero, standing)

@@ -45,12 +45,12 @@ class Measure:
             return self.sight.needed
         return list(dict.fromkeys(node for _, nodes in self.given for node in nodes))
 
-    def meter(self, function: Function | None = None) -> Meter:
-        """What takes in one run; `function` is that of a metric in Python."""
+    def observer(self, function: Function | None = None) -> MetricObserver:
+        """Returns what observes one run; `function` is that of a metric in Python."""
         if self.sight is None:
             assert function is not None
-            return Called(self, function)
-        return Bounded(self) if self.metric.kind in BOUNDS else Statistic(self)
+            return FunctionObserver(self, function)
+        return BoundObserver(self) if self.metric.kind in BOUNDS else StatisticObserver(self)
 
 
 def prepare(
@@ -112,7 +112,7 @@ def _unit(name: str | None, own: Unit) -> Unit:
     return unit
 
 
-class Meter(Protocol):
+class MetricObserver(Protocol):
     """Takes in a run piece by piece, and has its number in the end. Where the pieces end changes no bit of it."""
 
     measure: Measure
@@ -129,7 +129,7 @@ class MetricError(ValueError):
 
 
 class _Sighted:
-    """What meters of one signal share."""
+    """The samples that observers of one signal look at."""
 
     def __init__(self, measure: Measure) -> None:
         assert measure.sight is not None
@@ -152,8 +152,8 @@ class _Sighted:
         raise NotImplementedError
 
 
-class Statistic(_Sighted):
-    """The meter of `statistic`."""
+class StatisticObserver(_Sighted):
+    """The observer of `statistic`."""
 
     _sum = 0.0
     _low, _high = math.inf, -math.inf
@@ -184,8 +184,8 @@ class Statistic(_Sighted):
         }[str(self.measure.metric.statistic)]
 
 
-class Bounded(_Sighted):
-    """The meter of `settles`, `reaches` and `share`; a sample meets the bound where all of its elements do."""
+class BoundObserver(_Sighted):
+    """The observer of `settles`, `reaches` and `share`; a sample meets the bound where all of its elements do."""
 
     _since: float | None = None
     """From when on the bound has been met up to now, s."""
@@ -214,8 +214,8 @@ class Bounded(_Sighted):
         return seconds / unit.factor
 
 
-class Called:
-    """The meter of a function in Python; it keeps what it is shown up to the end of the run."""
+class FunctionObserver:
+    """The observer of a function in Python; it keeps what it is shown up to the end of the run."""
 
     def __init__(self, measure: Measure, function: Function) -> None:
         self.measure, self._function = measure, function

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import BlockError, hint
 from ..expectations.flags import Flag
 from ..expectations.holds import Hold
-from ..expectations.judge import Highlight, NotEvaluated, Outcome
+from ..expectations.outcomes import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
 from ..master.deadlines import Pace
 from ..quantities import Unit

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from ..errors import BlockError, InputError, hint
-from ..expectations.judge import Judge, Outcome
+from ..expectations.outcomes import ExpectationObserver, Outcome
 from ..fmu.model import Floats
 from ..instances.block import Instance
 from ..interrupt import Stopped
@@ -63,11 +63,11 @@ class Flight:
     def fly(self, values: Mapping[str, Any], seers: Sequence[Seer] = ()) -> Flown:
         """Runs with these start values, by name as `--set` takes them. A value that is refused makes the run a failed one."""
         plan = self._opened.plan
-        judges = [Judge(check) for check in plan.checks]
+        observers = [ExpectationObserver(check) for check in plan.checks]
 
         def see(time: Floats, rows: Floats) -> None:
             columns = {node: rows[:, i] for i, node in enumerate(self._nodes)}
-            for one in (*judges, *seers):
+            for one in (*observers, *seers):
                 one.see(time, columns)
 
         try:
@@ -83,8 +83,8 @@ class Flight:
         if recording.failure is not None:
             reason = refusal(scenario, plan.models, recording.failure) or str(recording.failure)
             self.close()  # FMI allows little after a failure
-            return Flown(reason, [judge.outcome(True) for judge in judges], recording.wall)
-        return Flown(None, [judge.outcome() for judge in judges], recording.wall)
+            return Flown(reason, [one.outcome(True) for one in observers], recording.wall)
+        return Flown(None, [one.outcome() for one in observers], recording.wall)
 
     def _unchanged(self, values: Mapping[str, Any]) -> dict[str, list[Start]] | None:
         """The start values of the blocks that none of these values reaches; None where a shared value is among them, which may reach all."""

@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError
 from ..expectations import checks, holds
 from ..expectations.checks import Check
-from ..expectations.holds import Look
+from ..expectations.holds import HoldCheck
 from ..fmu.model import Model
 from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
@@ -34,7 +34,7 @@ class Plan:
     starts: dict[str, list[Start]]
     order: Order
     checks: list[Check]
-    holds: list[Look]
+    holds: list[HoldCheck]
     columns: list[Node]
     notes: list[str]
     """Warnings and remarks, for the user to see."""

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..expectations import flags, holds
 from ..expectations.checks import Check
-from ..expectations.holds import Look
-from ..expectations.judge import Judge, highlights, not_evaluated
+from ..expectations.flags import FlagObserver
+from ..expectations.holds import HoldCheck, HoldObserver
+from ..expectations.outcomes import ExpectationObserver, highlights, not_evaluated
 from ..fmu.model import Floats, Model
 from ..instances.block import Block
 from ..interrupt import Stopped
@@ -127,21 +127,19 @@ def run_blocks(
     scenario = ready.scenario
     every = {name: entry.every for name, entry in scenario.blocks.items()}
     parallel = scenario.exchange == "parallel"
-    judges = [Judge(check) for check in ready.checks]
-    watchers = [(look, holds.Judge(look.entry.name, look.entry.signal)) for look in ready.holds]
-    looks: list[Check | Look] = [*ready.checks, *ready.holds]
+    expected = [ExpectationObserver(check) for check in ready.checks]
+    held = [HoldObserver(hold) for hold in ready.holds]
+    looks: list[Check | HoldCheck] = [*ready.checks, *ready.holds]
     flagged = signals.flags(ready.models)
-    raised = flags.Judge(flagged, ready.models)
+    raised = FlagObserver(flagged, ready.models)
     watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *flagged, *seers[0]]))
 
-    seeing: list[Seer] = [*judges, raised, *seers[1]]
+    seeing: list[Seer] = [*expected, raised, *seers[1], *held]
 
     def see(time: Floats, values: Floats) -> None:
         columns = {node: values[:, i] for i, node in enumerate(watched)}
         for seer in seeing:
             seer.see(time, columns)
-        for look, watcher in watchers:
-            holds.see(look, watcher, time, columns)
 
     # Where every base step is recorded, all of it is there in the end, but for what only others are shown.
     between = bool(watched) and (ready.clock.interval > 1 or not set(watched) <= set(ready.columns))
@@ -174,11 +172,11 @@ def run_blocks(
         time=recording.time,
         samples=recording.values,
         columns=recording.columns,
-        outcomes=[judge.outcome(not complete) for judge in judges],
+        outcomes=[observer.outcome(not complete) for observer in expected],
         not_evaluated=[not_evaluated(*entry) for entry in ready.not_evaluated],
-        holds=[watcher.hold for _, watcher in watchers if len(recording.time)],
+        holds=[observer.hold for observer in held if len(recording.time)],
         booleans=raised.flags,
-        highlights=highlights(judges),
+        highlights=highlights(expected),
         warnings=[*ready.notes, *([PYTHON_LOOP] if pacer is not None and compiled else [])],
         steps=recording.steps,
         reached=ready.clock.time(recording.steps),

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...errors import BlockError, InputError
 from ...expectations.checks import Check
-from ...expectations.consistency import Relation, Watcher, prepare
-from ...expectations.judge import Judge
+from ...expectations.consistency import ConsistencyObserver, Relation, prepare
+from ...expectations.outcomes import ExpectationObserver
 from ...fmu.model import Floats
 from ...instances.block import Block
 from ...interrupt import Stopped
@@ -81,23 +81,23 @@ class Loop:
 
         Without a port the loop flies as it is wired.
         """
-        judges = [Judge(check) for check in self.plan.checks]
-        watchers = [Watcher(relation) for relation in self.relations]
+        expected = [ExpectationObserver(check) for check in self.plan.checks]
+        consistent = [ConsistencyObserver(relation) for relation in self.relations]
         count = 0
         found: list[Found] = []
 
         def see(time: Floats, values: Floats) -> None:
             nonlocal count
             columns = self._as_given(port, wrong, {node: values[:, i] for i, node in enumerate(self.watched)})
-            for watcher in watchers:
-                watcher.see(count, time, columns)
-                if watcher.broken is not None:
-                    found.append(Found("consistency", watcher.broken.name, watcher.broken.time))
-            for judge in judges:
-                judge.see(time, columns)
-                outcome = judge.outcome(early=True)
+            for observer in consistent:
+                observer.see(time, columns)
+                if observer.broken is not None:
+                    found.append(Found("consistency", observer.broken.name, observer.broken.time))
+            for one in expected:
+                one.see(time, columns)
+                outcome = one.outcome(early=True)
                 if not outcome.passed and not outcome.open:
-                    first = _first(judge.check, time, columns)
+                    first = _first(one.check, time, columns)
                     found.append(
                         Found(
                             "expectation", outcome.name, first if first is not None else outcome.time or float(time[-1])
@@ -114,11 +114,11 @@ class Loop:
         if failure is not None:
             found.append(Found("refused", f"{failure.block}: {failure.problem}", failure.time or 0.0))
         if port is None:
-            self.margins = {watcher.relation.name: watcher.closest for watcher in watchers}
+            self.margins = {observer.relation.name: observer.closest for observer in consistent}
         flown = self.plan.clock.time(max(count - 1, 0))
         if not found:
-            ended = [(judge.outcome(), judge) for judge in judges]
-            found += [Found("expectation", o.name, flown) for o, _ in ended if not o.passed]
+            ended = [observer.outcome() for observer in expected]
+            found += [Found("expectation", o.name, flown) for o in ended if not o.passed]
         return min(found, key=lambda f: f.time, default=None), flown
 
     def record(
@@ -196,8 +196,8 @@ def _first(check: Check, time: Floats, columns: Mapping[Node, Floats]) -> float 
     low, high = 0, len(time)
     while high - low > 1:  # the first half that holds a failing sample, again and again
         middle = (low + high) // 2
-        judge = Judge(check)
-        judge.see(time[low:middle], {node: columns[node][low:middle] for node in check.needed})
-        outcome = judge.outcome(early=True)
+        observer = ExpectationObserver(check)
+        observer.see(time[low:middle], {node: columns[node][low:middle] for node in check.needed})
+        outcome = observer.outcome(early=True)
         low, high = (low, middle) if not outcome.passed and not outcome.open else (middle, high)
     return float(time[low])

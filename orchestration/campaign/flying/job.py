@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from ...errors import printable
-from ...expectations.metrics import Measure, Meter, MetricError
+from ...expectations.metrics import Measure, MetricError, MetricObserver
 from ...expectations.span import Limits
 from ...fmu.model import Floats
 from ...quantities import QuantityError
@@ -108,9 +108,9 @@ class Pilot:
         nodes = [node for measure in job.measures for node in measure.needed]
         self._flight = Flight(job.opened, nodes, anew)
 
-    def meters(self) -> list[Meter]:
+    def observers(self) -> list[MetricObserver]:
         """One for each metric, for one run."""
-        return [measure.meter(self._functions.get(measure.metric.python or "")) for measure in self.job.measures]
+        return [measure.observer(self._functions.get(measure.metric.python or "")) for measure in self.job.measures]
 
     def fly(self, index: int, point: Floats) -> list[Cell]:
         """A row of the dataset: the run at this point, whose index is as given."""
@@ -122,12 +122,12 @@ class Pilot:
             cells: list[Cell] = [None if not numbers else math.nan for _, numbers in job.draws.columns]
             return self._failed(index, str(error), cells, begun)
         cells = job.draws.cells(values)
-        meters = self.meters()
-        flown = self._flight.fly(job.draws.given(values), meters)
+        observers = self.observers()
+        flown = self._flight.fly(job.draws.given(values), observers)
         if flown.reason is not None:
             return self._failed(index, flown.reason, cells, begun)
         try:
-            metrics = [None if math.isnan(value := meter.value()) else value for meter in meters]
+            metrics = [None if math.isnan(value := observer.value()) else value for observer in observers]
         except MetricError as error:
             return self._failed(index, str(error), cells, begun)
         expectations = {outcome.name: outcome.passed for outcome in flown.outcomes}

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from orchestration.errors import InputError
-from orchestration.expectations.consistency import Watcher, prepare
+from orchestration.expectations.consistency import ConsistencyObserver, prepare
 from orchestration.expectations.expressions import parse
 from orchestration.expectations.functions import ExpressionError, Samples
 from orchestration.fmu.model import Element, Model, Variable
@@ -122,14 +122,14 @@ def test_a_check_finds_the_first_sample_that_breaks_it_however_the_samples_are_c
     (relation,) = prepare(scenario(left="rate(a.h)", right="a.t", within="1 mN.m"), {"a": KIND})
     for cuts in ([], [23], [1, 2, 3, 24], range(1, N)):
         for course, broken in ((h, None), (bent, 2.3)):
-            watcher, shown = Watcher(relation), samples(h=course, t=torque)
+            observer, shown = ConsistencyObserver(relation), samples(h=course, t=torque)
             ends = [0, *cuts, N]
             for first, last in pairwise(ends):
                 buffer = {node: values[first:last].copy() for node, values in shown.columns.items()}
-                watcher.see(first, TIME[first:last].copy(), buffer)
+                observer.see(TIME[first:last].copy(), buffer)
                 for values in buffer.values():
                     values[:] = np.inf  # the master hands the next samples over in the same array
-            assert (watcher.broken.time if watcher.broken else None) == (pytest.approx(broken) if broken else None)
+            assert (observer.broken.time if observer.broken else None) == (pytest.approx(broken) if broken else None)
 
 
 def test_a_check_looks_only_where_and_as_closely_as_it_is_told():
@@ -138,9 +138,9 @@ def test_a_check_looks_only_where_and_as_closely_as_it_is_told():
 
     def broken(**more):
         (relation,) = prepare(scenario(left="a.h", right=0, **{"within": "0.5 mN.m.s", **more}), {"a": KIND})
-        watcher = Watcher(relation)
-        watcher.see(0, TIME, samples(h=h, on=on).columns)
-        return watcher.broken and watcher.broken.time
+        observer = ConsistencyObserver(relation)
+        observer.see(TIME, samples(h=h, on=on).columns)
+        return observer.broken and observer.broken.time
 
     assert broken() == pytest.approx(2.0)
     assert broken(within="1.5 mN.m.s") is None

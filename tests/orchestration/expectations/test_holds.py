@@ -5,7 +5,7 @@ import pytest
 
 from orchestration import load
 from orchestration.errors import InputError
-from orchestration.expectations.holds import AT_ZERO, LATCHED, NEVER, RELEASED, Judge, prepare, see
+from orchestration.expectations.holds import AT_ZERO, LATCHED, NEVER, RELEASED, HoldObserver, prepare
 from tests.orchestration import mocks
 from tests.orchestration.mocks import law
 
@@ -13,17 +13,32 @@ TIME = 0.5 * np.arange(8)
 RUNNING = np.full((8, 2), 3.0)
 
 
+def checked(limits=()):
+    """The hold of `law.y` and `law.u` while `law.hold` is true, with limits of these names."""
+    block = law("law")
+    names = {limit: limit.replace(" ", "_") for limit in limits}
+    for name in ("hold", *names.values()):
+        block.model.variables[name] = mocks.Variable(name, "output", "boolean")
+    entry = {"name": "commands", "signal": "law.hold", "keeps": ["law.y", "law.u"]}
+    entry["limits"] = {limit: f"law.{name}" for limit, name in names.items()}
+    scenario = load({"name": "s", "step": 0.5, "duration": 4, "blocks": {"law": {"fmu": "law"}}, "holds": [entry]})
+    (check,) = prepare(scenario, {"law": block.model})
+    return check
+
+
 def outcome(held, kept=RUNNING, **limits):
-    flags = {name.replace("_", " "): np.array(flag, bool) for name, flag in limits.items()}
-    found = []
+    limits = {name.replace("_", " "): flag for name, flag in limits.items()}
+    check = checked(limits)
+    assert [node.element.variable for node in check.needed][:3] == ["hold", "y", "u"]
+    columns = dict(zip(check.needed, np.array([held, *kept.T, *limits.values()], float), strict=True))
+    told = []
     for piece in (len(TIME), 3, 1):  # in one piece or in several, the outcome is the same
-        judge = Judge("commands", "law.holding")
+        observer = HoldObserver(check)
         for i in range(0, len(TIME), piece):
-            part = slice(i, i + piece)
-            judge.see(TIME[part], np.array(held, bool)[part], kept[part], {k: f[part] for k, f in flags.items()})
-        found.append(judge.hold)
-    assert found == [found[0]] * 3
-    return found[0]
+            observer.see(TIME[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
+        told.append(observer.hold)
+    assert told == [told[0]] * 3
+    return told[0]
 
 
 def test_a_run_without_a_hold_is_called_never_held():
@@ -120,22 +135,7 @@ def test_several_releases_before_the_last_hold_are_counted():
     assert "after 2 releases" in outcome([1, 0, 1, 0, 1, 1, 1, 1]).text
 
 
-def test_the_signals_that_a_hold_names_are_those_it_is_judged_by():
-    """A flag counts as true where it is not zero, whatever number a block gives for it."""
-    block = law("law")
-    for name in ("hold", "limit"):
-        block.model.variables[name] = mocks.Variable(name, "output", "boolean")
-    entry = {"name": "h", "signal": "law.hold", "keeps": ["law.y"], "limits": {"the limit": "law.limit"}}
-    scenario = load({"name": "s", "step": 0.5, "duration": 4, "blocks": {"law": {"fmu": "law"}}, "holds": [entry]})
-    (look,) = prepare(scenario, {"law": block.model})
-    assert [node.element.variable for node in look.needed] == ["hold", "y", "limit"]
-    judge = Judge(look.entry.name, str(look.entry.signal))
-    flag, kept, limit = look.needed
-    columns = {
-        flag: np.array([0.0, 0, 0, 0, 2, 1, 1, 1]),
-        kept: np.full(8, 3.0),
-        limit: np.array([0.0, 0, 0, 0, 0, 3, 1, 1]),
-    }
-    see(look, judge, TIME, columns)
-    assert judge.hold.spans == [(2.0, None)]
-    assert judge.hold.limits == {"the limit": 2.5}
+def test_a_flag_counts_as_true_where_it_is_not_zero_whatever_number_a_block_gives_for_it():
+    hold = outcome([0, 0, 0, 0, 2, 1, 1, 1], the_limit=[0, 0, 0, 0, 0, 3, 1, 1])
+    assert (hold.name, hold.signal, hold.spans) == ("commands", "law.hold", [(2.0, None)])
+    assert hold.limits == {"the limit": 2.5}

@@ -34,10 +34,10 @@ def measured(values, function=None, on=None, **entry):
     columns.update((n, np.asarray(on, float)) for n in measure.needed if n.element.variable == "on")
     found = []
     for piece in (len(rows), 7, 1000):
-        meter = measure.meter(function)
+        observer = measure.observer(function)
         for i in range(0, len(rows), piece):
-            meter.see(TIME[: len(rows)][i : i + piece], {n: c[i : i + piece] for n, c in columns.items()})
-        found.append(meter.value())
+            observer.see(TIME[: len(rows)][i : i + piece], {n: c[i : i + piece] for n, c in columns.items()})
+        found.append(observer.value())
     assert found[0] == found[1] == found[2] or all(map(math.isnan, found))
     return found[0]
 

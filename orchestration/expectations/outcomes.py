@@ -98,7 +98,7 @@ class Highlight:
         return f"{with_unit(self.peak, self.unit)} at {self.time:.5g} s"
 
 
-class Judge:
+class ExpectationObserver:
     """Takes in an expectation's signal piece by piece, and has its outcome in the end."""
 
     def __init__(self, check: Check) -> None:
@@ -220,11 +220,11 @@ def _outcome(
     )
 
 
-def highlights(judges: Iterable[Judge]) -> list[Highlight]:
+def highlights(observers: Iterable[ExpectationObserver]) -> list[Highlight]:
     """Final and peak values of the numbers that the expectations look at, each once."""
     by_signal: dict[str, Highlight] = {}
-    for judge in judges:
-        if (highlight := judge.highlight) is not None:
+    for observer in observers:
+        if (highlight := observer.highlight) is not None:
             by_signal.setdefault(highlight.signal, highlight)
     return list(by_signal.values())
 

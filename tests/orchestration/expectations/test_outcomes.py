@@ -7,7 +7,7 @@ import pytest
 
 from orchestration import load
 from orchestration.expectations.checks import prepare
-from orchestration.expectations.judge import Judge, highlights, not_evaluated
+from orchestration.expectations.outcomes import ExpectationObserver, highlights, not_evaluated
 from orchestration.quantities import parse_unit
 from orchestration.scenario.expectations import Expectation
 
@@ -34,10 +34,10 @@ def outcome(values, bound, time=None, **more):
     columns.update((node, on) for node in check.needed if node.element.variable == "on")
     found = []
     for piece in (len(values), 1):  # in one piece or in several, the outcome is the same
-        judge = Judge(check)
+        observer = ExpectationObserver(check)
         for i in range(0, len(values), piece):
-            judge.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
-        found.append(judge.outcome())
+            observer.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
+        found.append(observer.outcome())
     assert found[0] == found[1]
     return found[0]
 
@@ -59,9 +59,9 @@ def test_what_an_enumeration_is_found_at_is_said_by_its_name(values, bound, foun
     expectation = {"name": "it", "signal": "a.mode", **bound}
     scenario = load({"name": "s", "step": 1, "duration": 2, "blocks": {"a": {"fmu": "a"}}, "expect": [expectation]})
     ((check,), _) = prepare(scenario, models)
-    judge = Judge(check)
-    judge.see(np.arange(3.0), {check.sight.nodes[0]: np.array(values, float)})
-    assert (judge.outcome().found, judge.outcome().text) == (found, text)
+    observer = ExpectationObserver(check)
+    observer.see(np.arange(3.0), {check.sight.nodes[0]: np.array(values, float)})
+    assert (observer.outcome().found, observer.outcome().text) == (found, text)
 
 
 @pytest.mark.parametrize(
@@ -149,47 +149,47 @@ def test_values_are_told_in_the_unit_of_the_bound():
     assert mixed.margin == pytest.approx(1.0)
 
 
-def judges(*expectations, unit=None):
-    """Judges of expectations of the outputs `x` and `v` (2) of a block `a`, which runs for 100 s."""
+def observers(*expectations, unit=None):
+    """Observers of expectations of the outputs `x` and `v` (2) of a block `a`, which runs for 100 s."""
     entries = [{"name": f"it {i}", "signal": "a.x", **entry} for i, entry in enumerate(expectations)]
     scenario = load({"name": "s", "step": 1, "duration": 100, "blocks": {"a": {"fmu": "a"}}, "expect": entries})
     on = real("on", "output", type="boolean")
     block = model("a", real("x", "output", unit=unit), real("v", "output", shape=(2,)), on)
-    return [Judge(check) for check in prepare(scenario, {"a": block})[0]]
+    return [ExpectationObserver(check) for check in prepare(scenario, {"a": block})[0]]
 
 
-def show(judge, values, piece=100, on=None):
+def show(observer, values, piece=100, on=None):
     """Samples at 0 s, 1 s ...; `values` has a row for each."""
     values = np.atleast_2d(np.asarray(values, float).T).T
-    columns = {node: values[:, i] for i, node in enumerate(judge.check.sight.nodes)}
-    if judge.check.sight.when is not None:
-        columns[judge.check.sight.when] = np.asarray(on, float)
+    columns = {node: values[:, i] for i, node in enumerate(observer.check.sight.nodes)}
+    if observer.check.sight.when is not None:
+        columns[observer.check.sight.when] = np.asarray(on, float)
     time = np.arange(float(len(values)))
     for i in range(0, len(time), piece):
-        judge.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
-    return judge
+        observer.see(time[i : i + piece], {node: column[i : i + piece] for node, column in columns.items()})
+    return observer
 
 
 @pytest.mark.parametrize("piece", [1, 3, 100])
 def test_a_temperature_is_judged_in_the_bounds_unit_with_its_zero(piece):
-    (judge,) = judges({"always": {"below": "30 degC"}}, unit=parse_unit("K"))
-    result = show(judge, [273.15, 293.15, 283.15], piece).outcome()
+    (observer,) = observers({"always": {"below": "30 degC"}}, unit=parse_unit("K"))
+    result = show(observer, [273.15, 293.15, 283.15], piece).outcome()
     assert (result.found, result.margin) == pytest.approx((20.0, 10.0), abs=1e-9)
-    assert judge.highlight.final == pytest.approx(10.0, abs=1e-9)
-    assert (result.unit, result.text, judge.highlight.text) == ("degC", "20 degC at 1 s", "20 degC at 1 s")
+    assert observer.highlight.final == pytest.approx(10.0, abs=1e-9)
+    assert (result.unit, result.text, observer.highlight.text) == ("degC", "20 degC at 1 s", "20 degC at 1 s")
 
 
 @pytest.mark.parametrize("piece", [1, 2, 100])
 def test_the_first_change_of_sign_is_told_with_its_time(piece):
-    (judge,) = judges({"zeros": 2}, unit=parse_unit("rad"))
-    result = show(judge, [0, 1, 0, -1, -2, 3, 4], piece).outcome()
+    (observer,) = observers({"zeros": 2}, unit=parse_unit("rad"))
+    result = show(observer, [0, 1, 0, -1, -2, 3, 4], piece).outcome()
     assert (result.passed, result.found, result.time, result.samples) == (True, 2.0, 3.0, 7)
     assert (result.unit, result.note, result.text) == ("", "", "2 at 3 s")
 
 
 @pytest.mark.parametrize("piece", [1, 2, 100])
 def test_the_peak_is_the_first_of_largest_magnitude_and_the_end_that_of_the_largest_element(piece):
-    one, vector = judges({"zeros": 0}, {"always": {"below": 9}, "signal": "a.v"})
+    one, vector = observers({"zeros": 0}, {"always": {"below": 9}, "signal": "a.v"})
     show(one, [1, -50, 50, 2], piece)
     show(vector, [[1, -2], [0, -4], [3, -1]], piece)
     assert [(h.signal, h.final, h.peak, h.time) for h in highlights([one, vector])] == [
@@ -201,16 +201,16 @@ def test_the_peak_is_the_first_of_largest_magnitude_and_the_end_that_of_the_larg
 
 @pytest.mark.parametrize("piece", [1, 2, 100])
 def test_a_condition_and_a_span_of_time_hold_both(piece):
-    (judge,) = judges({"always": {"below": 3}, "when": "a.on", "after": 1, "before": 3})
-    result = show(judge, [9, 1, 9, 2, 9], piece, on=[1, 1, 0, 1, 1]).outcome()
+    (observer,) = observers({"always": {"below": 3}, "when": "a.on", "after": 1, "before": 3})
+    result = show(observer, [9, 1, 9, 2, 9], piece, on=[1, 1, 0, 1, 1]).outcome()
     assert (result.passed, result.found, result.time, result.samples) == (True, 2.0, 3.0, 2)
-    (judge,) = judges({"always": {"below": 3}, "when": "a.on", "after": 1, "before": 3})
-    assert show(judge, [0] * 5, piece, on=[1, 0, 0, 0, 1]).outcome().note == "a.on is never true"
+    (observer,) = observers({"always": {"below": 3}, "when": "a.on", "after": 1, "before": 3})
+    assert show(observer, [0] * 5, piece, on=[1, 0, 0, 0, 1]).outcome().note == "a.on is never true"
 
 
 @pytest.mark.parametrize("piece", [1, 100])
 def test_of_equal_samples_the_first_is_told(piece):
-    always, ever = judges({"always": {"below": 3}}, {"ever": {"above": 1}})
+    always, ever = observers({"always": {"below": 3}}, {"ever": {"above": 1}})
     first = show(always, [1, 2, 2], piece).outcome()
     assert (first.time, first.unit) == (1.0, "")
     assert show(ever, [1, 2, 2], piece).outcome().time == 1.0
@@ -218,24 +218,24 @@ def test_of_equal_samples_the_first_is_told(piece):
 
 @pytest.mark.parametrize(("values", "status"), [([1, -1, 1], "failed"), ([1, -1], "not reached"), ([1], "not reached")])
 def test_a_run_that_ends_early_has_decided_only_that_there_are_too_many_changes_of_sign(values, status):
-    (judge,) = judges({"zeros": 1})
-    assert show(judge, values).outcome(early=True).status == status
+    (observer,) = observers({"zeros": 1})
+    assert show(observer, values).outcome(early=True).status == status
 
 
 def test_a_span_that_is_over_is_decided_whenever_the_run_ends():
-    (judge,) = judges({"ever": {"above": 3}, "before": 2})
-    assert show(judge, [1, 2]).outcome(early=True).status == "not reached"
-    (judge,) = judges({"ever": {"above": 3}, "before": 2})
-    assert show(judge, [1, 2, 2]).outcome(early=True).status == "failed"
+    (observer,) = observers({"ever": {"above": 3}, "before": 2})
+    assert show(observer, [1, 2]).outcome(early=True).status == "not reached"
+    (observer,) = observers({"ever": {"above": 3}, "before": 2})
+    assert show(observer, [1, 2, 2]).outcome(early=True).status == "failed"
 
 
 def test_without_a_sample_nothing_is_reached():
-    (judge,) = judges({"always": {"below": 3}, "before": 2})
+    (observer,) = observers({"always": {"below": 3}, "before": 2})
     for early in (True, False):
-        result = judge.outcome(early)
+        result = observer.outcome(early)
         assert (result.status, result.samples, result.found, result.passed) == ("not reached", 0, None, False)
-    assert judge.highlight is None
-    (zero,) = judges({"zeros": 0})
+    assert observer.highlight is None
+    (zero,) = observers({"zeros": 0})
     assert (show(zero, [0, 0]).outcome().samples, zero.outcome().status) == (2, "failed")
 
 
