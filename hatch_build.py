@@ -65,7 +65,14 @@ class Layout(BuildHookInterface):
         (out / NAME / "__init__.py").write_text(f'"""{self.metadata.core.description}."""\n', "utf-8")
         (out / NAME / "py.typed").touch()
         _ready_made(out / NAME / "fmus" / "ready")
+        for group in self.metadata.core.entry_points.values():
+            group.update({name: entry_point(place) for name, place in group.items()})
         build_data["force_include"] |= {str(out / name): name for name in ("orchestration", NAME)}
+
+
+def entry_point(place: str) -> str:
+    """The place of an entry point, `package.module:name`, as the wheel has it."""
+    return f"{NAME}.{place}" if _is_inside(place.partition(":")[0]) else place
 
 
 def _copy(source: Path, target: Path) -> None:

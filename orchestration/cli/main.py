@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import gc
 import os
+from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import click
 from click.shell_completion import CompletionItem
@@ -20,6 +21,9 @@ from ..errors import InputError, nearest, suggestion
 from .console import tell_builds
 from .help import examples
 from .status import Commands
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 """For NumPy: starting its threads takes 20 ms, and no product here is large enough for them."""
@@ -47,24 +51,36 @@ COMMANDS = {
 """The commands, and the modules whose `command` they are; each is imported when it is called, for a quick start."""
 
 
+@cache
+def outside() -> dict[str, EntryPoint]:
+    """Returns the commands that installed packages add, by their entry points of the group `orchestrate.commands`.
+
+    They are looked at only where a name is no command of `COMMANDS`.
+    """
+    from importlib.metadata import entry_points  # here, since it takes 40 ms  # noqa: PLC0415
+
+    return {point.name: point for point in entry_points(group="orchestrate.commands") if point.name not in COMMANDS}
+
+
 class _Lazy(Commands):
     """`orchestrate x.yaml` is `orchestrate run x.yaml`."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
+        return sorted((*COMMANDS, *outside()))
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        if name not in COMMANDS:
+        if not _is_command(name):
             return None
         gc.disable()  # what imports leave is no garbage, and looking for some in it takes 30 ms
         try:
-            return cast(click.Command, import_module(COMMANDS[name]).command)
+            found = import_module(COMMANDS[name]).command if name in COMMANDS else outside()[name].load()
+            return cast(click.Command, found)
         finally:
             gc.freeze()
             gc.enable()
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if args and args[0] not in (*COMMANDS, "-h", "--help", "--version") and _may_be_scenario(args[0]):
+        if args and args[0] not in ("-h", "--help", "--version") and _may_be_scenario(args[0]):
             args = ["run", *args]
         return super().parse_args(ctx, args)
 
@@ -75,15 +91,21 @@ class _Lazy(Commands):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args[0] not in COMMANDS:
-            match = suggestion(nearest(args[0], COMMANDS))
+        if not _is_command(args[0]):
+            match = suggestion(nearest(args[0], self.list_commands(ctx)))
             raise InputError(f"{args[0]}: there is no such command or scenario{match}")
         return super().resolve_command(ctx, args)
 
 
+def _is_command(text: str) -> bool:
+    return text in COMMANDS or text in outside()
+
+
 def _may_be_scenario(text: str) -> bool:
-    """Whether it is an option of `run`, or a path: with a suffix or a folder in it, or of a file that is there."""
-    return text[:1] in ("-", "") or Path(text).suffix != "" or Path(text).name != text or os.path.exists(text)
+    """Whether it is an option of `run`, or a path: with a suffix or a folder in it, or of a file and no command."""
+    if text[:1] in ("-", "") or Path(text).suffix != "" or Path(text).name != text:
+        return True
+    return not _is_command(text) and os.path.exists(text)
 
 
 _EPILOG = f"""

@@ -14,7 +14,7 @@ import click
 import pytest
 
 from orchestration import InputError, run
-from orchestration.cli.main import COMMANDS, main
+from orchestration.cli.main import COMMANDS, main, outside
 from tests.commands import orchestrate
 
 ROOT = Path(__file__).parents[3]
@@ -58,7 +58,7 @@ def test_a_campaign_without_its_packages_says_how_to_install_them(loop):
     assert (told.returncode, told.stderr) == (2, wanted)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", [*COMMANDS, *outside()])
 def test_each_help_fits_80_columns_and_has_examples_that_can_be_typed(name, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     told = orchestrate(name, "-h").stdout
@@ -69,7 +69,7 @@ def test_each_help_fits_80_columns_and_has_examples_that_can_be_typed(name, monk
     assert lines
     for line in lines:
         _, *words = shlex.split(line.partition(" > ")[0])
-        words = words[1:] if words[0] in COMMANDS else words
+        words = words[1:] if words[0] in (*COMMANDS, *outside()) else words
         command = main.get_command(click.Context(main), name)
         command.make_context(name, words)  # raises where there is no such option
 
@@ -86,7 +86,7 @@ def test_no_summary_of_a_command_is_cut(monkeypatch):
     told = orchestrate("-h").stdout
     assert told == orchestrate("--help").stdout
     assert "..." not in told.partition("Commands:")[2]
-    assert all(re.search(rf"^  {name} +[A-Z].*\.$", told, re.M) for name in COMMANDS)
+    assert all(re.search(rf"^  {name} +[A-Z].*\.$", told, re.M) for name in (*COMMANDS, *outside()))
 
 
 def test_the_short_options_are_the_long_ones(loop):

@@ -1,0 +1,71 @@
+"""The names of commands: those of `orchestrate`, and those that other packages add."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hatch_build import entry_point
+from tests.commands import orchestrate
+
+ROOT = Path(__file__).parents[3]
+MODULE = """
+import click
+@click.command("size")
+@click.argument("what")
+def command(what):
+    '''Size something.'''
+    click.echo(f"sized {what}")
+"""
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """A folder with a package that adds the command `size`, and one that asks for the name of ours."""
+    (tmp_path / "sizes.py").write_text(MODULE)
+    described = tmp_path / "sizes-1.0.dist-info"
+    described.mkdir()
+    (described / "METADATA").write_text("Metadata-Version: 2.1\nName: sizes\nVersion: 1.0\n")
+    (described / "entry_points.txt").write_text(
+        "[orchestrate.commands]\nsize = sizes:command\nview = sizes:command\nlost = not_there:command\n"
+    )
+    return tmp_path
+
+
+def run(installed, *arguments):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(installed)))}
+    command = [sys.executable, "-m", "orchestration", *arguments]
+    done = subprocess.run(command, cwd=installed, env=environment, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_an_installed_package_adds_a_command_and_replaces_none_of_ours(installed):
+    (installed / "size").mkdir()  # a folder of that name is no scenario
+    assert run(installed, "size", "a wheel") == (0, "sized a wheel\n", "")
+    assert "Open the page of a run" in run(installed, "view", "-h")[1]
+    assert run(installed, "sizee") == (2, "", "sizee: there is no such command or scenario; did you mean 'size'?\n")
+
+
+def test_a_command_whose_package_cannot_be_imported_is_told_without_a_traceback(installed):
+    told = "internal error: ModuleNotFoundError: No module named 'not_there' (ORCHESTRATE_TRACEBACK=1 shows where)\n"
+    assert run(installed, "lost") == (70, "", told)
+
+
+def test_a_run_does_not_look_for_commands_of_other_packages(loop, monkeypatch):
+    monkeypatch.setattr("orchestration.cli.main.outside", lambda: pytest.fail("looked for"))
+    assert orchestrate(loop.name, "--quiet").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("place", "in_the_wheel"),
+    [
+        ("controller.commands:size", "attitude_cosim.controller.commands:size"),
+        ("orchestration.cli.main:main", "orchestration.cli.main:main"),
+    ],
+)
+def test_the_wheel_names_a_command_where_its_package_stands_there(place, in_the_wheel):
+    assert entry_point(place) == in_the_wheel
