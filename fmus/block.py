@@ -105,7 +105,7 @@ def lenders(folder: Path) -> dict[str, Path]:
     """Of the headers in LENT those that the C in a block's folder includes, with the folder of the block that writes them."""
     if not (folder / "native").is_dir():
         return {}
-    text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").glob("*.c")))
+    text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").rglob("*.c")))
     return {name: Block.named(owner).folder for name, owner in LENT.items() if f'#include "{name}"' in text}
 
 

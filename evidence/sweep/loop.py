@@ -94,7 +94,7 @@ def value_of(file: str, name: str) -> str:
 
     Raises InputError where there is no such constant.
     """
-    match = _assigned(name).search((_folder("controller_planned") / file).read_text("utf-8"))
+    match = _assigned(name).search(_source(_folder("controller_planned"), file).read_text("utf-8"))
     if match is None:
         raise InputError(f"{file}: expected a constant {name}, found none; remedy: correct evidence/sweep/constants.py")
     return match[2].replace("{", "1.0")
@@ -125,13 +125,17 @@ def built(folder: Path) -> ctypes.CDLL:
     for file, name in ((c.file, c.name) for c in CONSTANTS):
         value = value_of(file, name)
         variables.append(f'__attribute__((visibility("default"))) {_kind(value)} {_variable(file, name)} = {value};\n')
-        (own / file).write_text(_opened((own / file).read_text("utf-8"), file, name), "utf-8")
+        source = _source(own, file)
+        source.write_text(_opened(source.read_text("utf-8"), file, name), "utf-8")
     (folder / "variables.c").write_text("".join(variables), "utf-8")
     for block in BLOCKS.values():
         for name, text in generated_sources(Block.named(block).folder).items():
             (folder / name).write_text(text, "utf-8")
     natives = [own if block == "controller_planned" else _folder(block) for block in BLOCKS.values()]
-    sources = [Path(__file__).with_name("loop.c"), *(path for native in natives for path in sorted(native.glob("*.c")))]
+    sources = [
+        Path(__file__).with_name("loop.c"),
+        *(path for native in natives for path in sorted(native.rglob("*.c"))),
+    ]
     sources += sorted(folder.glob("*.c"))
     host = host_platform()
     path = folder / "loop.library"
@@ -147,6 +151,14 @@ def put(library: ctypes.CDLL, file: str, name: str, value: str) -> None:
         c_int.in_dll(library, _variable(file, name)).value = int(value)
     else:
         c_double.in_dll(library, _variable(file, name)).value = float(value)
+
+
+def _source(native: Path, name: str) -> Path:
+    """The file of this name in the folder or below it. Raises InputError where there is none."""
+    path = next(native.rglob(name), None)
+    if path is None:
+        raise InputError(f"{name}: no such file in {native}; remedy: correct evidence/sweep/constants.py")
+    return path
 
 
 def _folder(block: str) -> Path:

@@ -68,7 +68,7 @@ def lay_out(
     files |= generated_sources(folder) if generated is None else generated
     written = _written(files, generated_into)
     native = folder / "native"
-    compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.glob("*.c")), *written]
+    compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.rglob("*.c")), *written]
     return compiled, [SHELL, COMMON, generated_into, native]
 
 

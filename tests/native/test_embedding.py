@@ -161,7 +161,7 @@ def test_the_page_states_the_memory_of_both_laws(flight: ctypes.CDLL) -> None:
 def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
     native = folder(block) / "native"
     lay_out(load(block), folder(block), "{}", tmp_path)  # the tables that the build writes
-    for law in native.glob("*.c"):
+    for law in native.rglob("*.c"):
         command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
         command += [
             *(f"-I{path}" for path in (FREESTANDING, COMMON, tmp_path, native)),
@@ -175,7 +175,7 @@ def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str
 
 @pytest.mark.parametrize("block", FLOWN)
 def test_the_laws_know_no_fmi_no_memory_and_no_globals(block: str) -> None:
-    for law in (folder(block) / "native").glob("*.c"):
+    for law in (folder(block) / "native").rglob("*.c"):
         text = law.read_text("utf-8")
         assert not re.search(r"fmi|malloc|stdio|stdlib|\bgoto\b", text)
         for line in text.splitlines():

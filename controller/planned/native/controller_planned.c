@@ -2,13 +2,14 @@
 
 #include <string.h>
 
+#include "decide/phases.h"
+#include "plan/rods_alone.h"
 #include "reference.h"
-#include "rods_alone.h"
 
-static const Motion nowhere = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}, 0.0}; /* the reference */
+static const Motion NO_REFERENCE = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}, 0.0};
 
-/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
- * is connected: who gives it knows of an attitude that is lost. */
+/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a
+ * reference is connected: who gives it knows of an attitude that is lost. */
 static bool no_attitude(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
 {
     return is_zero_matrix(matrix(u->R_NB)) && (!x->flown || controller_planned_has_R_ref(u));
@@ -38,13 +39,16 @@ static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlanned
     return controller_planned_scales(&law->p, a >= ONBOARD_R_MIN ? a : LOW_ORBIT);
 }
 
-/* What is known before the flight, at the time t. */
-static void know(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double t, ControllerPlannedState *x)
+/* The state before the flight, at the time t: the parameters' values, and nothing planned. */
+static void initialise(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double t,
+                       ControllerPlannedState *x)
 {
     memset(x, 0, sizeof *x);
     x->t = t;
     x->scales = scales_of(law, u);
-    x->reference = nowhere;
+    x->phase = PHASE_DAMPING;
+    x->settled_since = x->loaded_since = INFINITY;
+    x->reference = NO_REFERENCE;
     controller_planned_identification_start(&law->p, &x->scales, &x->identification);
     controller_planned_friction_start(&law->p, x->scales.time, &x->friction);
     x->rods_alone = controller_planned_is_no_wheel(law->p.wheel_torque_max, law->p.wheel_momentum_max, &x->scales);
@@ -56,27 +60,27 @@ static bool begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, C
     if (x->flown) {
         controller_planned_take_measured(&x->identification);
     } else {
-        know(law, u, x->t, x);
+        initialise(law, u, x->t, x);
     }
     if (!controller_planned_gains_fit(law, &x->scales, f)) {
         return false;
     }
     x->waiting = false;
-    x->phase = PHASE_STEERING; /* or damping, by the first sample */
-    x->settled_since = x->loaded_since = INFINITY;
     x->until_sample = law->p.control_period;
-    x->next_plan = x->next_challenge = x->t;
+    x->next_challenge = x->t;
     sample(law, x, u, true);
     return true;
 }
 
-/* A step without attitude ends at x->t. The motor's torque is all that changes the wheel's momentum where it is not measured. */
-static void wait(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double h, ControllerPlannedState *x)
+/* A step without attitude ends at x->t. The motor's torque is all that changes the wheel's momentum where it is not
+ * measured. */
+static void step_without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double h,
+                                  ControllerPlannedState *x)
 {
     if (!x->flown) {
-        know(law, u, x->t, x);
-    } else if (!x->waiting) {
-        controller_planned_give_up(x, &nowhere);
+        initialise(law, u, x->t, x);
+    } else {
+        controller_planned_change_phase(x, EVENT_NO_ATTITUDE, &NO_REFERENCE);
     }
     const double limit = law->p.wheel_momentum_max;
     x->l_own = clip(x->l_own + h * x->held.wheel_torque_ff, -limit, limit);
@@ -85,11 +89,12 @@ static void wait(const ControllerPlannedLaw *law, const ControllerPlannedInputs 
     x->held = controller_planned_without_attitude(law, x, u);
 }
 
-bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
+bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x,
+                              Fault *f)
 {
-    know(law, u, 0.0, x);
+    initialise(law, u, 0.0, x);
     if (no_attitude(x, u)) {
-        wait(law, u, 0.0, x);
+        step_without_attitude(law, u, 0.0, x);
         return controller_planned_inputs_finite(u, f);
     }
     return controller_planned_inputs_fit(u, law->p.gravitational_parameter, f) && begin(law, u, x, f);
@@ -116,15 +121,15 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     return true;
 }
 
-bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u, double h,
-                             ControllerPlannedOutputs *y, Fault *f)
+bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
+                             double h, ControllerPlannedOutputs *y, Fault *f)
 {
     if (no_attitude(x, u)) {
         if (!controller_planned_inputs_finite(u, f)) {
             return false;
         }
         x->t += h;
-        wait(law, u, h, x);
+        step_without_attitude(law, u, h, x);
         *y = x->held;
         return true;
     }

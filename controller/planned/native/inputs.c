@@ -4,8 +4,7 @@
 #include "fault.h"
 #include "reference.h"
 
-static const double COLLINEAR = 1e-6; /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double CLOSED = 0.999;   /* of the energy that escapes: the orbit's largest */
+static const double CLOSED = 0.999; /* of the energy that escapes: the orbit's largest */
 
 /* Whether the reference to come has numbers and is given in full, or not at all. */
 static bool ahead_fits(const ControllerPlannedInputs *u, Fault *f)
@@ -28,7 +27,8 @@ static bool ahead_fits(const ControllerPlannedInputs *u, Fault *f)
             return fault(f, "t_ahead", u->t_ahead[k], "ascending times, zeros at the end where there are fewer");
         }
     }
-    if (times != turns || turns != controller_planned_has_Omega_ahead(u) || (times && !controller_planned_has_R_ref(u))) {
+    if (times != turns || turns != controller_planned_has_Omega_ahead(u) ||
+        (times && !controller_planned_has_R_ref(u))) {
         const char *missing = !times                            ? "t_ahead"
                               : !turns                          ? "turn_ahead"
                               : controller_planned_has_R_ref(u) ? "Omega_ahead"
@@ -88,8 +88,9 @@ bool controller_planned_inputs_fit(const ControllerPlannedInputs *u, double mu, 
     if (!(r >= ONBOARD_R_MIN)) {
         return fault(f, "r_N", r, "at least 1000 km from the Earth's centre");
     }
-    if (!(norm(cross(r_N, v_N)) > COLLINEAR * r * v)) {
-        return fault(f, "v_N", norm(cross(r_N, v_N)), "a velocity that spans the orbit's plane with r_N, |r x v| above 0");
+    if (!(norm(cross(r_N, v_N)) > REFERENCE_COLLINEAR * r * v)) {
+        return fault(f, "v_N", norm(cross(r_N, v_N)),
+                     "a velocity that spans the orbit's plane with r_N, |r x v| above 0");
     }
     if (!(0.5 * v * v < CLOSED * mu / r)) {
         return fault(f, "v_N", v, "the velocity of a closed orbit, below that of escape");

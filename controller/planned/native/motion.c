@@ -30,13 +30,20 @@ static Target between(const Knot *from, const Knot *to, double t)
     const double h = to->t - from->t, x = (t - from->t) / h;
     const Vector whole = rotation_log(multiply(transposed(from->target.R), to->target.R));
     const RightJacobian end = right_jacobian_of(norm(whole));
-    const Vector first = scale(h, from->target.Omega), last = scale(h, right_jacobian_solve(&end, whole, to->target.Omega));
+    const Vector first = scale(h, from->target.Omega),
+                 last = scale(h, right_jacobian_solve(&end, whole, to->target.Omega));
     const Vector turn = add(add(scale(x * (1.0 + x * (x - 2.0)), first), scale(x * x * (3.0 - 2.0 * x), whole)),
                             scale(x * x * (x - 1.0), last));
-    const Vector change =
-        add(add(scale(1.0 + x * (3.0 * x - 4.0), first), scale(6.0 * x * (1.0 - x), whole)), scale(x * (3.0 * x - 2.0), last));
+    const Vector change = add(add(scale(1.0 + x * (3.0 * x - 4.0), first), scale(6.0 * x * (1.0 - x), whole)),
+                              scale(x * (3.0 * x - 2.0), last));
     const RightJacobian now = right_jacobian_of(norm(turn));
     return (Target){multiply(from->target.R, rotation_exp(turn)), scale(1.0 / h, right_jacobian(&now, turn, change))};
+}
+
+Target controller_planned_lvlh(Vector r_N, Vector v_N)
+{
+    const double r = norm(r_N);
+    return (Target){lvlh_axes(r_N, v_N), {0.0, -norm(cross(r_N, v_N)) / (r * r), 0.0}};
 }
 
 Target controller_planned_target_at(const Ahead *ahead, double t)
@@ -53,8 +60,10 @@ Target controller_planned_target_at(const Ahead *ahead, double t)
     }
     if (ahead->target_kind == ONBOARD_TARGET_TURNING) {
         const double s = t - ahead->given_t, with_change = clip(s, 0.0, CHANGE_LASTS);
-        const Vector turn = add(scale(s, ahead->Omega_d0), scale(with_change * (s - 0.5 * with_change), ahead->dOmega_d0));
-        return (Target){multiply(ahead->R_d0, rotation_exp(turn)), add(ahead->Omega_d0, scale(with_change, ahead->dOmega_d0))};
+        const Vector turn =
+            add(scale(s, ahead->Omega_d0), scale(with_change * (s - 0.5 * with_change), ahead->dOmega_d0));
+        return (Target){multiply(ahead->R_d0, rotation_exp(turn)),
+                        add(ahead->Omega_d0, scale(with_change, ahead->dOmega_d0))};
     }
     Vector r_N, v_N;
     two_body_at(&ahead->orbit, t, &r_N, &v_N);
@@ -78,14 +87,16 @@ static Vector torque(const Model *model, const Around *around, const Motion *x, 
     return subtract(tau, scale(model->wheel_torque_max * u[3], model->wheel_axis));
 }
 
-Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS])
+Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x,
+                                       const double u[CONTROLS])
 {
     return apply(model->J_inverse, torque(model, around, x, u));
 }
 
-/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2 G)^-1. With G = Pi^
- * the rate of the middle is that of the implicit midpoint rule for a body that turns little in a stage, and its nutation neither
- * grows nor decays, however long the stage is. The derivatives have the whole G, Pi^ - Omega^ J, which is the same there. */
+/* What gives the change of the rate over the first half of a stage: J^-1; or, where nutation is fast, (J - h/2
+ * G)^-1. With G = Pi^ the rate of the middle is that of the implicit midpoint rule for a body that turns little in a
+ * stage, and its nutation neither grows nor decays, however long the stage is. The derivatives have the whole G, Pi^
+ * - Omega^ J, which is the same there. */
 static Matrix inverse_over(const Model *model, Matrix G, double h)
 {
     return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
@@ -97,11 +108,13 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
         return 0.0;
     }
     const double room = 1.0 / (model->wheel_torque_max * h);
-    const double v = larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
+    const double v =
+        larger(smaller(u, (model->wheel_momentum_max - l) * room), (-model->wheel_momentum_max - l) * room);
     return clip(v, -1.0, 1.0); /* a wheel beyond its limit is brought back as fast as it can be */
 }
 
-Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h)
+Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                                double h)
 {
     const Matrix J_inverse = inverse_over(model, hat(momentum_of(model, x)), h);
     const Vector first = apply(J_inverse, torque(model, around, x, u));
@@ -144,15 +157,15 @@ static Matrix hats(Vector u, Vector v)
     return with_diagonal(-dot(u, v), (Matrix){scale(v.x, u), scale(v.y, u), scale(v.z, u)});
 }
 
-/* J^-1, or what inverse_over has for it, of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x dtheta)
- * + dM_g, where dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
+/* J^-1, or what inverse_over has for it, of J d dOmega/dt = Pi x dOmega - Omega x J dOmega - Omega x a dl + m x (B x
+ * dtheta) + dM_g, where dM_g = 3 mu/r^3 (rho^ J - (J rho)^) rho^ dtheta. */
 typedef struct {
     Matrix J_inverse, angle, rate;
     Vector wheel;
 } Jacobian;
 
-static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l, Vector m,
-                            double h)
+static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, Vector B, Vector Omega, double l,
+                            Vector m, double h)
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
@@ -184,8 +197,8 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
     const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
     const Vector B = apply_transposed(R, around->B_N);
     const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u), h);
-    /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the stage is
-     * `over` = h I + h^2/2 rate; h I where nutation is fast, since F then has the rest in it. */
+    /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the
+     * stage is `over` = h I + h^2/2 rate; h I where nutation is fast, since F then has the rest in it. */
     const bool fast = model->scales.fast_nutation;
     const double s = 0.5 * h * h;
     const Matrix over = with_diagonal(h, times(fast ? 0.0 : s, F.rate));

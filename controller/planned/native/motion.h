@@ -2,14 +2,26 @@
 #ifndef CONTROLLER_PLANNED_MOTION_H
 #define CONTROLLER_PLANNED_MOTION_H
 
-#include "box_qp.h"
-#include "onboard.h"
-#include "profile.h"
+#include "estimate/profile.h"
+#include "onboard_field.h"
+#include "rotation.h"
 #include "scales.h"
+#include "two_body.h"
 
-enum { ERRORS = 7 }; /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
+enum { CONTROLS = 4 }; /* of the three rods and the motor */
+enum { ERRORS = 7 };   /* attitude, rate, wheel momentum: d of R exp(d^), Omega + d, l + d */
 
 enum { PIECES = 3 };
+
+/* The target: none, one that the parameter `reference` names (1 and 2 are its values), or a given one, which keeps its
+ * attitude to LVLH, too, or its body rate. */
+enum { ONBOARD_TARGET_NONE = 0, ONBOARD_TARGET_LVLH = 1, ONBOARD_TARGET_INERTIAL = 2, ONBOARD_TARGET_TURNING = 3 };
+
+/* The desired motion: attitude (N from desired body), rate in desired body axes. */
+typedef struct {
+    Matrix R;
+    Vector Omega;
+} Target;
 
 /* Of a plan: pieces, each until a time and of stages of one length, s. */
 typedef struct {
@@ -61,7 +73,7 @@ typedef struct {
     int target_kind;
     int knots; /* after knot[0], which is now; 0: the target is known for now only */
     Knot knot[AHEAD_TIMES + 1];
-    Matrix R_d0;     /* at rest or relative to LVLH; of a given target from given_t on, then also turning with Omega_d0 */
+    Matrix R_d0; /* at rest or relative to LVLH; of a given target from given_t on, then also turning with Omega_d0 */
     Vector Omega_d0; /* rad/s, and its derivative, rad/s2 */
     Vector dOmega_d0;
     double given_t; /* s, until which the target is known */
@@ -115,21 +127,28 @@ Around controller_planned_around_of(const OnboardField *field, const TwoBody *or
 Around controller_planned_around_at(const Ahead *ahead, double t);
 Target controller_planned_target_at(const Ahead *ahead, double t);
 
+/* LVLH of a position and a velocity: Z to nadir, Y against the orbit's normal. */
+Target controller_planned_lvlh(Vector r_N, Vector v_N);
+
 /* The change of the rate, rad/s^2, under the controls. */
-Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS]);
+Vector controller_planned_acceleration(const Model *model, const Around *around, const Motion *x,
+                                       const double u[CONTROLS]);
 
 /* The wheel's control, -1 to 1, within what its momentum l, N m s, leaves room for over h, s. */
 double controller_planned_wheel_within(const Model *model, double l, double u, double h);
 
-/* The motion after h under constant controls, by the midpoint rule; the rate of the middle implicitly, where nutation is fast. */
-Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS], double h);
+/* The motion after h under constant controls, by the midpoint rule; the rate of the middle implicitly, where
+ * nutation is fast. */
+Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                                double h);
 
 /* The same with the wheel's control within its limit. */
 Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
                                    double h);
 
-/* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its middle;
- * both by their columns. A leaves the wheel's momentum as it is, and of the controls only the wheel's changes it. */
+/* The errors after a stage of h from x to next, A errors + G controls, to second order in h, with the motion of its
+ * middle; both by their columns. A leaves the wheel's momentum as it is, and of the controls only the wheel's
+ * changes it. */
 void controller_planned_linearise(const Model *model, const Around *around, const Motion *x, const Motion *next,
                                   const double u[CONTROLS], double h, Square A, double G[CONTROLS][ERRORS]);
 

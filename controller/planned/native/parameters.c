@@ -21,7 +21,8 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
         {"search_iterations", p->search_iterations, 1, SEARCH_ITERATIONS_MAX, "1 to 1000"},
     };
     if (p->reference != CONTROLLER_PLANNED_REFERENCE_LVLH && p->reference != CONTROLLER_PLANNED_REFERENCE_INERTIAL) {
-        return fault(f, "reference", p->reference, "1 (lvlh) or 2 (inertial); the planned controller does not offer 3 (rate)");
+        return fault(f, "reference", p->reference,
+                     "1 (lvlh) or 2 (inertial); the planned controller does not offer 3 (rate)");
     }
     for (size_t i = 0; i < COUNT(counts); ++i) {
         if (counts[i].value < counts[i].low || counts[i].value > counts[i].high) {
@@ -31,10 +32,11 @@ static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
     return true;
 }
 
-/* About its equilibrium the law [8] on sampled errors is J a = -L v - S x, S = tr(K) I - K, held for T. An eigenvector q of its
- * motion from sample to sample makes numbers of the matrices, d = T q*L q/q*J q and s = T^2 q*S q/q*J q, and its roots are those
- * of z^2 + (d + s/2 - 2) z + 1 - d + s/2: within the unit circle exactly where d < 2 and s < 2 d. So the law is stable where
- * T L < 2 J and T S < 2 L as matrices; where J, L and S have the same axes, nowhere else. */
+/* About its equilibrium the law [8] on sampled errors is J a = -L v - S x, S = tr(K) I - K, held for T. An
+ * eigenvector q of its motion from sample to sample makes numbers of the matrices, d = T q*L q/q*J q and s = T^2 q*S
+ * q/q*J q, and its roots are those of z^2 + (d + s/2 - 2) z + 1 - d + s/2: within the unit circle exactly where d <
+ * 2 and s < 2 d. So the law is stable where T L < 2 J and T S < 2 L as matrices; where J, L and S have the same
+ * axes, nowhere else. */
 static bool check_gains(const ControllerPlannedParameters *p, Fault *f)
 {
     const double T = p->control_period;
@@ -64,10 +66,10 @@ bool controller_planned_gains_fit(ControllerPlannedLaw *law, const Scales *scale
     const Matrix S = {{K.y + K.z, 0.0, 0.0}, {0.0, K.z + K.x, 0.0}, {0.0, 0.0, K.x + K.y}};
     const double stiffness = p->control_period * controller_planned_largest_of(L, S);
     law->gains_fit = stiffness < 2.0;
-    return law->gains_fit ||
-           fault(f, has_K0 ? "K0" : "L0", stiffness,
-                 "(K0[i] + K0[j]) control_period/L0 below 2 about each axis, with the gains as given or computed (this is the "
-                 "largest): smaller K0, larger L0 or a shorter control_period");
+    return law->gains_fit || fault(f, has_K0 ? "K0" : "L0", stiffness,
+                                   "(K0[i] + K0[j]) control_period/L0 below 2 about each axis, with the gains as given "
+                                   "or computed (this is the "
+                                   "largest): smaller K0, larger L0 or a shorter control_period");
 }
 
 /* A plan is renewed five times in T, and no oftener than the control samples. */
@@ -118,9 +120,9 @@ bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f)
     const NamedVector vectors[] = {{"field_error", vector(p->field_error)}, {"rod_gains0", vector(p->rod_gains0)}};
     static const char *const rotation = "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001";
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
-           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(vectors, COUNT(vectors), f) && check_choices(p, f) &&
-           check_rods(p, f) && is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) && check_period(p, f) &&
-           is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
+           all_finite(bounds, COUNT(bounds), f) && all_finite_vectors(vectors, COUNT(vectors), f) &&
+           check_choices(p, f) && check_rods(p, f) && is_inertia(matrix(p->J_B), "J_B", f) && check_gains(p, f) &&
+           check_period(p, f) && is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_independent_unit_rows(matrix(p->rod_axes), "rod_axes", f) &&
            is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f) &&
            is_rotation(matrix(p->R_d0), REFERENCE_PARAMETER_TOLERANCE, "R_d0", rotation, f);
@@ -135,6 +137,7 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
     (void)epoch_read(p->epoch, &epoch);
-    onboard_field(&gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error, &law->field);
+    onboard_field(&gauss_models[p->field_model - 1], days_of_epoch(&epoch), p->field_degree, p->field_error,
+                  &law->field);
     law->field_tolerance = FIELD_WRONG + LEFT_OUT * left_out(&gauss_models[p->field_model - 1], p->field_degree);
 }

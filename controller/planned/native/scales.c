@@ -3,21 +3,23 @@
 #include "onboard_field.h"
 #include "rotation.h"
 
-/* B at the Earth's surface, T: that of the Earth's dipole near the poles, where it is 2.0 times the 3.0e-5 of the equator. */
+/* B at the Earth's surface, T: that of the Earth's dipole near the poles, where it is 2.0 times the 3.0e-5 of the
+ * equator. */
 static const double SURFACE_FIELD = 5.77e-5;
 
 /* Times in T, rates in 1/T, momenta in J/T, torques in J/T^2. */
 static const double STIFFNESS = 0.45, DAMPING = 0.9; /* of the law [8]: damped by half, in T/0.67 */
-static const double DAMPING_SAMPLED = 0.5;           /* of the least moment over the period: half of what is stable at once */
-static const double UNEVEN = 10.0;                   /* the stiffness is K -+ K/10, so that critical points are apart [9] */
+static const double DAMPING_SAMPLED = 0.5; /* of the least moment over the period: half of what is stable at once */
+static const double UNEVEN = 10.0;         /* the stiffness is K -+ K/10, so that critical points are apart [9] */
 static const double STEERING_LIMIT = 3.0;
-static const double SLENDER = 10.0;          /* of the least moment of inertia: the mean one counts as no more than this */
-static const double NUTATION = 1.0;          /* from which it is fast */
+static const double SLENDER = 10.0; /* of the least moment of inertia: the mean one counts as no more than this */
+static const double NUTATION = 1.0; /* from which it is fast */
 static const double DISTURBANCE_MAX = 0.036; /* of the rods' torque: more could not be opposed by rods in the hold */
-static const double STRAINED_DISTURBANCE = 4.0, STRAINED_SOONER = 10.0; /* in a strained hold: more, and forgotten sooner */
-static const double RESIDUAL_DIPOLE_MAX = 0.05;                         /* of dipole_max */
-static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0;        /* s */
-static const double STRONG_DRAG = 370e3;                                /* m, the height below which drag is strong */
+static const double STRAINED_DISTURBANCE = 4.0,
+                    STRAINED_SOONER = 10.0;                      /* in a strained hold: more, and forgotten sooner */
+static const double RESIDUAL_DIPOLE_MAX = 0.05;                  /* of dipole_max */
+static const double FORGOTTEN = 400.0, SOONER_FORGOTTEN = 100.0; /* s */
+static const double STRONG_DRAG = 370e3;                         /* m, the height below which drag is strong */
 static const double DENSITY_HEIGHT = 60e3; /* m, in which the density of the air falls by e there */
 static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
@@ -63,7 +65,8 @@ static double given_or(double given, double computed)
 /* s: the sooner where drag is strong, since it changes along the orbit. */
 static double drag_forgotten(double a)
 {
-    return clip(SOONER_FORGOTTEN * exp((a - ONBOARD_RADIUS - STRONG_DRAG) / DENSITY_HEIGHT), SOONER_FORGOTTEN, FORGOTTEN);
+    return clip(SOONER_FORGOTTEN * exp((a - ONBOARD_RADIUS - STRONG_DRAG) / DENSITY_HEIGHT), SOONER_FORGOTTEN,
+                FORGOTTEN);
 }
 
 enum { POWERS = 200 };
@@ -79,10 +82,25 @@ double controller_planned_largest_of(Matrix J, Matrix S)
     return dot(v, apply(M, v));
 }
 
-/* rad/s, of a body with a wheel whose momentum is l along the axis a: the eigenvalues of J^-1 (l a)^ are 0 and +-i times it. */
+/* rad/s, of a body with a wheel whose momentum is l along the axis a: the eigenvalues of J^-1 (l a)^ are 0 and +-i
+ * times it. */
 static double nutation(Matrix J, Vector a, double l)
 {
     return l * sqrt(dot(a, apply(J, a)) / determinant(J));
+}
+
+Vector controller_planned_rod_dipoles(const ControllerPlannedParameters *p)
+{
+    return scale(p->dipole_max, vector(p->rod_limits));
+}
+
+double controller_planned_rods_share(const ControllerPlannedParameters *p, const double gains[3])
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        sum += p->rod_limits[i] * fabs(gains[i]);
+    }
+    return sum / 3.0;
 }
 
 Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
@@ -90,7 +108,8 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     const Matrix J = matrix(p->J_B);
     const double least = 1.0 / controller_planned_largest_of(J, identity), mean = (J.a.x + J.b.y + J.c.z) / 3.0;
     const double inertia = smaller(mean, SLENDER * least), ratio = ONBOARD_RADIUS / a;
-    const double dipole = p->dipole_max * ((p->rod_limits[0] + p->rod_limits[1] + p->rod_limits[2]) / 3.0); /* of a rod, mean */
+    static const double sound[3] = {1.0, 1.0, 1.0};
+    const double dipole = p->dipole_max * controller_planned_rods_share(p, sound);
     const double T = two_digits(sqrt(inertia / (dipole * SURFACE_FIELD * ratio * ratio * ratio)));
     const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
     const double k = two_digits(STIFFNESS * torque);

@@ -3,15 +3,16 @@
 #ifndef CONTROLLER_PLANNED_STATE_H
 #define CONTROLLER_PLANNED_STATE_H
 
-#include "friction.h"
-#include "identification.h"
+#include "estimate/friction.h"
+#include "estimate/identification.h"
 #include "ports.h"
-#include "search.h"
-#include "sensors_watch.h"
-#include "steering.h"
-#include "strained.h"
+#include "plan/search.h"
+#include "estimate/sensors_watch.h"
+#include "plan/steering.h"
+#include "plan/strained.h"
 
-static const double SAMPLE_EARLY = 1e-6; /* of the control period: a sample and a plan are due that much before their time */
+static const double SAMPLE_EARLY =
+    1e-6; /* of the control period: a sample and a plan are due that much before their time */
 
 typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
 
@@ -97,7 +98,8 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
 /* The satellite as it is estimated now. */
 Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
 
-/* Whether the stiffness, given or computed, is one that the damping makes stable: once for the parameters as they stand. */
+/* Whether the stiffness, given or computed, is one that the damping makes stable: once for the parameters as they
+ * stand. */
 bool controller_planned_gains_fit(ControllerPlannedLaw *law, const Scales *scales, Fault *f);
 
 /* Whether the inputs have numbers, and what belongs together is connected together. */
@@ -113,28 +115,26 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
 /* The estimate after the measurement. */
 Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l);
 
-/* Takes the sample of the inputs at x->t: field, wheel momentum, identification and filter; x->estimate is then that of now.
- * Returns what surrounds the satellite. */
+/* Takes the sample of the inputs at x->t: field, wheel momentum, identification and filter; x->estimate is then that
+ * of now. Returns what surrounds the satellite. */
 Around controller_planned_take_sample(const ControllerPlannedLaw *law, ControllerPlannedState *x,
                                       const ControllerPlannedInputs *u, bool first);
 
-/* The sample's decision, on the motion `now`, dt after the last; its work is bounded by WORK_OF_SAMPLE. At the first sample there
- * is no command to go on with: what the search has come to is flown. */
-void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead, const Motion *now,
-                               double dt, bool first);
-
-/* All that was planned is given up, and rates are damped; `now` is the reference. */
-void controller_planned_give_up(ControllerPlannedState *x, const Motion *now);
+/* The sample's decision, on the motion `now`, dt after the last; its work is bounded by WORK_OF_SAMPLE. At the first
+ * sample there is no command to go on with: what the search has come to is flown. */
+void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead,
+                               const Motion *now, double dt, bool first);
 
 /* The outputs without an attitude: rates are damped in the measured field, by what is known of the satellite. */
-ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
+ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPlannedLaw *law,
+                                                             const ControllerPlannedState *x,
                                                              const ControllerPlannedInputs *u);
 
 /* The wheel's control, -1 to 1, that brings its momentum l to rest while steering or damping. */
 double controller_planned_wheel_to_rest(const Model *model, double l);
 
-/* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls` are those of
- * the feed-forward. */
+/* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls`
+ * are those of the feed-forward. */
 void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, const Motion *now, double controls[CONTROLS],
                                 ControllerPlannedOutputs *y);

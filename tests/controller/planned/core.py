@@ -8,7 +8,7 @@ from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,7 @@ MU = 3.986004418e14
 U3 = 1.0 / np.sqrt(3.0)
 RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
 STAGES, WORK_OF_SAMPLE = (
-    int(re.findall(rf"\b{name} = (\d+)", (NATIVE / file).read_text("utf-8"))[0])
+    int(re.findall(rf"\b{name} = (\d+)", (NATIVE / "plan" / file).read_text("utf-8"))[0])
     for name, file in (("STAGES", "plan.h"), ("WORK_OF_SAMPLE", "work.h"))
 )
 _BLOCK = "controller_planned"
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = tables.generated()
-    sources = sorted(NATIVE.glob("*.c"))
+    sources = sorted(NATIVE.rglob("*.c"))
     probe = Path(__file__).with_name("probe.c")
     common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
@@ -77,15 +77,11 @@ def _room(*shape: int) -> tuple[Any, Any]:
 
 class _Model(ctypes.Structure):
     _fields_ = (
-        ("J", c_double * 9),
-        ("rods", c_double * 9),
+        *((name, c_double * 9) for name in ("J", "rods")),
         ("wheel_axis", c_double * 3),
-        ("wheel_torque_max", c_double),
-        ("wheel_momentum_max", c_double),
-        ("disturbance_B", c_double * 3),
-        ("residual_B", c_double * 3),
-        ("dipole_max", c_double),
-        ("semi_major_axis", c_double),
+        *((name, c_double) for name in ("wheel_torque_max", "wheel_momentum_max")),
+        *((name, c_double * 3) for name in ("disturbance_B", "residual_B")),
+        *((name, c_double) for name in ("dipole_max", "semi_major_axis")),
     )
 
 
@@ -99,24 +95,32 @@ class _Motion(ctypes.Structure):
 
 class _Ahead(ctypes.Structure):
     _fields_ = (
-        ("t", c_double),
-        ("mu", c_double),
-        ("r", c_double * 3),
-        ("v", c_double * 3),
+        *((name, c_double) for name in ("t", "mu")),
+        *((name, c_double * 3) for name in ("r_N", "v_N")),
         ("days", c_double),
         ("bias_N", c_double * 3),
         ("bias_t", c_double),
         ("R_d0", c_double * 9),
-        ("model", c_int32),
-        ("degree", c_int32),
-        ("target", c_int32),
+        *((name, c_int32) for name in ("model", "degree", "target")),
     )
 
 
+class _Flat:
+    """What is given to C as a structure whose fields have the names of its attributes."""
+
+    _structure: ClassVar[type[ctypes.Structure]]
+
+    def c(self) -> Any:
+        values = {name: getattr(self, name) for name, *_ in self._structure._fields_}
+        flat = {name: _doubles(v) if np.ndim(v) else v for name, v in values.items()}
+        return byref(self._structure(**flat))
+
+
 @dataclass(frozen=True)
-class Satellite:
+class Satellite(_Flat):
     """J (3, 3) kg m2, rods (3, 3): rows, dipoles at the limit, A m2; N m; N m s; N m; A m2."""
 
+    _structure = _Model
     J: Array = field(default_factory=lambda: np.diag([2.13, 3.04, 3.09]))
     rods: Array = field(default_factory=lambda: 25.0 * RODS)
     wheel_axis: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
@@ -128,44 +132,25 @@ class Satellite:
     """From which, with J and the orbit, the units of the plan follow."""
     semi_major_axis: float = 6971e3
 
-    def c(self) -> Any:
-        return byref(
-            _Model(
-                _doubles(self.J),
-                _doubles(self.rods),
-                _doubles(self.wheel_axis),
-                self.wheel_torque_max,
-                self.wheel_momentum_max,
-                _doubles(self.disturbance_B),
-                _doubles(self.residual_B),
-                self.dipole_max,
-                self.semi_major_axis,
-            )
-        )
-
 
 @dataclass(frozen=True)
-class Around:
+class Around(_Flat):
     """B_N (3,) T, r_hat_N (3,), rate_squared 1/s2."""
 
+    _structure = _Around
     B_N: Array
     r_hat_N: Array
     rate_squared: float
 
-    def c(self) -> Any:
-        return byref(_Around(_doubles(self.B_N), _doubles(self.r_hat_N), self.rate_squared))
-
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(_Flat):
     """R (3, 3) N from B, Omega (3,) rad/s, h_w N m s."""
 
+    _structure = _Motion
     R: Array
     Omega: Array
     h_w: float
-
-    def c(self) -> Any:
-        return byref(_Motion(_doubles(self.R), _doubles(self.Omega), self.h_w))
 
     @staticmethod
     def of(m: Any) -> Motion:
@@ -173,9 +158,10 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Ahead:
+class Ahead(_Flat):
     """Orbit through r_N, v_N at t, field of a model on a day; target 1: LVLH, 2: R_d0 at rest."""
 
+    _structure = _Ahead
     r_N: Array
     v_N: Array
     t: float = 0.0
@@ -185,12 +171,12 @@ class Ahead:
     target: int = 1
     R_d0: Array = field(default_factory=lambda: np.eye(3))
     bias_N: Array = field(default_factory=lambda: np.zeros(3))
+    mu: float = MU
 
-    def c(self) -> Any:
-        ahead = _Ahead(self.t, MU, _doubles(self.r_N), _doubles(self.v_N), self.days, _doubles(self.bias_N), self.t)
-        ahead.R_d0[:] = np.ravel(self.R_d0).tolist()
-        ahead.model, ahead.degree, ahead.target = self.model, self.degree, self.target
-        return byref(ahead)
+    @property
+    def bias_t(self) -> float:
+        """When the bias was measured, s."""
+        return self.t
 
 
 def days(text: str) -> float | None:

@@ -3,8 +3,8 @@
 
 #include "controller_planned.h"
 #include "gauss_models.h"
-#include "renew.h"
-#include "strained.h"
+#include "plan/renew.h"
+#include "plan/strained.h"
 
 #if defined _WIN32
 #define PROBE __declspec(dllexport)
@@ -30,49 +30,6 @@ typedef struct {
     double t, mu, r[3], v[3], days, bias_N[3], bias_t, R_d0[3][3];
     int32_t model, degree, target;
 } FlatAhead;
-
-PROBE int probe_days(const char *text, double *days);
-PROBE double probe_year(double days);
-PROBE void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B);
-PROBE double probe_sidereal(double days);
-PROBE void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6]);
-PROBE void probe_log(int n, const double *R, double *zeta);
-PROBE void probe_target(const double r[3], const double v[3], double R[9], double Omega[3]);
-PROBE void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega);
-PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
-                        unsigned char *free);
-PROBE void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3]);
-PROBE void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
-                          FlatMotion *y);
-PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
-                            double *A, double *G);
-PROBE double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
-                             double gradient[7]);
-PROBE double probe_weight_far(const FlatModel *m, int stages, double share);
-PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4]);
-PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations,
-                     double *h, double *u, double *cost, FlatMotion *path);
-PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u);
-PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path);
-PROBE void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMotion *x, double cost[2]);
-PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
-                          const double *u, double t_next, double *h_next, double *u_next);
-PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
-                      double *h, double found[3]);
-PROBE double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations);
-PROBE void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length, double *wheel,
-                          double *angle);
-PROBE void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *good, int m,
-                         const double *ahead, double *change);
-PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
-                       double *cost, double *u);
-PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3]);
-PROBE double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3]);
-PROBE void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
-                               double u[3]);
-PROBE void probe_sizes(size_t sizes[2]);
-PROBE int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
-                       ControllerPlannedOutputs *y);
 
 static const double UNIT = 50.0; /* s, the paper's satellite's T */
 static Workspace workspace;
@@ -155,7 +112,24 @@ static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
                    .R_d0 = matrix(f->R_d0)};
 }
 
-int probe_days(const char *text, double *days)
+/* What a plan is made of. */
+typedef struct {
+    OnboardField field;
+    Model model;
+    Ahead ahead;
+    Motion now;
+} Case;
+
+static const Case *case_of(const FlatModel *m, const FlatAhead *a, const FlatMotion *x)
+{
+    static Case c;
+    c.model = model_of(m);
+    c.ahead = ahead_of_flat(a, &c.field);
+    c.now = motion_of(x);
+    return &c;
+}
+
+PROBE int probe_days(const char *text, double *days)
 {
     Epoch epoch;
     const bool read = epoch_read(text, &epoch);
@@ -163,12 +137,13 @@ int probe_days(const char *text, double *days)
     return read;
 }
 
-double probe_year(double days)
+PROBE double probe_year(double days)
 {
     return year_of_days(days);
 }
 
-void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r, double *B)
+PROBE void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r,
+                       double *B)
 {
     OnboardField field;
     onboard_field(&gauss_models[model - 1], days, degree, error, &field);
@@ -177,7 +152,7 @@ void probe_field(int model, double days, int degree, const double error[3], doub
     }
 }
 
-double probe_sidereal(double days)
+PROBE double probe_sidereal(double days)
 {
     OnboardField field;
     const double none[3] = {0.0, 0.0, 0.0};
@@ -185,7 +160,7 @@ double probe_sidereal(double days)
     return field.sidereal_angle;
 }
 
-void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6])
+PROBE void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6])
 {
     const TwoBody orbit = {5.0, mu, vector(r), vector(v)};
     Vector r_N, v_N;
@@ -194,14 +169,14 @@ void probe_orbit(double mu, const double r[3], const double v[3], double dt, dou
     store(v_N, out + 3);
 }
 
-void probe_log(int n, const double *R, double *zeta)
+PROBE void probe_log(int n, const double *R, double *zeta)
 {
     for (int i = 0; i < n; ++i) {
         store(rotation_log(nine(R + 9 * i)), zeta + 3 * i);
     }
 }
 
-void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
+PROBE void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
 {
     const Target target = controller_planned_lvlh(vector(r), vector(v));
     nine_of(target.R, R);
@@ -209,7 +184,7 @@ void probe_target(const double r[3], const double v[3], double R[9], double Omeg
 }
 
 /* The target at each time of n, where r, v, a reference and the reference to come are given at 0. */
-void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega)
+PROBE void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega)
 {
     static ControllerPlannedLaw law;
     static ControllerPlannedState x;
@@ -231,21 +206,23 @@ void probe_target_ahead(const double *inputs, int n, const double *t, double *R,
     }
 }
 
-void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes, double *u,
-                  unsigned char *free)
+PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes,
+                        double *u, unsigned char *free)
 {
     for (int i = 0; i < n; ++i) {
         double h[CONTROLS][CONTROLS];
         bool f[CONTROLS];
         memcpy(h, H + 16 * i, sizeof h);
-        controller_planned_box_qp((const double (*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes, u + 4 * i, f);
+        controller_planned_box_qp((const double (*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes,
+                                  u + 4 * i, f);
         for (int k = 0; k < CONTROLS; ++k) {
             free[4 * i + k] = f[k];
         }
     }
 }
 
-void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double out[3])
+PROBE void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4],
+                              double out[3])
 {
     const Model model = model_of(m);
     const Around around = around_of(a);
@@ -253,7 +230,8 @@ void probe_acceleration(const FlatModel *m, const FlatAround *a, const FlatMotio
     store(controller_planned_acceleration(&model, &around, &motion, u), out);
 }
 
-void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, FlatMotion *y)
+PROBE void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
+                          FlatMotion *y)
 {
     const Model model = model_of(m);
     const Around around = around_of(a);
@@ -261,8 +239,8 @@ void probe_advanced(const FlatModel *m, const FlatAround *a, const FlatMotion *x
     flatten(&next, y);
 }
 
-void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h, double *A,
-                      double *G)
+PROBE void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion *x, const double u[4], double h,
+                            double *A, double *G)
 {
     const Model model = model_of(m);
     const Around around = around_of(a);
@@ -280,8 +258,8 @@ void probe_linearised(const FlatModel *m, const FlatAround *a, const FlatMotion 
     }
 }
 
-double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
-                       double gradient[7])
+PROBE double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Omega_d[3], const FlatMotion *x,
+                             double gradient[7])
 {
     Model model = model_of(m);
     const Target target = {nine(R_d), vector(Omega_d)};
@@ -294,8 +272,9 @@ double probe_cost_rate(const FlatModel *m, const double R_d[9], const double Ome
     return controller_planned_cost_of(&model, &target, &motion, 1.0, 1.0, gradient, hessian, NULL);
 }
 
-/* The weight of far angles by rods alone after a plan of so many stages, at a share of the cost from which it is challenged. */
-double probe_weight_far(const FlatModel *m, int stages, double share)
+/* The weight of far angles by rods alone after a plan of so many stages, at a share of the cost from which it is
+ * challenged. */
+PROBE double probe_weight_far(const FlatModel *m, int stages, double share)
 {
     Model model = model_of(m);
     const Plan was = {.stages = stages, .cost = share * controller_planned_rods_cost(&model)};
@@ -303,15 +282,15 @@ double probe_weight_far(const FlatModel *m, int stages, double share)
     return model.scales.weight_far;
 }
 
-void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])
+PROBE void probe_controls_for(const FlatModel *m, const double tau[3], const double B[3], double l, double u[4])
 {
     const Model model = model_of(m);
     controller_planned_controls_for(&model, vector(tau), vector(B), l, u);
 }
 
 /* Lays stages, fills them by the cascade where `rate` is above 0, improves; returns the number of stages. */
-int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations, double *h,
-               double *u, double *cost, FlatMotion *path)
+PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, double rate, int iterations,
+                     double *h, double *u, double *cost, FlatMotion *path)
 {
     OnboardField field;
     const Model model = model_of(m);
@@ -336,7 +315,8 @@ int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, doub
 }
 
 /* The feedback gains of the first iteration on the plan without controls, by stages; returns the number of stages. */
-int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K, FlatMotion *path)
+PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double *h, double *K,
+                      FlatMotion *path)
 {
     double u[STAGES][CONTROLS], cost;
     const int n = probe_plan(m, a, x, a->t, 0.0, 0, h, u[0], &cost, path);
@@ -348,21 +328,19 @@ int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, dou
 }
 
 /* The cost of given controls on the stages of a plan with none. */
-double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u)
+PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u)
 {
-    OnboardField field;
-    const Model model = model_of(m);
-    const Ahead ahead = ahead_of_flat(a, &field);
-    const Motion now = motion_of(x);
+    const Case *c = case_of(m, a, x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, &now, t, false, NULL, plan, workspace.stage, &work);
+    controller_planned_lay_stages(&c->model, &c->ahead, &c->now, t, false, NULL, plan, workspace.stage, &work);
     memcpy(plan->u, u, (size_t)plan->stages * sizeof plan->u[0]);
-    controller_planned_improve(&model, NULL, &now, 0, plan, &workspace, &work);
+    controller_planned_improve(&c->model, NULL, &c->now, 0, plan, &workspace, &work);
     return plan->cost;
 }
 
-/* Costs of the last plan of probe_plan from another motion: by its controls alone, and following the motion from `expected`. */
-void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMotion *x, double cost[2])
+/* Costs of the last plan of probe_plan from another motion: by its controls alone, and following the motion from
+ * `expected`. */
+PROBE void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMotion *x, double cost[2])
 {
     const Model model = model_of(m);
     const Motion there = motion_of(expected), now = motion_of(x);
@@ -373,42 +351,39 @@ void probe_followed(const FlatModel *m, const FlatMotion *expected, const FlatMo
 }
 
 /* The stages and controls that a plan from t becomes when it is laid anew from t_next. */
-int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
-                    const double *u, double t_next, double *h_next, double *u_next)
+PROBE int probe_replanned(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, int n, const double *h,
+                          const double *u, double t_next, double *h_next, double *u_next)
 {
-    OnboardField field;
-    const Model model = model_of(m);
-    const Ahead ahead = ahead_of_flat(a, &field);
-    const Motion now = motion_of(x);
+    const Case *c = case_of(m, a, x);
     memset(&plans[0], 0, sizeof plans[0]);
     plans[0].start = t;
     plans[0].stages = n;
     memcpy(plans[0].h, h, (size_t)n * sizeof h[0]);
     memcpy(plans[0].u, u, (size_t)n * sizeof plans[0].u[0]);
-    controller_planned_lay_stages(&model, &ahead, &now, t_next, false, &plans[0], &plans[1], workspace.stage, &work);
+    controller_planned_lay_stages(&c->model, &c->ahead, &c->now, t_next, false, &plans[0], &plans[1], workspace.stage,
+                                  &work);
     memcpy(h_next, plans[1].h, (size_t)plans[1].stages * sizeof h[0]);
     memcpy(u_next, plans[1].u, (size_t)plans[1].stages * sizeof plans[1].u[0]);
     return plans[1].stages;
 }
 
-/* A plan without controls, renewed at a->t in this phase with such an account, of which the rest is given back: its stages, how
- * many `longer` becomes, its cost, when it settles, and when the next one is to do so, which at first is when this one is. */
-int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account, int32_t *longer,
-                double *h, double found[3])
+/* A plan without controls, renewed at a->t in this phase with such an account, of which the rest is given back: its
+ * stages, how many `longer` becomes, its cost, when it settles, and when the next one is to do so, which at first is
+ * when this one is. */
+PROBE int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, int32_t *account,
+                      int32_t *longer, double *h, double found[3])
 {
     static ControllerPlannedLaw law;
     static ControllerPlannedState state;
-    OnboardField field;
-    const Model model = model_of(m);
-    const Ahead ahead = ahead_of_flat(a, &field);
-    const Motion now = motion_of(x);
+    const Case *c = case_of(m, a, x);
     memset(&plans[0], 0, sizeof plans[0]);
     plans[0].start = state.t = a->t;
     plans[0].until = found[2];
-    state.scales = model.scales;
+    state.scales = c->model.scales;
     state.phase = phase;
     state.longer = *longer;
-    const bool renewed = controller_planned_renew(&law, &state, &model, &ahead, &now, &now, &plans[0], account);
+    const bool renewed =
+        controller_planned_renew(&law, &state, &c->model, &c->ahead, &c->now, &c->now, &plans[0], account);
     memcpy(h, law.trial.h, (size_t)law.trial.stages * sizeof h[0]);
     *longer = state.longer;
     found[0] = law.trial.cost;
@@ -418,25 +393,22 @@ int probe_renew(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int
 }
 
 /* The cost of a plan from a->t after so many iterations from a motion that stays at the target, with the wheel of x. */
-double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations)
+PROBE double probe_guessed(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int iterations)
 {
-    OnboardField field;
-    const Model model = model_of(m);
-    const Ahead ahead = ahead_of_flat(a, &field);
-    const Motion now = motion_of(x);
+    const Case *c = case_of(m, a, x);
     Plan *plan = &plans[0];
-    controller_planned_lay_stages(&model, &ahead, NULL, a->t, false, NULL, plan, workspace.stage, &work);
+    controller_planned_lay_stages(&c->model, &c->ahead, NULL, a->t, false, NULL, plan, workspace.stage, &work);
     for (int i = 0; i <= plan->stages; ++i) {
-        workspace.x[0][i] = (Motion){workspace.stage[i].target.R, workspace.stage[i].target.Omega, now.l};
+        workspace.x[0][i] = (Motion){workspace.stage[i].target.R, workspace.stage[i].target.Omega, c->now.l};
     }
-    controller_planned_improve_guess(&model, &now, iterations, plan, &workspace, &work);
+    controller_planned_improve_guess(&c->model, &c->now, iterations, plan, &workspace, &work);
     return plan->cost;
 }
 
-/* A strained hold from a->t on that is flown by the planner's own motion, with n renewals: the length of each plan, s, and wheel
- * momentum and attitude error before it. */
-void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length, double *wheel,
-                    double *angle)
+/* A strained hold from a->t on that is flown by the planner's own motion, with n renewals: the length of each plan,
+ * s, and wheel momentum and attitude error before it. */
+PROBE void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int n, double *length,
+                          double *wheel, double *angle)
 {
     static ControllerPlannedLaw law;
     static ControllerPlannedState state;
@@ -473,8 +445,8 @@ void probe_strained(const FlatModel *m, const FlatAhead *a, const FlatMotion *x,
 }
 
 /* Of n estimates d of the disturbance at t, good or not: by how much it changes from the last one to m times ahead. */
-void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *good, int m,
-                   const double *ahead, double *change)
+PROBE void probe_profile(double period, int n, const double *t, const double *d, const unsigned char *good, int m,
+                         const double *ahead, double *change)
 {
     Profile profile;
     memset(&profile, 0, sizeof profile);
@@ -486,22 +458,20 @@ void probe_profile(double period, int n, const double *t, const double *d, const
     }
 }
 
-/* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the account. */
-int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least, double *cost,
-                 double *u)
+/* A search from t = 0 with such an account in each call: the calls that it takes, and the least that is left of the
+ * account. */
+PROBE int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int32_t account, int32_t *least,
+                       double *cost, double *u)
 {
     static Search search;
-    OnboardField field;
-    const Model model = model_of(m);
-    const Ahead ahead = ahead_of_flat(a, &field);
-    const Motion now = motion_of(x);
+    const Case *c = case_of(m, a, x);
     int calls = 0;
     *least = account;
     memset(&search, 0, sizeof search);
-    controller_planned_search_begin(&now, 0.0, has_wheel(&model), &search);
+    controller_planned_search_begin(&c->now, 0.0, has_wheel(&c->model), &search);
     for (; search.active && calls < 1000; ++calls) {
         int32_t left = account;
-        controller_planned_search_on(&model, &ahead, INT32_MAX, &search, &workspace, &left);
+        controller_planned_search_on(&c->model, &c->ahead, INT32_MAX, &search, &workspace, &left);
         *least = left < *least ? left : *least;
     }
     *cost = search.best.cost;
@@ -509,7 +479,7 @@ int probe_search(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, in
     return calls;
 }
 
-void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3])
+PROBE void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], double Omega_d[3])
 {
     OnboardField field;
     const Ahead ahead = ahead_of_flat(a, &field);
@@ -522,7 +492,7 @@ void probe_around(const FlatAhead *a, double t, FlatAround *out, double R_d[9], 
     store(target.Omega, Omega_d);
 }
 
-double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3])
+PROBE double probe_steer(const FlatAhead *a, double t, const double D[3], double dipole, double lambda[3])
 {
     static Vector nodes[STEERING_NODES];
     OnboardField field;
@@ -533,23 +503,23 @@ double probe_steer(const FlatAhead *a, double t, const double D[3], double dipol
     return steering.time;
 }
 
-void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3], const double *rods,
-                         double u[3])
+PROBE void probe_steering_rods(const double lambda[3], double time, const double R[9], const double B[3],
+                               const double *rods, double u[3])
 {
     const Steering steering = {vector(lambda), time};
     const Vector axes[3] = {vector(rods), vector(rods + 3), vector(rods + 6)};
     controller_planned_steering_rods(&steering, nine(R), vector(B), axes, UNIT, u);
 }
 
-void probe_sizes(size_t sizes[2])
+PROBE void probe_sizes(size_t sizes[2])
 {
     sizes[0] = sizeof(ControllerPlannedState);
     sizes[1] = sizeof(ControllerPlannedLaw);
 }
 
 /* Samples of the same inputs, the tenth with another rate about x, and `after` more; whether all went well. */
-int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
-                 ControllerPlannedOutputs *y)
+PROBE int probe_glitch(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double rate, int after,
+                       ControllerPlannedOutputs *y)
 {
     static ControllerPlannedLaw law;
     static ControllerPlannedState x;

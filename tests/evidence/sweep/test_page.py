@@ -45,7 +45,7 @@ def test_each_constant_was_flown_in_its_groups_at_the_multiples_of_the_value_tha
 def test_each_constant_of_the_controller_is_swept_or_said_not_to_be():
     named = {name for names in NOT_SWEPT.values() for name in names.split()}
     swept = {f"{c.file}:{c.name}" for c in CONSTANTS}
-    for file in sorted((Block.named("controller_planned").folder / "native").glob("*.[ch]")):
+    for file in sorted((Block.named("controller_planned").folder / "native").rglob("*.[ch]")):
         for definition in re.findall(r"^static const[^;]*;", file.read_text("utf-8"), re.M):
             for name in re.findall(r"\b([A-Z][A-Z_]+)(?:\[\w+\])? = ", definition):
                 key = f"{file.name}:{name}"

@@ -1,0 +1,142 @@
+/* Friction, slip and failure of the wheel: docs/how/planned-estimates.md, Wheel, whose equations (F1) to (F4) these are. */
+#include "friction.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "vector.h"
+
+static const double EXPECTED = 0.1;         /* of the wheel's limits: deviation of either torque before the flight */
+static const double NOISE = 0.01;           /* of the torque's limit, of a sample */
+static const double CHANGES_TIME = 1e5;     /* s, in which friction may become another */
+static const double SHARE_MAX = 0.5;        /* of the torque's limit: largest friction of either kind */
+static const double FORGETS = 2.0;          /* T, over which the noise of the measured momentum is found */
+static const double NOISY = 1.2;            /* by which the noise is taken to be larger than is found (F3) */
+static const double GAIN_MIN = 0.05;        /* of the measurement where it is noise alone */
+static const double OUTLIER = 100.0;        /* torque limits, from which a change of momentum is no wheel's */
+static const double TINY = 1e-300;          /* keeps a variance of zero from dividing */
+static const double NEAR_LIMIT = 0.99;      /* of the momentum's limit, beyond which the motor may be stopped */
+static const double DRAG_EXCITATION = 0.2;  /* of the torque's limit: less shows little of a wheel that drags */
+static const double STALL_EXCITATION = 0.7; /* the same of one that is stuck: one that drags moves under so much */
+static const double WATCHED = 0.2;          /* of `forgets`: time of such samples from which on a failure is known */
+static const double FAILED = 0.5; /* share of the torque that the wheel gives, below which it has failed (F4) */
+static const double STUCK = 0.05; /* the same, below which it is stuck */
+
+void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
+{
+    const double torque = EXPECTED * p->wheel_torque_max, decay = torque / p->wheel_momentum_max;
+    const double noise = NOISE * p->wheel_torque_max;
+    memset(friction, 0, sizeof *friction);
+    friction->variance = noise * noise;
+    friction->torque_max = p->wheel_torque_max;
+    friction->momentum_max = p->wheel_momentum_max;
+    friction->forgets = FORGETS * T;
+    if (p->identify) {
+        friction->P[0][0] = torque * torque;
+        friction->P[1][1] = decay * decay;
+        friction->density[0] = friction->P[0][0] / CHANGES_TIME;
+        friction->density[1] = friction->P[1][1] / CHANGES_TIME;
+    }
+}
+
+/* p[i] from 0 to the limit; where it is moved the other goes with it, as their covariance has it. */
+static void keep_within(Friction *friction, int i, double limit)
+{
+    const double moved = clip(friction->p[i], 0.0, limit) - friction->p[i];
+    if (moved != 0.0) {
+        friction->p[1 - i] += friction->P[1 - i][i] / larger(friction->P[i][i], TINY) * moved;
+        friction->p[i] += moved;
+    }
+}
+
+void controller_planned_friction_learn(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    double side = l > 0.0 ? 1.0 : -1.0;
+    if (l == 0.0 && l_next == 0.0 && fabs(torque) > friction->p[0]) {
+        side = torque > 0.0 ? 1.0 : -1.0; /* it stands: friction is no less than the torque */
+    } else if (!(l * l_next > 0.0 && larger(fabs(l), fabs(l_next)) < NEAR_LIMIT * friction->momentum_max)) {
+        return; /* it is not known how long friction acted to either side, or the wheel was at its limit */
+    }
+    const double row[2] = {side, 0.5 * (l + l_next)}; /* (F1) */
+    double column[2], spread = friction->variance, error = torque - (l_next - l) / dt;
+    for (int i = 0; i < 2; ++i) {
+        friction->P[i][i] += friction->density[i] * dt;
+        column[i] = friction->P[i][0] * row[0] + friction->P[i][1] * row[1];
+        spread += column[i] * row[i];
+        error -= friction->p[i] * row[i];
+    }
+    for (int i = 0; i < 2; ++i) {
+        for (int j = 0; j < 2; ++j) {
+            friction->P[i][j] -= column[i] * column[j] / spread;
+        }
+    }
+    for (int i = 0; i < 2; ++i) {
+        friction->p[i] += column[i] / spread * error;
+    }
+    const double most = SHARE_MAX * friction->torque_max;
+    keep_within(friction, 0, most);
+    keep_within(friction, 1, most / friction->momentum_max);
+    friction->p[0] = clip(friction->p[0], 0.0, most);
+}
+
+static void respond(double dt, double share, double torque, double rate, Response *response)
+{
+    response->asked += share * (torque * torque - response->asked);
+    response->given += share * (torque * rate - response->given);
+    response->seen += dt;
+}
+
+void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    if (larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
+        return;
+    }
+    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0), rate = (l_next - l) / dt;
+    if (fabs(torque) >= DRAG_EXCITATION * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->drag);
+    }
+    if (fabs(torque) >= STALL_EXCITATION * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->stall);
+    }
+}
+
+/* Whether it has given less than a share of what was asked. */
+static bool gives_less(const Response *response, double share, double watched)
+{
+    return response->seen > watched && response->given < share * response->asked;
+}
+
+bool controller_planned_wheel_failed(const Friction *friction)
+{
+    return gives_less(&friction->drag, FAILED, WATCHED * friction->forgets);
+}
+
+bool controller_planned_wheel_stuck(const Friction *friction)
+{
+    return gives_less(&friction->stall, STUCK, WATCHED * friction->forgets);
+}
+
+double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)
+{
+    const double next = l + rate * dt;
+    const double side = next > 0.0 ? 1.0 : next < 0.0 ? -1.0 : 0.0;
+    return friction->p[0] * side + friction->p[1] * l;
+}
+
+double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    const double measured = (l_next - l) / dt;
+    const double net = torque - controller_planned_friction_torque(friction, l, measured, dt);
+    const double slip = measured - net, share = smaller(dt / friction->forgets, 1.0);
+    if (!(fabs(slip) < OUTLIER * friction->torque_max)) {
+        return measured;
+    }
+    friction->square += share * (slip * slip - friction->square);
+    friction->product += share * (slip * friction->last - friction->product);
+    friction->last = slip;
+    /* White noise of the momentum alternates: its product is minus half of its square (F3). */
+    const double noise = NOISY * larger(-2.0 * friction->product, 0.0);
+    const double gain = noise > 0.0 ? clip(1.0 - noise / friction->square, GAIN_MIN, 1.0) : 1.0;
+    friction->slip += gain * (slip - friction->slip);
+    return net + friction->slip;
+}

@@ -1,0 +1,29 @@
+/* Watches the innovations for a rod that fails: dead, weak or reversed.
+ *
+ * Innovations r of the rate have no part along the torques of the rods while the filter's gains account for them.
+ * Where the gains are wrong by delta, r = E delta + noise with the effects E of the rods. Over the last FADES the
+ * watch sums up M = E'E/S and z = E'r/S; (M + I)^-1 z is then delta with a deviation of 1 before, and z'(M + I)^-1 z
+ * says how far it is from zero. */
+#ifndef CONTROLLER_PLANNED_RODS_WATCH_H
+#define CONTROLLER_PLANNED_RODS_WATCH_H
+
+#include "../motion.h"
+
+typedef struct {
+    Vector effect[3]; /* rad/s, of each rod at gain 1 on the rate over the last sample */
+    Matrix M;
+    Vector z;
+    double rate;   /* rad/s, of the satellite in the middle of it */
+    bool wide;     /* gains are sought beyond those of sound rods */
+    double paused; /* s, for which nothing is watched, since the filter has begun anew */
+    double pause;  /* s, the next of these; each is twice as long as the last */
+} RodsWatch;
+
+/* Takes the innovation of the rate, rad/s, with its variance S, rad2/s2, after a sample of dt, s; T is the
+ * satellite's time. Whether noise alone would not give it. */
+bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, RodsWatch *watch);
+
+/* Begins anew, with nothing watched for the next pause. */
+void controller_planned_pause_watch(RodsWatch *watch);
+
+#endif

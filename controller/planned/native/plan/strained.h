@@ -1,0 +1,32 @@
+/* A strained hold: along the field only the wheel opposes a disturbance, and where the field stands across the
+ * wheel's axis nothing opposes it. The wheel has to be loaded long before, so the plan covers an orbit. Its motion
+ * is slow, the whole range of the wheel may be used, and the largest error is kept small.
+ *
+ * The controls of an orbit alone do not keep a motion near the target. So the motion of a plan is kept, and the next
+ * plan is improved from it (controller_planned_improve_guess). */
+#ifndef CONTROLLER_PLANNED_STRAINED_H
+#define CONTROLLER_PLANNED_STRAINED_H
+
+#include "plan.h"
+
+static const double STRAINED_ORBITS_AHEAD = 1.0; /* that a strained hold's plan sees */
+
+/* The motion of a plan, at the beginning of each stage and at the end. */
+typedef struct {
+    int nodes; /* 0: there is none */
+    double t[STAGES + 1];
+    Motion x[STAGES + 1];
+} PlannedMotion;
+
+/* Gives the model the weights of a strained hold. */
+void controller_planned_plan_strained(Model *model);
+
+/* Keeps the motion x of the plan. */
+void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *kept);
+
+/* A guess x of the plan's motion from the one that was kept; the target, without controls, where that has ended or
+ * turned away. */
+void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan,
+                              Motion x[STAGES + 1]);
+
+#endif
