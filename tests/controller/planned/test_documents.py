@@ -9,7 +9,7 @@ import pytest
 from . import core
 
 TEXT = (core.ROOT / "docs" / "how" / "planned.md").read_text("utf-8")
-SOURCE = "\n".join(path.read_text("utf-8") for path in sorted(core.NATIVE.glob("*.[ch]")))
+SOURCE = "\n".join(path.read_text("utf-8") for path in sorted(core.NATIVE.rglob("*.[ch]")))
 
 
 def test_the_sizes_are_those_of_the_structures():
