@@ -11,9 +11,9 @@ from typing import Any
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from orchestration import InputError
+from orchestration.campaign.case import Case, read_campaign
 from orchestration.campaign.engine import fly
 from orchestration.campaign.flying.rows import Rows
-from orchestration.campaign.load import Case, read_campaign
 from orchestration.interrupt import Stopped
 from orchestration.scenario.source import Source
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import orchestration
 from orchestration.campaign import engine
+from orchestration.campaign.case import prepare
 from orchestration.campaign.file.campaign import Campaign
-from orchestration.campaign.flying.crew import TARGET
+from orchestration.campaign.flying.batches import TARGET
 from orchestration.campaign.flying.job import Pilot
-from orchestration.campaign.load import prepare
 from orchestration.master.compiled import CompiledLoop
 from orchestration.scenario.source import Source
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from orchestration.campaign.load import Case
+from orchestration.campaign.case import Case
 
 from .. import crew
 from ..flight.cases import ALARMS, EARLY, LONG, tumbles

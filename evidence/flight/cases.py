@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestration.campaign.load import Case
+from orchestration.campaign.case import Case
 
 from .. import crew
 from ..paper import INERTIA, ORBIT

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fmus.interface import load as load_interface
-from orchestration.campaign.load import Case
+from orchestration.campaign.case import Case
 from orchestration.campaign.replay import replay
 from orchestration.session.read import read
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from orchestration.campaign.load import read_campaign
+from orchestration.campaign.case import read_campaign
 
 from ..flight.cases import SEEDS, Group, drawn, tumbles
 from ..flight.schemes import Data, base, change

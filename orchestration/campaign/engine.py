@@ -15,12 +15,13 @@ import numpy as np
 from ..errors import InputError, reason
 from ..interrupt import held
 from ..results.place import reserved
-from .flying.crew import Batches, Crew, crew
-from .load import Case
+from .case import Case
+from .flying.batches import Batches, Crew
+from .flying.crew import crew
 from .record import MANIFEST, earlier_start, manifest, write
 from .report import page as report
 from .statistics import verdicts as statistics
-from .statistics.verdicts import Claim, Verdict
+from .statistics.verdicts import Verdict
 
 try:
     from .extras import ANALYSES, analyse, keep
@@ -118,7 +119,7 @@ def fly(
             with held():
                 data.flush()
                 if state in ("running", "interrupted"):
-                    state, verdicts = "interrupted", decided(case, data, extended)
+                    state, verdicts = "interrupted", verdicts_so_far(case, data, extended)
                 note()
         page = _page(folder, remark)
     counts = int(data.done.sum()), int(data.failed.sum())
@@ -132,12 +133,12 @@ def _flown(
     begun, there = perf_counter(), int(data.done.sum())
     if case.campaign.stop != "decided":
         _up_to(case, data, hands, case.runs, begun, there, tell)
-        return "completed", decided(case, data, extended)
+        return "completed", verdicts_so_far(case, data, extended)
     verdicts: list[Verdict] = []
     for look in statistics.looks(case.runs):
         _up_to(case, data, hands, look, begun, there, tell)
         met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
-        verdicts = _with_cause(data, look, statistics.verdicts(claims(case), met, look, early=True))
+        verdicts = _with_cause(data, look, statistics.verdicts(case.job.requirements, met, look, early=True))
         if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
             return "stopped early", verdicts
     return "completed", verdicts
@@ -163,12 +164,7 @@ def _up_to(
     data.flush()
 
 
-def claims(case: Case) -> list[Claim]:
-    """The requirements as statistics take them."""
-    return [Claim(claim.name, claim.probability, claim.confidence) for claim in case.job.claims]
-
-
-def decided(case: Case, data: Any, extended: bool) -> list[Verdict]:
+def verdicts_so_far(case: Case, data: Any, extended: bool) -> list[Verdict]:
     """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often.
 
     Where these are not the runs that were planned first, the campaign is looked at more than once, and the bounds allow for that.
@@ -176,7 +172,7 @@ def decided(case: Case, data: Any, extended: bool) -> list[Verdict]:
     there = case.runs if data.done.all() else int(data.done.argmin())
     met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
     early = extended or there < case.runs or case.campaign.stop == "decided"
-    return _with_cause(data, there, statistics.verdicts(claims(case), met, there, early=early))
+    return _with_cause(data, there, statistics.verdicts(case.job.requirements, met, there, early=early))
 
 
 def _with_cause(data: Any, there: int, verdicts: list[Verdict]) -> list[Verdict]:

@@ -12,9 +12,9 @@ import pyarrow.dataset as ds
 from ..errors import InputError, writing
 from ..expectations.metrics import MetricError
 from ..results.place import put
-from .evaluate import Evaluator
-from .flying.crew import Crew
-from .load import Case
+from .case import Case
+from .flying.batches import Crew
+from .metric_function import FlownMetrics
 from .replay import replay
 from .statistics import search, sensitivity
 
@@ -38,7 +38,7 @@ def analyse(
         key = hashlib.sha256(f"{case.fingerprint} {section.model_dump_json()}".encode()).hexdigest()
         if done.get(name) != key or name not in more:
             remark(f"{name}: flying its runs")
-            more[name] = module.run(section, Evaluator(case, hands()), case.campaign.seed)
+            more[name] = module.run(section, FlownMetrics(case, hands()), case.campaign.seed)
             done[name] = key
     more["analyses"] = done
     if text := more.get("search", {}).get("scenario"):
@@ -62,17 +62,17 @@ def keep(case: Case, folder: Path) -> list[int]:
 def chosen(case: Case, folder: Path) -> list[int]:
     """The indices of the runs that the campaign keeps, of those that have been flown."""
     wanted = case.campaign.keep
-    found: list[int] = []
+    indices: list[int] = []
     if not (wanted.runs or wanted.failed or wanted.not_met) or not (folder / "runs").is_dir():
-        return found
+        return indices
     rows = ds.dataset(folder / "runs", format="parquet")
     if planned := [index for index in wanted.runs if index < case.runs]:
         table = rows.to_table(["index"], filter=ds.field("index").isin(planned))
-        found += table.column("index").to_pylist()
+        indices += table.column("index").to_pylist()
     kinds = [(wanted.failed, ds.field("status") == "failed")]
-    for claim in case.job.claims:
-        kinds.append((wanted.not_met, ds.field(f"met: {claim.name}") == False))  # noqa: E712
+    for one in case.job.requirements:
+        kinds.append((wanted.not_met, ds.field(f"met: {one.name}") == False))  # noqa: E712
     for count, which in kinds:
         if count:
-            found += sorted(rows.to_table(["index"], filter=which).column("index").to_pylist())[:count]
-    return sorted(set(found))
+            indices += sorted(rows.to_table(["index"], filter=which).column("index").to_pylist())[:count]
+    return sorted(set(indices))

@@ -17,7 +17,7 @@ from fmus.versions import version_of
 from ..errors import InputError, ResultsError, reason
 from ..results.data import json_text
 from ..results.place import put
-from .load import Case
+from .case import Case
 from .statistics.verdicts import Verdict
 
 if TYPE_CHECKING:
@@ -70,17 +70,17 @@ def manifest(
         ],
         "requirements": [
             {
-                "name": claim.name,
-                "metric": None if claim.metric is None else job.measures[claim.metric].metric.name,
-                "expectation": claim.expectation,
-                "column": f"met: {claim.name}",
-                "expected": claim.expected,
-                "low": claim.ends[0],
-                "high": claim.ends[1],
-                "probability": claim.probability,
-                "confidence": claim.confidence,
+                "name": one.name,
+                "metric": None if one.metric is None else job.measures[one.metric].metric.name,
+                "expectation": one.expectation,
+                "column": f"met: {one.name}",
+                "expected": one.expected,
+                "low": one.ends[0],
+                "high": one.ends[1],
+                "probability": one.probability,
+                "confidence": one.confidence,
             }
-            for claim in job.claims
+            for one in job.requirements
         ],
         "expectations": [{"name": name, "column": f"expect: {name}"} for name in job.expectations],
         "verdicts": [asdict(verdict) for verdict in verdicts],
@@ -122,20 +122,20 @@ def earlier_start(case: Case, folder: Path) -> dict[str, Any]:
         if (folder / "runs").exists():
             raise InputError(f"{folder / 'runs'} stands without {MANIFEST}; remedy: another folder (--out)")
         return {}
-    found: dict[str, Any] = {}
+    left: dict[str, Any] = {}
     with suppress(OSError, ValueError):
-        found = json.loads(path.read_text("utf-8"))
-    parts = found.get("parts") if isinstance(found, dict) else None
-    if not isinstance(parts, dict) or not _is_sound(found):
+        left = json.loads(path.read_text("utf-8"))
+    parts = left.get("parts") if isinstance(left, dict) else None
+    if not isinstance(parts, dict) or not _is_sound(left):
         raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
-    if found.get("fingerprint") != case.fingerprint:
+    if left.get("fingerprint") != case.fingerprint:
         differ = [name for name, value in case.parts.items() if parts.get(name) != value]
-        if "sampling" in differ and found.get("sampling") == case.campaign.sampling:
-            wanted = found.get("runs", {}).get("wanted")
+        if "sampling" in differ and left.get("sampling") == case.campaign.sampling:
+            wanted = left.get("runs", {}).get("wanted")
             runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
             differ[differ.index("sampling")] = runs
         raise InputError(
-            f"{folder} holds the campaign {str(found.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
+            f"{folder} holds the campaign {str(left.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
             "remedy: another folder (--out), or remove it"
         )
-    return found
+    return left

@@ -20,8 +20,8 @@ from ..session.manifest import start_values
 from ..session.read import load
 from ..session.run import whole
 from ..system.starts import resolve
+from .case import Case
 from .flying.job import Pilot
-from .load import Case
 from .record import earlier_start
 
 
@@ -53,10 +53,10 @@ def replay(case: Case, index: int, folder: Path, results: Path | None = None) ->
 
 def worst(case: Case, results: Path, folder: Path) -> Replayed:
     """The worst case that a search has found, whose campaign is in `results`, as `replay` does a run. Raises InputError, MetricError."""
-    found = earlier_start(case, results).get("search")
-    if not isinstance(found, dict) or not found.get("unit_point"):
+    searched = earlier_start(case, results).get("search")
+    if not isinstance(searched, dict) or not searched.get("unit_point"):
         raise InputError(f"--replay worst: no search has found a worst case in {results}")
-    return at(case, found["unit_point"], folder, "The worst case", "-worst")
+    return at(case, searched["unit_point"], folder, "The worst case", "-worst")
 
 
 def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str) -> Replayed:
@@ -79,8 +79,8 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
     if result.failure is None:
         metrics = {one.measure.metric.name: None if math.isnan(value := one.value()) else value for one in observers}
     met = {
-        claim.name: result.failure is None and claim.met(list(metrics.values()), expectations)
-        for claim in case.job.claims
+        one.name: result.failure is None and one.met(list(metrics.values()), expectations)
+        for one in case.job.requirements
     }
     return Replayed(values, metrics, met, result, file)
 

@@ -11,8 +11,8 @@ from typing import Any
 import click
 
 from ..campaign import engine
-from ..campaign.flying.crew import CrewLost
-from ..campaign.load import Case, read_campaign
+from ..campaign.case import Case, read_campaign
+from ..campaign.flying.batches import CrewLost
 from ..campaign.record import MANIFEST
 from ..campaign.replay import Replayed, replay, worst
 from ..campaign.report.page import value_text
@@ -157,13 +157,13 @@ def _print_replay(case: Case, index: str, again: Replayed) -> None:
         say()
         for line in table(("metric", "value"), rows):
             say(line)
-    for claim in case.job.claims:
+    for one in case.job.requirements:
         why = ""
-        if not again.met[claim.name]:
-            name = None if claim.metric is None else case.job.measures[claim.metric].metric.name
+        if not again.met[one.name]:
+            name = None if one.metric is None else case.job.measures[one.metric].metric.name
             why = ", the run failed" if again.result.failure else f"; {name} is {metrics[name]}" if name else ""
-        text = f"{claim.name}: {claim.expected}{why}"
-        say(text, head=mark("met") if again.met[claim.name] else mark("not met"))
+        text = f"{one.name}: {one.expected}{why}"
+        say(text, head=mark("met") if again.met[one.name] else mark("not met"))
     say()
     if len(again.result.time):
         run_summary(again.result)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..campaign.load import Case, read_campaign
+from ..campaign.case import Case, read_campaign
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
@@ -128,8 +128,8 @@ def _print_campaign(case: Case) -> None:
         *(("varied", f"{draw.name}: {draw.text}") for draw in job.draws.draws),
         *(("metric", measure.metric.name) for measure in job.measures),
         *(
-            ("requirement", f"{claim.name}: {claim.expected} in {claim.probability:g} of the runs")
-            for claim in job.claims
+            ("requirement", f"{one.name}: {one.expected} in {one.probability:g} of the runs")
+            for one in job.requirements
         ),
     ]
     for line in table(("", ""), facts)[1:]:

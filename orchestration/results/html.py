@@ -38,7 +38,7 @@ def pieces(name: str) -> dict[str, Markup]:
 
 
 def asset(name: str) -> str:
-    """The text of a file beside the templates."""
+    """Returns the text of a file beside the templates, or of one that stands elsewhere, by its whole path."""
     return (_ASSETS / name).read_text("utf-8").replace("\r\n", "\n")
 
 

@@ -75,12 +75,12 @@ def _inner(model: type[Model], value: Any) -> Any:
     try:
         return model.model_validate(value)
     except ValidationError as error:
-        found = []
+        problems = []
         for detail in error.errors(include_url=False):
             text = str(detail.get("ctx", {}).get("error") or detail["msg"][:1].lower() + detail["msg"][1:])
             ending = "" if detail["type"] in ("missing", "value_error") else f", found {detail['input']}"
-            found.append(": ".join([*map(str, detail["loc"][:1]), f"{text}{ending}"]))
-        raise ValueError("; ".join(found)) from None
+            problems.append(": ".join([*map(str, detail["loc"][:1]), f"{text}{ending}"]))
+        raise ValueError("; ".join(problems)) from None
 
 
 class Varied(Model):

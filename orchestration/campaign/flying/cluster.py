@@ -18,7 +18,7 @@ from uuid import uuid4
 import numpy as np
 
 from ...errors import InputError
-from .crew import Batch, Batches, CrewLost, foreign, seconds
+from .batches import Batch, Batches, CrewLost, foreign, seconds
 from .job import Job, RunRows, lost
 
 try:

@@ -35,7 +35,7 @@ class Dataset:
         self.done: NDArray[np.bool_] = np.zeros(runs, bool)
         """Which runs have been flown, written or not."""
         self.failed: NDArray[np.bool_] = np.zeros(runs, bool)
-        self.met: dict[str, NDArray[np.bool_]] = {claim.name: np.zeros(runs, bool) for claim in job.claims}
+        self.met: dict[str, NDArray[np.bool_]] = {one.name: np.zeros(runs, bool) for one in job.requirements}
         """Which runs meet each requirement."""
         self.reason: str | None = None
         """Why the first run failed that did."""
@@ -55,8 +55,8 @@ class Dataset:
         for path in sorted(self.folder.glob("part-*.parquet")):
             try:
                 with pq.ParquetFile(path) as file:
-                    found = file.schema_arrow
-                    table = file.read(wanted) if found.equals(self.schema) else None
+                    schema = file.schema_arrow
+                    table = file.read(wanted) if schema.equals(self.schema) else None
             except (OSError, pa.ArrowException, ValueError) as error:
                 raise InputError(
                     f"{path} cannot be read: {reason(error)}; remedy: remove it, and its runs are flown again"

@@ -31,7 +31,7 @@ class Code:
         content = self.text.encode() if self.text is not None else Path(self.file).read_bytes() if self.file else b""
         return hashlib.sha256(content).hexdigest()
 
-    def load(self) -> ModuleType:
+    def imported(self) -> ModuleType:
         """The module, made of the text or imported."""
         if self.text is None:
             return import_module(self.module)
@@ -63,7 +63,7 @@ def find(reference: str, folder: Path, place: str) -> Code:
     try:
         if path.is_file():
             code = Code(name, str(path), path.read_text("utf-8"))
-            module: Any = code.load()
+            module: Any = code.imported()
         else:
             module = import_module(name)
             code = Code(name, getattr(sys.modules[name], "__file__", None) or "", None)
@@ -93,5 +93,5 @@ def functions(codes: dict[str, Code]) -> dict[str, Function]:
     modules: dict[str, ModuleType] = {}
     for code in codes.values():
         if code.module not in modules:
-            modules[code.module] = code.load()
+            modules[code.module] = code.imported()
     return {reference: getattr(modules[code.module], reference.partition(":")[2]) for reference, code in codes.items()}

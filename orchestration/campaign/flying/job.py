@@ -20,6 +20,7 @@ from ...session.flight import Flight
 from ...session.open import Opened
 from ..drawing.design import Design
 from ..drawing.draws import Draws
+from ..statistics.verdicts import Requirement
 from .functions import Code, functions
 
 OK, FAILED = "ok", "failed"
@@ -27,17 +28,14 @@ _REASON_MAX = 2000
 
 
 @dataclass(frozen=True)
-class Claimed:
+class CheckedRequirement(Requirement):
     """A requirement that fits the metrics and expectations."""
 
-    name: str
     metric: int | None
     """The place of its metric, or None for an expectation."""
     expectation: str | None
     limits: Limits | None
     """Of the metric, in whose unit its bound is."""
-    probability: float
-    confidence: float
     expected: str
     """The bound in words."""
 
@@ -70,7 +68,7 @@ class Job:
     draws: Draws
     design: Design
     measures: tuple[Measure, ...]
-    claims: tuple[Claimed, ...]
+    requirements: tuple[CheckedRequirement, ...]
     codes: Mapping[str, Code]
 
     @property
@@ -88,7 +86,7 @@ class Job:
             ("wall", "double"),
             *((name, "double" if numbers else "string") for name, numbers in self.draws.columns),
             *((measure.metric.name, "double") for measure in self.measures),
-            *((f"met: {claim.name}", "bool") for claim in self.claims),
+            *((f"met: {one.name}", "bool") for one in self.requirements),
             *((f"expect: {name}", "bool") for name in self.expectations),
         ]
 
@@ -131,7 +129,7 @@ class Pilot:
         except MetricError as error:
             return self._failed(index, str(error), cells, begun)
         expectations = {outcome.name: outcome.passed for outcome in flown.outcomes}
-        met = [claim.met(metrics, expectations) for claim in job.claims]
+        met = [one.met(metrics, expectations) for one in job.requirements]
         wall = perf_counter() - begun
         return [index, OK, None, wall, *cells, *metrics, *met, *(expectations[name] for name in job.expectations)]
 
@@ -151,7 +149,7 @@ class Pilot:
 
 def failed(job: Job, index: int, reason: str, cells: Sequence[Cell], wall: float) -> list[Cell]:
     """The row of a run that failed."""
-    rest: list[Cell] = [None] * (len(job.measures) + len(job.claims) + len(job.expectations))
+    rest: list[Cell] = [None] * (len(job.measures) + len(job.requirements) + len(job.expectations))
     return [index, FAILED, printable(reason)[:_REASON_MAX], wall, *cells, *rest]
 
 

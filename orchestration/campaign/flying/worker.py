@@ -17,8 +17,8 @@ from typing import Any
 from distributed import WorkerPlugin
 
 from ...errors import BlockError, InputError
-from .crew import Batch
-from .crew import fly as fly_batch
+from .batches import Batch
+from .batches import fly as fly_batch
 from .job import Job, Pilot, RunRows
 
 

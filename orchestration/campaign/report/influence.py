@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from ...results.html import cards, joined, part, pieces
+from ...results.html import joined
 from ..statistics.sensitivity import RANKED, ranks
 from .plots import Metric
+from .template import part, piece, rows
 
 _SHOWN = 8
 """Varied values in a table of rank correlations at most."""
-_part = partial(part, "campaign.html")
-_pieces = partial(pieces, "campaign.html")
 
 
 def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tuple[Markup, list[dict[str, float]]]:
     """A table of rank correlations for each metric, the strongest first, and the correlations by varied value."""
     tables, strengths = [], []
     for metric in metrics:
-        found = dict(zip(columns, ranks(columns.values(), metric.values[:RANKED]), strict=True))
-        known = {name: r for name, r in found.items() if r is not None}
+        correlations = dict(zip(columns, ranks(columns.values(), metric.values[:RANKED]), strict=True))
+        known = {name: r for name, r in correlations.items() if r is not None}
         strengths.append({name: r["rho"] for name, r in known.items()})
         lines = [
             [
@@ -38,18 +36,18 @@ def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tu
         ]
         if len(lines) > _SHOWN:
             lines = [*lines[:_SHOWN], [f"{len(lines) - _SHOWN} weaker ones", "", "", "", ""]]
-        tables.append(_part("rank_table", cards(_pieces()["rank_table"], lines), metric=metric.name, text=metric.text))
+        tables.append(part("rank_table", rows("rank_table", lines), metric=metric.name, text=metric.text))
     return joined(tables), strengths
 
 
-def sensitivity(found: dict[str, Any] | None) -> Markup:
+def sensitivity(analysis: dict[str, Any] | None) -> Markup:
     """The indices of a design of its own, in a table for each metric, the most important entry first."""
-    if found is None:
+    if analysis is None:
         return Markup("")
-    sobol = found["method"] == "sobol"
+    sobol = analysis["method"] == "sobol"
     tables = []
-    for metric, indices in found["metrics"].items():
-        entries = found["entries"] if "total" in indices or "effect" in indices else []
+    for metric, indices in analysis["metrics"].items():
+        entries = analysis["entries"] if "total" in indices or "effect" in indices else []
         key = "total" if sobol else "effect"
         order = sorted(range(len(entries)), key=lambda i: -(indices[key][i] or 0.0))
         if sobol:
@@ -58,11 +56,15 @@ def sensitivity(found: dict[str, Any] | None) -> Markup:
             ends = ((indices["effect"][i] or 0.0) + (indices["effect_error"][i] or 0.0) for i in order)
             top = max(ends, default=1.0) or 1.0
             lines = [[entries[i], _effect(indices, i, top), _number(indices["spread"][i])] for i in order]
-        table = _pieces()["sobol_table" if sobol else "morris_table"]
-        tables.append(table.format(metric=metric, note=indices["note"], content=cards(table, lines)))
-    failed = f"{found['failed']:,} of them failed." if found["failed"] else ""
-    return _part(
-        found["method"], joined(tables), runs=f"{found['runs']:,}", points=f"{found['points']:,}", failed=failed
+        table = "sobol_table" if sobol else "morris_table"
+        tables.append(piece(table).format(metric=metric, note=indices["note"], content=rows(table, lines)))
+    failed = f"{analysis['failed']:,} of them failed." if analysis["failed"] else ""
+    return part(
+        analysis["method"],
+        joined(tables),
+        runs=f"{analysis['runs']:,}",
+        points=f"{analysis['points']:,}",
+        failed=failed,
     )
 
 
@@ -92,7 +94,7 @@ def bar(value: float, low: float, high: float, least: float, most: float, text: 
         return 100.0 * min(max((number - least) / (most - least), 0.0), 1.0)
 
     zero, end = at(0.0), at(value)
-    return _pieces()["range"].format(
+    return piece("range").format(
         left=f"{min(zero, end):.1f}",
         width=f"{abs(end - zero):.1f}",
         from_=f"{at(low):.1f}",

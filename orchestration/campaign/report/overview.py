@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from ...results.html import joined, pieces, verdict
 from ..statistics.verdicts import ends, percent
+from .template import piece
 
 _BASIS = {
     "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",
@@ -47,7 +48,7 @@ def header(manifest: dict[str, Any]) -> Markup:
     seconds = manifest.get("wall_time") or 0.0
     rate = f", {counts['flown'] / seconds:,.3g} runs/s" if seconds else ""
     few = f" of {counts['wanted']:,}" if counts["flown"] < counts["wanted"] else ""
-    return pieces("campaign.html")["header"].format(
+    return piece("header").format(
         name=manifest["campaign"],
         description=manifest.get("description") or "",
         badges=joined(pieces("report.html")["badge"].format(kind=kind, text=text) for kind, text in badges),
@@ -64,11 +65,11 @@ def header(manifest: dict[str, Any]) -> Markup:
 
 def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
     asked = {r["name"]: r for r in manifest["requirements"]}
-    found: list[list[object]] = []
+    lines: list[list[object]] = []
     for v in manifest["verdicts"]:
         r = asked[v["name"]]
         of = r.get("metric") or r.get("expectation") or ""
-        found.append([
+        lines.append([
             verdict(v["status"]),
             two(v["name"], of if of != v["name"] else ""),
             r["expected"],
@@ -77,7 +78,7 @@ def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
                  ends(v["low"], v["high"])),
             v["text"],
         ])  # fmt: skip
-    return found
+    return lines
 
 
 def failures(reasons: Mapping[int, str]) -> list[list[object]]:
@@ -85,8 +86,8 @@ def failures(reasons: Mapping[int, str]) -> list[list[object]]:
     runs: dict[str, list[int]] = {}
     for index, reason in sorted(reasons.items()):
         runs.setdefault(reason, []).append(index)
-    found = sorted(runs.items(), key=lambda entry: (-len(entry[1]), entry[1]))
-    return [[f"{len(indices):,}", reason, ", ".join(map(str, indices[:5]))] for reason, indices in found]
+    frequent = sorted(runs.items(), key=lambda entry: (-len(entry[1]), entry[1]))
+    return [[f"{len(indices):,}", reason, ", ".join(map(str, indices[:5]))] for reason, indices in frequent]
 
 
 def two(text: str, below: str) -> Markup:

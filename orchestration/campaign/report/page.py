@@ -1,4 +1,4 @@
-"""The page of a campaign: campaign.html, in the style of a run's report and with its plots.
+"""The page of a campaign, campaign.html, in the style of a run's report and with its plots.
 
 However many the runs, the page keeps some thousand numbers of each plot, so it stays below 2 MB.
 """
@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
 
-from ...results.html import Page, cards, joined, part, pieces
+from ...results.html import Page, joined
 from ...results.report import manifest_fold
 from ..statistics.sensitivity import RANKED
 from ..statistics.verdicts import probability, quantile, share
@@ -23,6 +21,7 @@ from . import plots
 from .influence import ranked, sensitivity, signed
 from .overview import basis, failures, header, outcome, two, verdicts
 from .plots import Metric
+from .template import part, piece, rows
 
 if TYPE_CHECKING:
     from ..flying.rows import Rows
@@ -31,13 +30,6 @@ _PLOTS = 120
 """Scatter plots on a page at most."""
 _WORST = 5
 """Worst runs of each metric that the page lists."""
-_template = "campaign.html"
-_part = partial(part, _template)
-_pieces = partial(pieces, _template)
-
-
-def _rows(piece: str, cells: Iterable[Iterable[object]]) -> Markup:
-    return cards(_pieces()[piece], cells)
 
 
 def write(folder: Path) -> Path:
@@ -57,19 +49,19 @@ def page(folder: Path) -> str:
     varied = ([v["name"], v["text"], "drawn for expressions only" if v["drawn"] else ""] for v in manifest["varied"])
     parts = [
         header(manifest),
-        _part("verdicts", _rows("verdicts", verdicts(manifest)), basis=basis(manifest)),
-        _part("varied", _rows("varied", varied)),
+        part("verdicts", rows("verdicts", verdicts(manifest)), basis=basis(manifest)),
+        part("varied", rows("varied", varied)),
     ]
-    found, design = manifest.get("search"), sensitivity(manifest.get("sensitivity"))
+    searched, design = manifest.get("search"), sensitivity(manifest.get("sensitivity"))
     if len(runs):
         failed = int(runs.failed.sum())
         ranks, scatter, worst = _against(runs, metrics, made)
         parts += [
-            _part("metrics", _rows("metrics", (_metric(m, failed, manifest["early"]) for m in metrics))),
-            _part("distributions", joined(_distribution(m, made, manifest["early"]) for m in metrics)),
-            *(ranks, design, scatter, _search(manifest, found, metrics, made), worst),
-            _part("failures", _rows("failures", failures(runs.reasons()))),
-            _part("expectations", _rows("expectations", _expectations(runs))),
+            part("metrics", rows("metrics", (_metric(m, failed, manifest["early"]) for m in metrics))),
+            part("distributions", joined(_distribution(m, made, manifest["early"]) for m in metrics)),
+            *(ranks, design, scatter, _search(manifest, searched, metrics, made), worst),
+            part("failures", rows("failures", failures(runs.reasons()))),
+            part("expectations", rows("expectations", _expectations(runs))),
         ]
     parts.append(manifest_fold("campaign.json", "the campaign as resolved, FMUs, versions, platform", manifest))
     return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
@@ -80,13 +72,13 @@ def _metrics(runs: Rows) -> list[Metric]:
     for requirement in runs.manifest["requirements"]:  # the first one of a metric is the one that is drawn
         if requirement.get("metric"):
             asked.setdefault(requirement["metric"], requirement)
-    found = []
+    made = []
     for m in runs.manifest["metrics"]:
         r = asked.get(m["name"])
         bounds = {key: r[key] for key in ("low", "high", "probability", "confidence")} if r else {}
         met = runs.true(r["column"]) if r else None
-        found.append(Metric(m["name"], m["text"], m["unit"] or "", runs.numbers(m["column"]), met=met, **bounds))
-    return found
+        made.append(Metric(m["name"], m["text"], m["unit"] or "", runs.numbers(m["column"]), met=met, **bounds))
+    return made
 
 
 def _metric(metric: Metric, failed: int, early: bool) -> list[object]:
@@ -160,13 +152,13 @@ def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
             )
         opened = Markup(" open") if not folds else ""
         folds.append(
-            _pieces()["scatter_metric"].format(metric=metric.name, text=metric.text, plots=joined(drawn), open=opened)
+            piece("scatter_metric").format(metric=metric.name, text=metric.text, plots=joined(drawn), open=opened)
         )
     if left < 0:
         few += f" Only the first {_PLOTS} plots are drawn."
     return [
-        _part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
-        _part("scatter", joined(folds), basis=few),
+        part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
+        part("scatter", joined(folds), basis=few),
         _worst(runs, metrics, worst, {f"{name}, {units[name]}" if units[name] else name: told[name] for name in told}),
     ]
 
@@ -187,44 +179,44 @@ def _worst(runs: Rows, metrics: list[Metric], worst: list[np.ndarray], told: dic
         ]
         first = Markup('<th scope="col">{}</th>').format(metric.name)
         tables.append(
-            _part(
+            part(
                 "worst_table",
-                cards(_pieces()["worst_table"], lines, metric.name, *told),
+                rows("worst_table", lines, metric.name, *told),
                 metric=metric.name,
                 text=metric.text,
                 head=first + head,
             )
         )
-    return _part("worst", joined(tables), command=_replay(runs.manifest, "RUN"))
+    return part("worst", joined(tables), command=_replay(runs.manifest, "RUN"))
 
 
 def _replay(manifest: dict[str, Any], run: str) -> str:
     return f"orchestrate campaign {shlex.quote(manifest['campaign_file'] or 'CAMPAIGN.yaml')} --replay {run}"
 
 
-def _search(manifest: dict[str, Any], found: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:
-    if found is None:
+def _search(manifest: dict[str, Any], searched: dict[str, Any] | None, metrics: list[Metric], made: Page) -> Markup:
+    if searched is None:
         return Markup("")
-    metric = next((m for m in metrics if m.name == found["metric"]), Metric(found["metric"], "", "", np.empty(0)))
+    metric = next((m for m in metrics if m.name == searched["metric"]), Metric(searched["metric"], "", "", np.empty(0)))
     own = metric.values[~np.isnan(metric.values)]
-    mine = (own.max() if found["worst"] == "largest" else own.min()) if len(own) else None
-    if found["values"] is None:
-        text = f"The search found no case: all of its {found['runs']:,} runs failed."
+    mine = (own.max() if searched["worst"] == "largest" else own.min()) if len(own) else None
+    if searched["values"] is None:
+        text = f"The search found no case: all of its {searched['runs']:,} runs failed."
     else:
-        value = "never" if found["value"] is None else metric.with_unit(found["value"])
-        text = f"The {found['worst']} {metric.name} that {found['runs']:,} runs of a search found is {value}"
+        value = "never" if searched["value"] is None else metric.with_unit(searched["value"])
+        text = f"The {searched['worst']} {metric.name} that {searched['runs']:,} runs of a search found is {value}"
         text += (
             f"; that of the campaign's {len(metric.values):,} runs is {metric.with_unit(mine)}."
             if mine is not None
             else "."
         )
-    shown = plots.search(found, metric, made.arrays)
-    return _pieces()["search"].format(
+    shown = plots.search(searched, metric, made.arrays)
+    return piece("search").format(
         found=text,
-        command=_replay(manifest, "worst") if found["values"] is not None else "",
-        failed=f"{found['failed']:,} of its runs failed, which it takes for no case." if found["failed"] else "",
-        content=_rows("search", ([name, value_text(value)] for name, value in (found["values"] or {}).items())),
-        figure=made.figure(f"{found['worst']} {metric.name} up to a number of runs", [shown], kind="n1")
+        command=_replay(manifest, "worst") if searched["values"] is not None else "",
+        failed=f"{searched['failed']:,} of its runs failed, which it takes for no case." if searched["failed"] else "",
+        content=rows("search", ([name, value_text(value)] for name, value in (searched["values"] or {}).items())),
+        figure=made.figure(f"{searched['worst']} {metric.name} up to a number of runs", [shown], kind="n1")
         if shown
         else "",
     )
@@ -240,10 +232,10 @@ def value_text(value: Any) -> str:
 
 
 def _expectations(runs: Rows) -> list[list[object]]:
-    found: list[list[object]] = []
+    lines: list[list[object]] = []
     for expectation in runs.manifest.get("expectations", ()):
         met, n = int(runs.true(expectation["column"]).sum()), len(runs)
         interval = share(met, n, 0.95)
         ends = f"{probability(interval.low)} to {probability(interval.high, up=True)}"
-        found.append([expectation["name"], f"{met:,} of {n:,}", f"{met / n:.5g}", ends])
-    return found
+        lines.append([expectation["name"], f"{met:,} of {n:,}", f"{met / n:.5g}", ends])
+    return lines

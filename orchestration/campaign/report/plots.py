@@ -202,26 +202,26 @@ def scatter(
     return shown
 
 
-def search(found: dict[str, Any], metric: Metric, arrays: Arrays) -> dict[str, Any] | None:
+def search(searched: dict[str, Any], metric: Metric, arrays: Arrays) -> dict[str, Any] | None:
     """The worst value up to a number of runs: of the search, and of the campaign's own runs in the order of their index."""
-    history = [(runs, value) for runs, value in found["history"] if value is not None]
+    history = [(runs, value) for runs, value in searched["history"] if value is not None]
     if not history:
         return None
-    sign = 1.0 if found["worst"] == "largest" else -1.0
-    own = sign * metric.values[: found["runs"]]
+    sign = 1.0 if searched["worst"] == "largest" else -1.0
+    own = sign * metric.values[: searched["runs"]]
     running = np.maximum.accumulate(np.where(np.isfinite(own), own, -np.inf))
     x = np.unique(
-        np.r_[[runs for runs, _ in history], found["runs"], np.flatnonzero(np.diff(running, prepend=-np.inf)) + 1]
+        np.r_[[runs for runs, _ in history], searched["runs"], np.flatnonzero(np.diff(running, prepend=-np.inf)) + 1]
     ).astype(float)
     at = np.searchsorted([runs for runs, _ in history], x, side="right")
-    searched = np.array([np.nan] + [value for _, value in history])[at]
+    worst = np.array([np.nan] + [value for _, value in history])[at]
     drawn = (
         sign * running[np.minimum(x.astype(int), max(len(running), 1)) - 1] if len(running) else np.full(len(x), np.nan)
     )
     drawn = np.where(np.isfinite(drawn) & (x <= len(running)), drawn, np.nan)
-    shown = plain(f"{found['worst']} {metric.label}", "runs", "runs", x, (0.0, float(found["runs"])), arrays)
+    shown = plain(f"{searched['worst']} {metric.label}", "runs", "runs", x, (0.0, float(searched["runs"])), arrays)
     shown["curves"] = [
-        curve("search", searched, 1, arrays, stepped=True),
+        curve("search", worst, 1, arrays, stepped=True),
         curve("the campaign's own runs", drawn, 0, arrays, stepped=True),
     ]
     return shown

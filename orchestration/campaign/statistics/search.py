@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from ..file.analysis import Search
-from .sensitivity import _EDGE, Evaluator
+from .sensitivity import _EDGE, MetricFunction
 
 Floats = NDArray[np.float64]
 _STEP = 0.1
@@ -31,10 +31,10 @@ _STEP = 0.1
 class _Runs:
     """The runs of a search: what it may ask for, and the worst up to now."""
 
-    def __init__(self, section: Search, evaluator: Evaluator) -> None:
-        self.section, self.evaluator = section, evaluator
+    def __init__(self, section: Search, function: MetricFunction) -> None:
+        self.section, self.function = section, function
         self.sign = 1.0 if section.worst == "largest" else -1.0
-        ends = np.where(evaluator.bounded, _EDGE, 0.5 * (1.0 - section.within))
+        ends = np.where(function.bounded, _EDGE, 0.5 * (1.0 - section.within))
         self.low, self.span = ends, 1.0 - 2.0 * ends
         self.count = self.failed = 0
         self.worst, self.at = -math.inf, None
@@ -47,8 +47,8 @@ class _Runs:
 
     def badness(self, points: Floats) -> Floats:
         """How bad the runs of points (n, d) of the searched cube are; -inf where a run failed, which is no case."""
-        unit = self.low + self.span * points[:, : self.evaluator.dimension]
-        values = self.sign * self.evaluator(unit)[self.section.metric]
+        unit = self.low + self.span * points[:, : self.function.dimension]
+        values = self.sign * self.function(unit)[self.section.metric]
         self.count += len(points)
         self.failed += int(np.isnan(values).sum())
         values = np.where(np.isnan(values), -math.inf, values)
@@ -58,13 +58,13 @@ class _Runs:
         return values
 
 
-def run(section: Search, evaluator: Evaluator, seed: int) -> dict[str, Any]:
+def run(section: Search, function: MetricFunction, seed: int) -> dict[str, Any]:
     """Searches and returns the worst case, for campaign.json."""
     import cma  # here, since it takes half a second to import  # noqa: PLC0415
 
-    runs = _Runs(section, evaluator)
-    before = dict(evaluator.reasons)
-    d = max(2, evaluator.dimension)  # cma asks for two coordinates; `_Runs` does not look at one too many
+    runs = _Runs(section, function)
+    before = dict(function.reasons)
+    d = max(2, function.dimension)  # cma asks for two coordinates; `_Runs` does not look at one too many
     batch = section.batch or max(8, 4 + int(3 * math.log(d)))
     rng = np.random.default_rng(seed)
     count = min(section.runs, max(batch, 2 * section.runs // 5))
@@ -86,7 +86,7 @@ def run(section: Search, evaluator: Evaluator, seed: int) -> dict[str, Any]:
             runs.badness(np.array(strategy.ask(runs.left)))
     at = runs.at
     sign = runs.sign
-    reasons = {text: more for text, n in evaluator.reasons.items() if (more := n - before.get(text, 0))}
+    reasons = {text: more for text, n in function.reasons.items() if (more := n - before.get(text, 0))}
     return {
         "metric": section.metric,
         "worst": section.worst,
@@ -96,8 +96,8 @@ def run(section: Search, evaluator: Evaluator, seed: int) -> dict[str, Any]:
         "value": sign * runs.worst if at is not None and math.isfinite(runs.worst) else None,
         "endless": runs.worst == math.inf,
         "unit_point": None if at is None else at.tolist(),
-        "values": None if at is None else evaluator.values(at),
-        "scenario": None if at is None else evaluator.scenario(at),
+        "values": None if at is None else function.values(at),
+        "scenario": None if at is None else function.scenario(at),
         "spread": {"runs": count, "value": sign * spread if math.isfinite(spread) else None},
         "history": runs.history,
     }

@@ -33,8 +33,8 @@ _EDGE = 2.0**-40
 """How near to 0 and 1 a coordinate may come."""
 
 
-class Evaluator(Protocol):
-    """Runs of points in the unit cube, as the engine makes them."""
+class MetricFunction(Protocol):
+    """Metrics as functions of points in the unit cube, as the engine flies them."""
 
     dimension: int
     coordinates: list[str]
@@ -61,21 +61,21 @@ class Evaluator(Protocol):
         ...
 
 
-def run(section: Sensitivity, evaluator: Evaluator, seed: int) -> dict[str, Any]:
+def run(section: Sensitivity, function: MetricFunction, seed: int) -> dict[str, Any]:
     """Flies the design and returns the indices of each metric by varied entry, for campaign.json."""
     from SALib.analyze import morris, sobol  # here, since they take 2 s to import  # noqa: PLC0415
     from SALib.sample import morris as morris_design  # noqa: PLC0415
     from SALib.sample import sobol as sobol_design  # noqa: PLC0415
 
-    problem, entries = _problem(evaluator)
+    problem, entries = _problem(function)
     if section.method == "sobol":
         unit = sobol_design.sample(problem, section.points, calc_second_order=False, seed=seed + 1)
     else:
         unit = morris_design.sample(problem, section.points, num_levels=4, seed=seed + 1)
-        ends = np.where(evaluator.bounded, 0.0, 0.5 * (1.0 - 0.9973))
+        ends = np.where(function.bounded, 0.0, 0.5 * (1.0 - 0.9973))
         unit = ends + (1.0 - 2.0 * ends) * unit
-    before = dict(evaluator.reasons)
-    found = evaluator(np.clip(unit, _EDGE, 1.0 - _EDGE))
+    before = dict(function.reasons)
+    flown = function(np.clip(unit, _EDGE, 1.0 - _EDGE))
     size = len(unit) // section.points
 
     def indices(values: Floats) -> dict[str, Any]:
@@ -96,11 +96,11 @@ def run(section: Sensitivity, evaluator: Evaluator, seed: int) -> dict[str, Any]
         else:
             s = morris.analyze(problem, unit[np.repeat(used, size)], y, num_levels=4, seed=seed + 1)
             named = {"effect": "mu_star", "effect_error": "mu_star_conf", "spread": "sigma"}
-        found = {key: _plain(s[name]) for key, name in named.items()}
-        return {"used": int(used.sum()), "of": "value", "note": note, **found}
+        given = {key: _plain(s[name]) for key, name in named.items()}
+        return {"used": int(used.sum()), "of": "value", "note": note, **given}
 
-    metrics = {name: indices(values) for name, values in found.items()}
-    reasons = {text: more for text, count in evaluator.reasons.items() if (more := count - before.get(text, 0))}
+    metrics = {name: indices(values) for name, values in flown.items()}
+    reasons = {text: more for text, count in function.reasons.items() if (more := count - before.get(text, 0))}
     return {
         "method": section.method,
         "points": section.points,
@@ -112,19 +112,19 @@ def run(section: Sensitivity, evaluator: Evaluator, seed: int) -> dict[str, Any]
     }
 
 
-def _problem(evaluator: Evaluator) -> tuple[dict[str, Any], list[str]]:
+def _problem(function: MetricFunction) -> tuple[dict[str, Any], list[str]]:
     """SALib's problem, and the entries whose indices it gives: the coordinates themselves where only one entry varies."""
-    entries = [(name, count) for name, _, count in evaluator.entries if count]
+    entries = [(name, count) for name, _, count in function.entries if count]
     if len(entries) == 1:
-        entries = [(name, 1) for name in evaluator.coordinates]
+        entries = [(name, 1) for name in function.coordinates]
     if len(entries) < 2:
         raise InputError("sensitivity: expected two varied entries at least; nothing to compare one with")
     groups = [name for name, count in entries for _ in range(count)]
     problem = {
-        "num_vars": evaluator.dimension,
-        "names": list(evaluator.coordinates),
+        "num_vars": function.dimension,
+        "names": list(function.coordinates),
         "groups": groups,
-        "bounds": [[0.0, 1.0]] * evaluator.dimension,
+        "bounds": [[0.0, 1.0]] * function.dimension,
     }
     return problem, [name for name, _ in entries]
 
@@ -154,16 +154,16 @@ def ranks(columns: Iterable[Floats], metric: Floats) -> list[dict[str, float] | 
     correlation = np.corrcoef(ranked[:, kept], rowvar=False)
     inverse = np.linalg.pinv(correlation, hermitian=True)
     z = float(ndtri(0.975))  # 95%, two-sided
-    found: list[dict[str, float] | None] = [None] * (k - 1)
+    correlations: list[dict[str, float] | None] = [None] * (k - 1)
     for i, place in enumerate(moving, start=1):
         rho = float(correlation[0, i])
         width = z * np.sqrt((1.0 + 0.5 * rho**2) / (n - 3))
         middle = np.arctanh(np.clip(rho, -1.0 + 1e-15, 1.0 - 1e-15))
         partial = -inverse[0, i] / np.sqrt(inverse[0, 0] * inverse[i, i]) if n > len(kept) + 2 else np.nan
-        found[place - 1] = {
+        correlations[place - 1] = {
             "rho": rho,
             "low": float(np.tanh(middle - width)),
             "high": float(np.tanh(middle + width)),
             "partial": float(partial),
         }
-    return found
+    return correlations

@@ -41,7 +41,7 @@ class Bounds:
 
 
 @dataclass(frozen=True)
-class Claim:
+class Requirement:
     """A run meets this requirement with a probability of at least `probability`, to be shown at `confidence`."""
 
     name: str
@@ -51,7 +51,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What runs say of a claim."""
+    """What runs say of a requirement."""
 
     name: str
     status: Literal["met", "not met", "undecided"]
@@ -75,8 +75,8 @@ def share(successes: int, runs: int, confidence: float) -> Bounds:
     """
     if runs == 0:
         return Bounds(0.0, 1.0)
-    found = binomtest(successes, runs).proportion_ci(confidence, "exact")
-    return Bounds(float(found.low), float(found.high))
+    interval = binomtest(successes, runs).proportion_ci(confidence, "exact")
+    return Bounds(float(interval.low), float(interval.high))
 
 
 def fixed(successes: int, runs: int, confidence: float) -> Bounds:
@@ -122,44 +122,57 @@ def looks(runs: int) -> list[int]:
     return [*counts, runs]
 
 
-def verdicts(claims: Iterable[Claim], met: Mapping[str, int], flown: int, early: bool = False) -> list[Verdict]:
-    """What the first `flown` runs say of the claims; met[name] of them meet a claim's requirement.
+def verdicts(
+    requirements: Iterable[Requirement], met: Mapping[str, int], flown: int, early: bool = False
+) -> list[Verdict]:
+    """What the first `flown` runs say of the requirements; met[name] of them meet a requirement's requirement.
 
     `early` where it is looked at more than once; else the number of runs was fixed before.
     """
-    return [_verdict(claim, met[claim.name], flown, early) for claim in claims]
+    return [_verdict(requirement, met[requirement.name], flown, early) for requirement in requirements]
 
 
-def _verdict(claim: Claim, met: int, flown: int, early: bool) -> Verdict:
-    bounds = (sequence if early else fixed)(met, flown, claim.confidence)
+def _verdict(requirement: Requirement, met: int, flown: int, early: bool) -> Verdict:
+    bounds = (sequence if early else fixed)(met, flown, requirement.confidence)
     status: Literal["met", "not met", "undecided"] = "undecided"
-    if bounds.low >= claim.probability:
+    if bounds.low >= requirement.probability:
         status = "met"
-    elif bounds.high < claim.probability:
+    elif bounds.high < requirement.probability:
         status = "not met"
-    at = f"at {percent(claim.confidence)} confidence"
+    at = f"at {percent(requirement.confidence)} confidence"
     text = f"{met} of {flown} runs meet it; probability "
     if status == "met":
-        text += f"at least {probability(bounds.low)} {at}, required {claim.probability:g}"
+        text += f"at least {probability(bounds.low)} {at}, required {requirement.probability:g}"
     elif status == "not met":
-        text += f"at most {probability(bounds.high, up=True)} {at}, required {claim.probability:g}"
+        text += f"at most {probability(bounds.high, up=True)} {at}, required {requirement.probability:g}"
     else:
-        text += f"{ends(bounds.low, bounds.high)}, each {at}, required {claim.probability:g}"
-        least = runs_needed(claim.probability, claim.confidence, early)
+        text += f"{ends(bounds.low, bounds.high)}, each {at}, required {requirement.probability:g}"
+        least = runs_needed(requirement.probability, requirement.confidence, early)
         text += f"; {least} runs are needed at least" if flown < least else ""
     mean = met / flown if flown else None
     return Verdict(
-        claim.name, status, mean, bounds.low, bounds.high, flown, met, claim.probability, claim.confidence, text
+        requirement.name,
+        status,
+        mean,
+        bounds.low,
+        bounds.high,
+        flown,
+        met,
+        requirement.probability,
+        requirement.confidence,
+        text,
     )
 
 
-def hints(claims: Iterable[Claim], runs: int, early: bool = False) -> list[str]:
-    """Claims that so many runs cannot show, even if each of them meets the requirement, as sentences."""
-    needed = {claim: runs_needed(claim.probability, claim.confidence, early) for claim in claims}
+def hints(requirements: Iterable[Requirement], runs: int, early: bool = False) -> list[str]:
+    """Requirements that so many runs cannot show, even if each of them meets the requirement, as sentences."""
+    needed = {
+        requirement: runs_needed(requirement.probability, requirement.confidence, early) for requirement in requirements
+    }
     return [
-        f"{claim.name}: {runs} runs cannot show a probability of {claim.probability:g} at {percent(claim.confidence)} "
+        f"{requirement.name}: {runs} runs cannot show a probability of {requirement.probability:g} at {percent(requirement.confidence)} "
         f"confidence; {least} are needed at least" + (", if it may stop early" if early else "")
-        for claim, least in needed.items()
+        for requirement, least in needed.items()
         if least > runs
     ]
 

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 
 from orchestration.campaign.file.analysis import Search, Sensitivity
 from orchestration.campaign.statistics import search, sensitivity
-from orchestration.campaign.statistics.verdicts import Claim, verdicts
+from orchestration.campaign.statistics.verdicts import Requirement, verdicts
 
 from .analytic import Analytic, separate
 
@@ -81,8 +81,12 @@ def write(
     for number, part in enumerate(np.array_split(rng.permutation(runs), 3)):
         pq.write_table(columns.take(part), folder / "runs" / f"part-{number}.parquet")
     bounds = {"settles": (None, 1158.0), "points": (None, 5e-3), "available": (0.98, None)}
-    claims = [Claim("settles", 0.9, 0.95), Claim("points", 0.997, 0.95), Claim("available", 0.9, 0.95)]
-    claims.append(Claim("never <b>saturates</b>", 0.99, 0.95))
+    requirements = [
+        Requirement("settles", 0.9, 0.95),
+        Requirement("points", 0.997, 0.95),
+        Requirement("available", 0.9, 0.95),
+    ]
+    requirements.append(Requirement("never <b>saturates</b>", 0.99, 0.95))
     metric = {"settles": "settle", "points": "rms", "available": "share"}
     expected = {"settles": "< 1158 s", "points": "< 5 mrad", "available": "> 0.98"}
     place = 0
@@ -117,10 +121,10 @@ def write(
             {"name": c.name, **({"metric": metric[c.name]} if c.name in metric else {"expectation": "the wheel stays within its limits"}),
              "column": f"met: {c.name}", "expected": expected.get(c.name, "met"), "low": bounds.get(c.name, (None, None))[0],
              "high": bounds.get(c.name, (None, None))[1], "probability": c.probability, "confidence": c.confidence}
-            for c in claims
+            for c in requirements
         ],
         "expectations": [{"name": "the wheel stays within its limits", "column": "expect: the wheel stays within its limits"}],
-        "verdicts": [asdict(v) for v in verdicts(claims, {n: int(m.sum()) for n, m in met.items()}, runs, early)],
+        "verdicts": [asdict(v) for v in verdicts(requirements, {n: int(m.sum()) for n, m in met.items()}, runs, early)],
         "early": early,
         "scenario_file": "scenarios/paper_no_singularity.yaml",
         "campaign_file": "detumble_spread.yaml",

@@ -18,10 +18,10 @@ import pytest
 from click.testing import CliRunner
 
 from orchestration.campaign import engine
-from orchestration.campaign.evaluate import Evaluator
+from orchestration.campaign.case import read_campaign
 from orchestration.campaign.file.campaign import schema
-from orchestration.campaign.flying import crew
-from orchestration.campaign.load import read_campaign
+from orchestration.campaign.flying import batches, crew
+from orchestration.campaign.metric_function import FlownMetrics
 from orchestration.campaign.replay import replay
 from orchestration.cli.main import main
 from orchestration.errors import InputError, ResultsError
@@ -247,7 +247,7 @@ def test_a_killed_client_goes_on_where_it_was(toy):
     fly(toy)
     code = (
         "import os, sys; from pathlib import Path; from orchestration.campaign import engine; from orchestration.campaign.flying import dataset; "
-        "from orchestration.campaign.load import read_campaign; dataset._EVERY = dataset._SHARE = 0.0; "
+        "from orchestration.campaign.case import read_campaign; dataset._EVERY = dataset._SHARE = 0.0; "
         "engine.fly(read_campaign('toy.yaml'), Path('two'), workers=0, "
         "tell=lambda at: at.flown >= 25 and os.kill(os.getpid(), 9))"
     )
@@ -629,7 +629,7 @@ def test_a_start_value_of_the_command_line_goes_beside_an_empty_set_and_leaves_t
 def test_points_of_the_unit_cube_give_their_metrics(toy):
     case = read_campaign(toy)
     with crew.crew(case.job, 0) as (here, _):
-        evaluate = Evaluator(case, here)
+        evaluate = FlownMetrics(case, here)
         unit = np.array([[0.0], [0.25], [1.0]])
         assert evaluate(unit)["final"] == pytest.approx(SHRINKS * np.array([1.0, 1.25, 2.0]))
         assert (evaluate.coordinates, evaluate.metrics) == (["motor.speed0"], {"final": "rad/s", "slow": "s"})
@@ -639,15 +639,15 @@ def test_points_of_the_unit_cube_give_their_metrics(toy):
 
 
 def test_batches_grow_to_their_time_and_shrink_towards_the_end():
-    batches = crew.Batches(np.arange(100_000), None, slots=2)
+    cut = batches.Batches(np.arange(100_000), None, slots=2)
     sizes, there = [], []
-    while (batch := batches.next()) is not None:
+    while (batch := cut.next()) is not None:
         sizes.append(len(batch.indices))
         there += batch.indices.tolist()
-        batches.took(sizes[-1], 0.001 * sizes[-1])
+        cut.took(sizes[-1], 0.001 * sizes[-1])
     assert there == list(range(100_000))
     assert sizes[0] == 1
-    assert max(sizes) == pytest.approx(crew.TARGET / 0.001, rel=0.01)
+    assert max(sizes) == pytest.approx(batches.TARGET / 0.001, rel=0.01)
     assert sizes[-1] == 1
 
 

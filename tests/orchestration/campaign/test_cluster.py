@@ -16,9 +16,9 @@ from time import monotonic, sleep
 import pytest
 
 from orchestration.campaign import engine
+from orchestration.campaign.case import read_campaign
 from orchestration.campaign.flying import cluster
 from orchestration.campaign.flying.cluster import each
-from orchestration.campaign.load import read_campaign
 from orchestration.errors import InputError
 
 from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)

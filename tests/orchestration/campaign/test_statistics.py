@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import binom, quantile_test
 
 from orchestration.campaign.statistics.verdicts import (
-    Claim,
+    Requirement,
     evidence,
     fixed,
     hints,
@@ -80,22 +80,22 @@ def test_bounds_of_a_quantile_hold_for_a_skew_distribution_and_for_values_withou
 
 
 def test_verdicts_are_met_not_met_and_undecided():
-    claims = [Claim("a", 0.95, 0.95), Claim("b", 0.95, 0.95), Claim("c", 0.95, 0.95)]
-    met, failed, open_ = verdicts(claims, {"a": 59, "b": 50, "c": 58}, 59)
+    requirements = [Requirement("a", 0.95, 0.95), Requirement("b", 0.95, 0.95), Requirement("c", 0.95, 0.95)]
+    met, failed, open_ = verdicts(requirements, {"a": 59, "b": 50, "c": 58}, 59)
     assert (met.status, failed.status, open_.status) == ("met", "not met", "undecided")
     assert met.text == "59 of 59 runs meet it; probability at least 0.9504 at 95% confidence, required 0.95"
     assert failed.text == "50 of 59 runs meet it; probability at most 0.9181 at 95% confidence, required 0.95"
     assert open_.text == (
         "58 of 59 runs meet it; probability at least 0.9221, at most 0.999131, each at 95% confidence, required 0.95"
     )
-    few = verdicts(claims[:1], {"a": 10}, 10)[0]
+    few = verdicts(requirements[:1], {"a": 10}, 10)[0]
     assert few.text.endswith("; 59 runs are needed at least")
-    none = verdicts(claims[:1], {"a": 0}, 0)[0]
+    none = verdicts(requirements[:1], {"a": 0}, 0)[0]
     assert (none.status, none.low, none.high) == ("undecided", 0.0, 1.0)
-    assert hints(claims[:1], 58) == [
+    assert hints(requirements[:1], 58) == [
         "a: 58 runs cannot show a probability of 0.95 at 95% confidence; 59 are needed at least"
     ]
-    assert hints(claims, 59) == []
+    assert hints(requirements, 59) == []
 
 
 def test_a_bound_is_rounded_outwards():
@@ -150,9 +150,9 @@ def test_early_stopping_asks_for_half_as_many_runs_again_at_most():
 
 
 def test_a_sure_thing_is_decided_at_one_of_the_first_looks():
-    claim = [Claim("a", 0.9, 0.95)]
-    good = next(n for n in looks(10**6) if verdicts(claim, {"a": n}, n, early=True)[0].status == "met")
-    bad = next(n for n in looks(10**6) if verdicts(claim, {"a": n // 2}, n, early=True)[0].status == "not met")
+    requirement = [Requirement("a", 0.9, 0.95)]
+    good = next(n for n in looks(10**6) if verdicts(requirement, {"a": n}, n, early=True)[0].status == "met")
+    bad = next(n for n in looks(10**6) if verdicts(requirement, {"a": n // 2}, n, early=True)[0].status == "not met")
     assert good == 45  # 43 would be enough
     assert bad == 30
     assert looks(20) == [20]

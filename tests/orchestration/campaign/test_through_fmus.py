@@ -11,10 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from orchestration.campaign import engine
-from orchestration.campaign.evaluate import Evaluator
+from orchestration.campaign.case import read_campaign
 from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.flying.crew import crew
-from orchestration.campaign.load import read_campaign
+from orchestration.campaign.metric_function import FlownMetrics
 from orchestration.campaign.statistics.search import run as search
 from orchestration.campaign.statistics.verdicts import fixed, sequence
 from orchestration.cli.main import main
@@ -140,7 +140,7 @@ metrics:
     )
     case = read_campaign(path)
     with crew(case.job, 0) as (here, _):
-        runs = Evaluator(case, here)
+        runs = FlownMetrics(case, here)
         found = search(Search(metric="missing_torque", runs=200), runs, 3)
         drawn = runs(case.job.design.points(np.arange(200)))["missing_torque"]
     assert found["runs"] == 200

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from orchestration.campaign.case import read_campaign
 from orchestration.campaign.flying import worker
-from orchestration.campaign.flying.crew import Batch
-from orchestration.campaign.load import read_campaign
+from orchestration.campaign.flying.batches import Batch
 
 from .test_campaign import toy  # noqa: F401  (a fixture)
 

@@ -29,8 +29,8 @@ from .drawing.expression import NoValue
 from .file import analysis
 from .file.campaign import Campaign
 from .flying.functions import Code, NotLoaded, find
-from .flying.job import Claimed, Job
-from .statistics.verdicts import Claim, hints
+from .flying.job import CheckedRequirement, Job
+from .statistics.verdicts import hints
 
 _DECIDES_NO_ROW = set("name description figures record view live realtime holds consistency".split())
 """What a scenario says that decides no row of a campaign."""
@@ -183,19 +183,18 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
         errors += error.messages
     if errors:
         raise InputError(*errors)
-    claims = _claims(campaign, source, measures, [check.expectation.name for check in plan.checks])
+    requirements = _requirements(campaign, source, measures, [check.expectation.name for check in plan.checks])
     try:
         made = design(campaign.sampling, campaign.seed, campaign.runs, draws)
     except InputError as error:
         raise InputError(*(source.error((), message) for message in error.messages)) from None
-    job = Job(opened, draws, made, tuple(measures), tuple(claims), codes)
+    job = Job(opened, draws, made, tuple(measures), tuple(requirements), codes)
     names = [name for name, _ in job.columns]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(
             source.error((), f"two columns of the dataset would be called {twice!r}; remedy: another name for one")
         )
-    needed = [Claim(claim.name, claim.probability, claim.confidence) for claim in claims]
-    few = hints(needed, made.runs, campaign.stop == "decided") if campaign.sampling != "grid" else []
+    few = hints(requirements, made.runs, campaign.stop == "decided") if campaign.sampling != "grid" else []
     beyond = [str(index) for index in campaign.keep.runs if index >= made.runs]
     lost = [f"keep.runs: {', '.join(beyond)}: not flown, the last run is {made.runs - 1}"] if beyond else []
     return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few, *lost])
@@ -212,20 +211,20 @@ def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: dra
         resolve(with_values(scenario, values, places), models)
 
 
-def _claims(
+def _requirements(
     campaign: Campaign, source: Source, measures: list[metrics.Measure], expectations: list[str]
-) -> list[Claimed]:
+) -> list[CheckedRequirement]:
     known = [measure.metric.name for measure in measures]
-    claims, errors = [], []
+    requirements, errors = [], []
     for number, entry in enumerate(campaign.requirements):
         key: Key = ("requirements", number)
-        given = entry.probability, entry.confidence
+        given = entry.name, entry.probability, entry.confidence
         if entry.expectation is not None:
             if entry.expectation not in expectations:
                 text = f"the scenario has no expectation {entry.expectation!r} that is evaluated{hint(entry.expectation, expectations)}"
                 errors.append(source.error((*key, "expectation"), text))
                 continue
-            claims.append(Claimed(entry.name, None, entry.expectation, None, *given, f"{entry.expectation}: met"))
+            requirements.append(CheckedRequirement(*given, None, entry.expectation, None, f"{entry.expectation}: met"))
             continue
         if entry.metric not in known:
             errors.append(
@@ -240,7 +239,7 @@ def _claims(
         except QuantityError as error:
             errors.append(source.error((*key, entry.bound.kind), str(error)))
             continue
-        claims.append(Claimed(entry.name, place, None, limits, *given, f"{entry.metric} {limits.text}"))
+        requirements.append(CheckedRequirement(*given, place, None, limits, f"{entry.metric} {limits.text}"))
     if errors:
         raise InputError(*errors)
-    return claims
+    return requirements

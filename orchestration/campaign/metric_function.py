@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from ..fmu.model import Floats
+from .case import Case
 from .drawing.expression import Expression
-from .flying.crew import Batches, Crew
+from .flying.batches import Batches, Crew
 from .flying.job import OK
-from .load import Case
 from .replay import scenario_text
 
 
-class Evaluator:
-    """Metrics at points of the unit cube. Each coordinate is uniform in [0, 1) under the campaign's distributions."""
+class FlownMetrics:
+    """The metric function of runs that are flown. Each coordinate is uniform in [0, 1) under the campaign's distributions."""
 
     def __init__(self, case: Case, flying: Crew) -> None:
         self._case, self._crew = case, flying
@@ -40,15 +40,15 @@ class Evaluator:
         if points.ndim != 2 or points.shape[1] != self.dimension:
             raise ValueError(f"expected points of shape (n, {self.dimension}), found {points.shape}")
         indices = np.arange(len(points))
-        found = np.full((len(points), len(self.metrics)), np.nan)
+        metrics = np.full((len(points), len(self.metrics)), np.nan)
         batches = Batches(indices, lambda chosen: points[chosen], self._crew.slots)
         for rows in self._crew.fly(batches):
             for row in rows:
                 cells: Any = row[self._first : self._first + len(self.metrics)]
-                found[int(row[0] or 0)] = [np.nan if cell is None else cell for cell in cells]
+                metrics[int(row[0] or 0)] = [np.nan if cell is None else cell for cell in cells]
                 if row[1] != OK:
                     self.reasons[str(row[2])] = self.reasons.get(str(row[2]), 0) + 1
-        return {name: found[:, i] for i, name in enumerate(self.metrics)}
+        return {name: metrics[:, i] for i, name in enumerate(self.metrics)}
 
     def values(self, unit: Floats) -> dict[str, Any]:
         """What a point (dimension,) stands for: start values by name, as `--set` takes them."""
