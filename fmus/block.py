@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import os
 import sys
+import threading
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -74,8 +75,19 @@ def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
 
 @contextlib.contextmanager
 def importing_from(folder: Path, *packages: str) -> Iterator[None]:
-    """Imports these packages from this folder, even if their names are imported already; restores `sys.modules` afterwards."""
+    """Imports these packages from this folder, even if their names are imported already; restores `sys.modules` afterwards.
 
+    One thread at a time: the others wait.
+    """
+
+    with _IMPORTING:
+        yield from _importing_from(folder, packages)
+
+
+_IMPORTING = threading.RLock()
+
+
+def _importing_from(folder: Path, packages: tuple[str, ...]) -> Iterator[None]:
     def of_packages() -> list[str]:
         return [name for name in sys.modules if name.partition(".")[0] in packages]
 

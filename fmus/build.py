@@ -3,6 +3,9 @@
 build()                      # all blocks in C, into out/fmus/native/
 build(flavour="python")      # the Python reference of those that have one, into out/fmus/python/
 ensure("plant")              # the path of plant.fmu, built when missing or out of date
+ensure_all(["plant", "allocator"])    # those in C that need it, side by side
+
+Tests: tests/fmus/test_build.py.
 """
 
 from __future__ import annotations
@@ -13,7 +16,10 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+from time import perf_counter
 
 from . import places
 from .block import Block, BuildError
@@ -28,6 +34,7 @@ __all__ = [
     "blocks_of",
     "build",
     "ensure",
+    "ensure_all",
     "is_current",
 ]
 
@@ -49,22 +56,25 @@ def build(
     Without `blocks` these are all that have the flavour.
     """
     _check(flavour)
-    package = _packager(flavour)
-    paths = {}
     chosen = [Block.named(b) if isinstance(b, str) else b for b in (blocks_of(flavour) if blocks is None else blocks)]
     for block in chosen:
         _check_flavour(block.interface, flavour)
+    paths = {}
     for number, block in enumerate(chosen, start=1):
-        path = _path(block.name, flavour, out)
-        stamp = fingerprint(block, flavour).encode()
+        path = paths[block.name] = _path(block.name, flavour, out)
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
-        try:
-            data = package(block.interface, block.folder, places.shared("LICENSE"))
-        except Exception as error:
-            raise BuildError(f"{block.name}: {error}") from error
-        _write(path, data, stamp)
-        paths[block.name] = path
+        _make(block, flavour, path)
     return paths
+
+
+def _make(block: Block, flavour: str, path: Path) -> None:
+    stamp = fingerprint(block, flavour).encode()
+    package = _packager(flavour)
+    try:
+        data = package(block.interface, block.folder, places.shared("LICENSE"))
+    except Exception as error:
+        raise BuildError(f"{block.name}: {error}") from error
+    _write(path, data, stamp)
 
 
 def ensure(block: str | Block, flavour: str = "native", out: Path | None = None) -> Path:
@@ -79,13 +89,41 @@ def ensure(block: str | Block, flavour: str = "native", out: Path | None = None)
         return made
     path = _path(chosen.name, flavour, out)
     if not is_current(path, chosen, flavour):
-        from filelock import FileLock  # here, since it takes 30 ms and only a build needs it  # noqa: PLC0415
-
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(path.with_name(f".{path.name}.lock")):
-            if not is_current(path, chosen, flavour):  # else another process has built it in the meantime
-                build([chosen], flavour, out)
+        _build_once(chosen, flavour, path, lambda: build([chosen], flavour, out))
     return path
+
+
+def _build_once(block: Block, flavour: str, path: Path, make: Callable[[], object]) -> None:
+    from filelock import FileLock  # here, since it takes 30 ms and only a build needs it  # noqa: PLC0415
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(path.with_name(f".{path.name}.lock")):
+        if not is_current(path, block, flavour):  # else another process has built it in the meantime
+            make()
+
+
+def ensure_all(names: Iterable[str]) -> None:
+    """Builds in C those blocks that `ensure` would build, side by side where they are several. Raises BuildError.
+
+    One compiler a core runs at a time. The log has the time that it takes.
+    """
+    blocks = {
+        _path(name, "native", None): Block.named(name) for name in names if not places.ready(f"native/{name}.fmu")
+    }
+    needed = {path: block for path, block in blocks.items() if not is_current(path, block, "native")}
+    if len(needed) < 2:
+        return  # `ensure` does it
+    _LOG.info("building %d FMUs: %s ...", len(needed), ", ".join(path.stem for path in needed))
+    begun = perf_counter()
+    _packager("native")  # imported here: threads that import it at once may wait for each other
+    with ThreadPoolExecutor(len(needed)) as pool:
+        made = [
+            pool.submit(_build_once, block, "native", path, partial(_make, block, "native", path))
+            for path, block in needed.items()
+        ]
+        for one in made:
+            one.result()
+    _LOG.info("built in %.0f s", perf_counter() - begun)
 
 
 def is_current(path: Path, block: str | Block, flavour: str) -> bool:

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
+from threading import BoundedSemaphore
 
 log = logging.getLogger(__name__)
 
@@ -176,9 +177,13 @@ def _with_system_compiler(name: str, sources: Sequence[Path], includes: Sequence
         return library.read_bytes()
 
 
+_CORES = BoundedSemaphore(os.cpu_count() or 2)
+
+
 def run(command: list[str], about: Path) -> None:
-    """Runs a compiler. Raises CompilerError with its words."""
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    """Runs a compiler, one a core at a time in this process. Raises CompilerError with its words."""
+    with _CORES:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise CompilerError(f"{about.name}: {Path(command[0]).name} failed:\n{' '.join(command)}\n{done.stderr}")
 

@@ -7,13 +7,13 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure
+from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, ensure_all
 from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
@@ -164,6 +164,7 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
     errors: list[str] = []
     known: dict[tuple[Path, bool], Fmu] = {}
+    _build(scenario)
     for name, entry in scenario.blocks.items():
         if entry.flavour and is_path(entry.fmu):
             message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
@@ -178,6 +179,16 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     if errors:
         raise InputError(*errors)
     return fmus
+
+
+def _build(scenario: Scenario) -> None:
+    """Builds the project's own blocks of a scenario side by side; what cannot be built is an error where it is located."""
+    with suppress(BuildError, OSError):
+        ensure_all(
+            entry.fmu
+            for entry in scenario.blocks.values()
+            if entry.fmu in BLOCKS and (entry.flavour or scenario.flavour) == "native"
+        )
 
 
 def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import re
 import shutil
 import struct
 import subprocess
 import sys
+import threading
 import time
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +20,7 @@ from typing import Any
 import fmpy
 import pytest
 
-from fmus.build import ROOT, BuildError, blocks_of, build, ensure
+from fmus.build import ROOT, BuildError, blocks_of, build, ensure, ensure_all, is_current
 
 from .host import Host
 from .toy import toy
@@ -182,6 +184,19 @@ def test_callers_that_ask_at_the_same_time_build_once(tmp_path: Path, monkeypatc
     with ThreadPoolExecutor(4) as pool:
         paths = set(pool.map(lambda _: ensure(block, "python", out), range(4)))
     assert (paths, len(built)) == ({out / "toy.fmu"}, 1)
+
+
+def test_blocks_are_built_side_by_side_and_the_log_has_their_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Each `package` waits for the other, so this ends only where they run at the same time."""
+    both = threading.Barrier(2, timeout=20)
+    monkeypatch.setattr("fmus.native.package", lambda interface, folder, licence: b"%d" % both.wait())
+    monkeypatch.setattr("fmus.places.work", lambda: tmp_path)
+    with caplog.at_level(logging.INFO, "attitude_cosim.build"):
+        ensure_all(["plant", "allocator", "plant"])
+    assert re.fullmatch("building 2 FMUs: plant, allocator ...\nbuilt in \\d+ s", "\n".join(caplog.messages))
+    assert [is_current(tmp_path / f"fmus/native/{name}.fmu", name, "native") for name in ("plant", "allocator")]
 
 
 def test_a_full_disk_leaves_no_temporary_file_and_is_told_with_the_path(
