@@ -92,8 +92,8 @@ format: $(VENV)/test
 docs: $(VENV)/test
 	$(BIN)/orchestrate schema > docs/scenario.schema.json
 	$(BIN)/orchestrate schema --campaign > docs/campaign.schema.json
-	$(BIN)/python -m tests.orchestration.wrong_inputs > docs/evidence/errors.md
-	$(BIN)/python -m tests.orchestration.broken > docs/evidence/broken-fmus.md
+	$(BIN)/python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md
+	$(BIN)/python -m tests.orchestration.broken > tests/orchestration/broken.md
 	$(BIN)/python -m docs.site.packages
 	$(BIN)/python -m fmus.native
 

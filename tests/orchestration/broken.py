@@ -1,6 +1,6 @@
 """Broken FMUs, and what `orchestrate` makes of each.
 
-`python -m tests.orchestration.broken > docs/evidence/broken-fmus.md` writes them as a page. It ends with an error where one does not end as
+`python -m tests.orchestration.broken > tests/orchestration/broken.md` writes them. It ends with an error where one does not end as
 its case says; the tests run all cases of FMI 2.0, and of those of FMI 3.0, which end alike, some.
 """
 
@@ -415,7 +415,7 @@ def outcomes_3() -> dict[str, Outcome]:
 
 
 def page() -> str:
-    """docs/evidence/broken-fmus.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
+    """tests/orchestration/broken.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
     found = _outcomes(CASES_3)
     differing = [
         (case.name, problems, found[case.name]) for case in CASES_3 if (problems := wrong(case, found[case.name]))
@@ -456,7 +456,7 @@ def rows(cases: Iterable[Case], outcomes: Mapping[str, Outcome]) -> list[str]:
 HEAD_3 = """
 ## FMI 3.0
 
-The same block behind the functions of FMI 3.0, with arrays and types of its own ([swap.md](swap.md#fmus-of-fmi-30)).
+The same block behind the functions of FMI 3.0, with arrays and types of its own (docs/use/swap.md).
 
 | what is broken | message | status | samples |
 |---|---|---|---|"""
@@ -465,33 +465,11 @@ HEAD = """\
 
 What becomes of a run with an FMU that breaks, as its exit status (3: an FMU failed; 2: found before anything ran), its message and
 the samples on disk. Each row is a test, which also sees to it that the run ends by itself, that no process is left over and that no
-file lies where it should not. This page is made from their output by `python -m tests.orchestration.broken > docs/evidence/broken-fmus.md`,
+file lies where it should not. This file is made from their output by `python -m tests.orchestration.broken > tests/orchestration/broken.md`,
 which tests all rows; of those of FMI 3.0, `make test` tests some.
 
 The FMU is given by its path, so it runs in a process of its own, here with `timeout: 1 s` (`20 s` where it takes memory) and `memory: 300 MB`; it breaks in the step
 that begins at 1 s, or where the row says. A sample is taken every 0.1 s from 0 on: 11 up to 1 s, 21 in a whole run.
-
-## What isolation guards against, and what it does not
-
-An FMU is native code that runs with the rights of whoever runs it. **A process of its own guards against faults, not against malice.**
-Load an FMU from someone you do not trust only where you would run any other program of theirs: in a container or a virtual machine.
-
-| defended | by |
-|---|---|
-| a crash, an abort, an exit | the process is the FMU's own; the run ends with a message, and its results are written |
-| a hang, in any call | `timeout` of the block (60 s unless given); the process is ended |
-| memory without end | `memory` of the block (4 GB unless given, or half of the machine's); on Linux only |
-| any number of prints and log messages | they come through a pipe; the last 20 lines are kept and shown with a failure |
-| conflicts between FMUs: modules, symbols, signal handlers, locale, current folder | separate processes; each works in a temporary folder of its own |
-| processes left behind by the FMU, or by a run that is killed | ended with the FMU's process group; the process ends when the master does |
-| archives that unpack elsewhere or without end, symbolic links | refused before unpacking |
-| entities in XML that explode or read files | a DOCTYPE is refused; nothing of it is expanded |
-| invalid answers from the FMU's process | JSON of bounded length, read without running anything |
-
-Not defended: an FMU can read and change every file that you can, use the network, start processes that leave its group, fill the disk
-and keep a processor busy until `timeout`. With `isolation: none`, the default of this project's own blocks, only the rows
-about archives and XML apply. A Python FMU runs whatever Python code it holds, on loading already. Under Windows and macOS, `memory`
-is not enforced. A hash of each FMU is in the run's manifest, so that you can identify later what was run; FMUs are not signed.
 
 | what is broken | message | status | samples |
 |---|---|---|---|"""

@@ -34,7 +34,7 @@ def test_there_are_thirty_cases_or_more_under_names_of_their_own():
 
 @pytest.mark.skipif(fmpy.platform != "linux64", reason="the page names the platform's libraries")
 def test_the_page_of_errors_is_up_to_date(found: dict[str, tuple[int, str, bool]]):
-    committed = Path(__file__).parents[2] / "docs" / "evidence" / "errors.md"
+    committed = Path(__file__).with_name("wrong_inputs.md")
     assert committed.read_text("utf-8") == page(found), (
-        "python -m tests.orchestration.wrong_inputs > docs/evidence/errors.md"
+        "python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md"
     )

@@ -1,6 +1,6 @@
 """Wrong scenarios, options and FMUs, each with the message that it must give.
 
-`python -m tests.orchestration.wrong_inputs > docs/evidence/errors.md` writes them as a page.
+`python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md` writes them.
 """
 
 from __future__ import annotations
@@ -869,13 +869,13 @@ def outcomes() -> dict[str, tuple[int, str, bool]]:
 
 
 def page(outcomes: Mapping[str, tuple[int, str, bool]]) -> str:
-    """docs/evidence/errors.md."""
+    """tests/orchestration/wrong_inputs.md."""
     lines = [
         "# Errors",
         "",
         "What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is wrong and nothing was run,",
-        "3 where an FMU failed. Each row is a test; this page is made from their output by",
-        "`python -m tests.orchestration.wrong_inputs > docs/evidence/errors.md`. The scenario is a loop of a motor and its regulator.",
+        "3 where an FMU failed. Each row is a test; this file is made from their output by",
+        "`python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md`. The scenario is a loop of a motor and its regulator.",
         "",
         "| what is wrong | message | status |",
         "|---|---|---|",
