@@ -118,7 +118,8 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-com
 $(VENV)/run: pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info; v >= (3, 11) or sys.exit("attitude-cosim needs Python 3.11 or later; $(PYTHON) is Python %d.%d; remedy: make PYTHON=python3.12" % v[:2])'
 	@echo "installing into $(VENV): half a minute to a minute, 700 MB ..."
-	@$(call INSTALL,$(PYTHON) -m venv $(VENV) && $(PIP) '.[build]')
+	@# FMPy brings CMake along, 86 MB, to compile FMUs from sources, which orchestrate never asks of it.
+	@$(call INSTALL,$(PYTHON) -m venv $(VENV) && $(PIP) '.[build]' && $(BIN)/python -m pip uninstall --quiet --yes cmake)
 	@touch $@
 
 $(VENV)/docs: $(VENV)/run

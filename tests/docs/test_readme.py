@@ -38,9 +38,7 @@ def test_the_satellites_near_the_equator_are_those_of_their_flights():
     low = [
         time < math.inf
         for line, time in zip(lines, settling_times(lines), strict=True)
-        if ALL[line["satellite"]].has_wheel
-        and line["condition"] == "errors"
-        and float(line["inclination_deg"]) < 30.0
+        if ALL[line["satellite"]].has_wheel and line["condition"] == "errors" and float(line["inclination_deg"]) < 30.0
     ]
     assert f"{low.count(False)} of {len(low)} tumbles with all errors are not held" in README
 

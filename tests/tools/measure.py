@@ -39,7 +39,6 @@ class Recipe:
     """Which exchange of ours it should match."""
     ahead: int = 0
     """By how many steps it shows a law's output earlier."""
-    note: str = ""
 
     @property
     def text(self) -> str:
@@ -61,16 +60,12 @@ LOOPS = (
         "FMPy",
         "FMPy",
         "the loop from `adcs.ssp`",
-        note="FMPy ignores the parameter sets of an SSP archive, and in the first step it sets every connected input to 0; "
-        "a controller takes an attitude of zeros for none yet and gives no torque in that step. The lines at the top give it the parameter sets and the start values. It can set neither text nor an "
-        "enumeration's item.",
     ),
     Recipe(
         "libcosim_ssp.py",
         "libcosim",
         "libcosimpy",
         "the loop from `adcs.ssp`",
-        note="It knows no enumerations: an archive that sets one ends its process.",
     ),
     Recipe(
         "ecos_ssp.py",
@@ -78,8 +73,6 @@ LOOPS = (
         "ecospy",
         "the loop from `adcs.ssp`",
         ahead=1,
-        note="It needs oneTBB (Debian: `apt install libtbb12`). It reads outputs after it has set the inputs for the next step, so the "
-        "law it shows is a step newer than the one the loop has used. It knows no enumerations, and refuses an archive that sets one.",
     ),
     Recipe(
         "fmpy_container.py",
@@ -87,8 +80,6 @@ LOOPS = (
         "fmu-manipulation-toolbox",
         "the loop as one FMU, in FMPy",
         exchange="sequential",
-        note="The container steps its blocks in the scenario's order, so any tool that runs one FMU runs the loop as `orchestrate` does. "
-        "It has no states to save, and enumerations are whole numbers (their items are in the descriptions), so it can be exported with any value of them.",
     ),
 )
 

@@ -67,5 +67,5 @@ def test_the_python_flavour_says_what_it_needs_and_the_way_out(host: Path, block
     assert said.startswith(f"block 3 logStatusError: {message}")
     assert "/50%s %n/binaries/" in said
     assert "undefined symbol: _Py" in said or "undefined symbol: Py" in said
-    words = " ".join((Path(__file__).parent / "words.md").read_text("utf-8").split())
+    words = " ".join((ROOT / "docs" / "use" / "tools.md").read_text("utf-8").split())
     assert message.strip() in words, "docs/use/tools.md has the exact words"

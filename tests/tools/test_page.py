@@ -1,15 +1,14 @@
-"""docs/use/tools.md is what the recipes give, up to versions and rounding."""
+"""Every program of the recipes, which the other tests run, stands in docs/use/tools.md as it is."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import pytest
 
-from . import measure, page
-from .test_importers import needs
+from ..docs.commands import ROOT
+from .measure import RECIPES
 
 
-def test_the_page_is_what_the_recipes_give(exported: Path) -> None:
-    for recipe in (*measure.ONES, *measure.LOOPS):
-        needs(recipe)
-    committed = page.TARGET.read_text("utf-8")
-    assert page.without_figures(committed) == page.without_figures(page.text(exported)), "python -m tests.tools"
+@pytest.mark.parametrize("recipe", sorted(path.name for path in RECIPES.glob("*.*")))
+def test_a_recipe_stands_in_the_page(recipe: str) -> None:
+    text, page = (RECIPES / recipe).read_text("utf-8"), (ROOT / "docs" / "use" / "tools.md").read_text("utf-8")
+    assert f"\n{text}```\n" in page

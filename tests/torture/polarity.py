@@ -1,11 +1,10 @@
-"""Every wrong wiring of V.B and of the tumble, and the FMUs of other teams: what is found, by what, and what mends them.
+"""Flies every wrong wiring of V.B and of the tumble, and the FMUs of other teams; docs/use/polarity.md has the results.
 
-`--page docs/use/polarity.md` puts the tables into the page.
+Prints what is found, by what, and what mends it.
 """
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +16,7 @@ import click
 from orchestration.acceptance.polarity import page
 from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.swaps import Looked, look
-from orchestration.acceptance.polarity.trials import Trials, run
+from orchestration.acceptance.polarity.trials import run
 from orchestration.session.read import read
 from orchestration.swap.option import swapped
 
@@ -31,11 +30,9 @@ MENDED = {"b_B": "+y -x +z", "dipole_cmd": "+z +x +y", "wheel_torque_cmd": "oppo
 
 
 @click.command("polarity")
-@click.option("--page", "page_", type=click.Path(path_type=Path), help="The page whose tables are written anew.")
-def command(page_: Path | None) -> None:
+def command() -> None:
     """Wrong wirings of the scenarios and of other teams' FMUs; exit status 1 where one is neither found nor explained."""
     bad: list[str] = []
-    parts: dict[str, str] = {}
     for name in FLOWN:
         begun = perf_counter()
         trials = run(_scenario(name))
@@ -47,23 +44,16 @@ def command(page_: Path | None) -> None:
             if not (row.found or row.unobservable)
         ]
         bad += [f"{name}: false alarm: {trials.nominal}"] if trials.nominal else []
-        parts[name] = _tables(trials)
+        print(page.markdown(trials, name))
     with tempfile.TemporaryDirectory() as folder:
-        parts["teams"] = _teams(Path(folder), bad)
+        print(_teams(Path(folder), bad))
     for text in bad:
         print(text)
-    if page_ is not None:
-        _write(page_, parts)
     sys.exit(1 if bad else 0)
 
 
 def _scenario(name: str):
     return read(ROOT / "scenarios" / f"{name}.yaml")
-
-
-def _tables(trials: Trials) -> str:
-    text = page.markdown(trials, "")
-    return text.partition("\n\n")[2].replace("## ", "#### ").strip()
 
 
 def _teams(folder: Path, bad: list[str]) -> str:
@@ -91,16 +81,3 @@ def _teams(folder: Path, bad: list[str]) -> str:
             words = "; ".join(f"`{port}`: {wrong}" for port, wrong in mended.behaves.items())
             rows.append(f"| {name} | {block} | {words} | {shares} | {seconds:.0f} |")
     return "\n".join(rows)
-
-
-def _write(path: Path, parts: dict[str, str]) -> None:
-    """Puts each part between its marks."""
-    text = path.read_text("utf-8")
-    for name, part in parts.items():
-        begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
-        text, count = re.subn(
-            f"{begin}.*?{end}", lambda _, b=begin, p=part, e=end: f"{b}\n\n{p}\n\n{e}", text, flags=re.S
-        )
-        if count != 1:
-            raise SystemExit(f"{path}: expected one part between {begin} and {end}")
-    path.write_text(text, "utf-8")
