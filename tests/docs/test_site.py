@@ -80,3 +80,14 @@ def test_every_page_can_be_reached_from_the_index():
 @pytest.mark.parametrize("script", [frames, packages])
 def test_a_drawing_is_what_its_script_makes(script):
     assert script.TARGET.read_text("utf-8") == script.drawing(), f"python -m {script.__name__}"
+
+
+def test_each_function_that_the_architecture_names_is_in_its_file():
+    """`path`: `name`, `name` in a cell of a table."""
+    text = (ROOT / "docs" / "how" / "architecture.md").read_text("utf-8")
+    named = re.findall(r"`([\w/]+\.(?:py|c))`: ((?:`\w+`(?:, )?)+)", text)
+    assert len(named) > 40
+    for path, names in named:
+        source = (ROOT / path).read_text("utf-8")
+        for name in re.findall(r"`(\w+)`", names):
+            assert re.search(rf"\b(def|class) {name}\b|^\w[\w ]*\W{name}\(", source, re.MULTILINE), (path, name)
