@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from fmus.build import BLOCKS, BuildError, blocks_of, ensure
+from fmus.build import BLOCKS, BuildError, blocks_of, ensure, ensure_all
 
 from ..errors import InputError, writing
 from ..fmu.archive import shown
@@ -36,6 +36,8 @@ def command(copy: Path | None, flavour: str) -> None:
     Those that are missing or older than their sources are built first.
     """
     try:
+        if flavour == "native":
+            ensure_all(blocks_of(flavour))
         paths = [ensure(block, flavour) for block in blocks_of(flavour)]
     except BuildError as error:
         raise InputError(str(error)) from None
