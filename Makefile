@@ -1,5 +1,5 @@
 # `make run` sets up all it needs in .venv and asks nothing of the machine but Python 3.11 (or later) and make. Some tests ask for more
-# (README.md, Installation); without it they are skipped.
+# (README.md, More); without it they are skipped.
 
 PYTHON ?= python3
 VENV := .venv
