@@ -92,12 +92,6 @@ def test_a_function_that_two_blocks_have_is_the_same_in_both(name):
         assert other == code, f"{name} in {file} and in {first}"
 
 
-def test_the_copies_are_those_that_decision_5_counts():
-    counted = (ROOT / "docs" / "decisions" / "0005-where-vectors-and-rotations-stand.md").read_text("utf-8")
-    for name, copies in COPIES.items():
-        assert f"| `{name}` | {len(copies)} |" in counted
-
-
 @pytest.mark.parametrize("name", field_models.NAMES)
 def test_truth_and_onboard_model_read_the_same_coefficients(name):
     """By two readers, each for its own shape of data; the onboard model begins in 2000."""
