@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,12 +16,15 @@ from ..errors import InputError, reason
 from ..interrupt import held
 from ..results.place import reserved
 from .case import Case
-from .flying.batches import Batches, Crew
+from .flying.batches import Batches, Crew, foreign
+from .flying.checks import Checks
 from .flying.crew import crew
-from .record import MANIFEST, earlier_start, manifest, write
+from .flying.job import RunRows, differing
+from .record import announced_first, earlier_start, manifest
 from .report import page as report
 from .statistics import verdicts as statistics
-from .statistics.verdicts import Verdict
+from .statistics.verdicts import Announced, Verdict
+from .sums import write
 
 try:
     from .extras import ANALYSES, analyse, keep
@@ -82,111 +85,167 @@ def fly(
     """
     if Dataset is None:
         raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
-    begun = perf_counter()
     with reserved(folder), ExitStack() as stack:
-        earlier = earlier_start(case, folder)
-        data = Dataset(folder, case.job, case.runs)
-        state, interrupted, verdicts = "running", 0, list[Verdict]()
-        if (extended := _extended(case, earlier)) and case.campaign.stop != "decided":
-            remark(
-                "runs were added to a campaign that already had its verdicts, which is a second look: "
+        flight = _Campaign(case, folder, partial(crew, case.job, workers, scheduler, dashboard), stack, tell, remark)
+        flight.fly()
+    page = _page(folder, remark)
+    return replace(flight.finished, page=page)
+
+
+class _Campaign:
+    """A campaign that is being flown: what is there, who flies, and what is known of the requirements."""
+
+    def __init__(
+        self,
+        case: Case,
+        folder: Path,
+        hired: Callable[[], AbstractContextManager[tuple[Crew, list[str]]]],
+        stack: ExitStack,
+        tell: Tell | None,
+        remark: Callable[[str], None],
+    ) -> None:
+        """Takes over what an earlier start left in the folder. Raises InputError where it is damaged or another campaign's."""
+        self._case, self._folder, self._hired, self._stack, self._tell, self._remark = (
+            case, folder, hired, stack, tell, remark,
+        )  # fmt: skip
+        self._begun = perf_counter()
+        self._earlier = earlier_start(case, folder)
+        self._announced = announced_first(case, self._earlier)
+        self._data = Dataset(folder, case.job, case.runs, self._earlier, self._note)
+        self._there = int(self._data.done.sum())
+        self._state, self._verdicts, self._signal = "running", list[Verdict](), 0
+        self._checks = Checks(case.campaign.seed, self._earlier.get("unchecked", ()))
+        self._fresh = bool(self._earlier.get("fresh"))
+        """Whether resets have been seen to leave something behind, so that each run has fresh instances."""
+        self._more = {key: self._earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in self._earlier}
+
+    @property
+    def finished(self) -> Finished:
+        """What came of it."""
+        counts = int(self._data.done.sum()), int(self._data.failed.sum())
+        wall = perf_counter() - self._begun
+        return Finished(self._state, *counts, self._verdicts, self._data.reason, wall, self._signal)
+
+    def fly(self) -> None:
+        """Flies what is left, and writes the folder."""
+        case, announced = self._case, self._announced.runs
+        if case.runs != announced and not self._announced.early:
+            self._remark(
+                f"{announced} runs were announced, and {case.runs} are another end, which may be chosen by what is seen: "
                 "the bounds are those of a confidence sequence, and wider"
             )
-        more: dict[str, Any] = {key: earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in earlier}
-
-        def note() -> None:
-            record = manifest(case, state, data, verdicts, perf_counter() - begun, earlier)
-            looked = record["early"] or extended or (state == "interrupted" and not data.done.all())
-            write(folder / MANIFEST, {**record, "early": looked, "extended": extended, **more})
-
-        @cache
-        def hands() -> Crew:
-            flying, remarks = stack.enter_context(crew(case.job, workers, scheduler, dashboard))
-            for text in remarks:
-                remark(text)
-            return flying
-
-        note()
+        self._note()
         try:
-            state, verdicts = _flown(case, data, hands, tell, extended)
-            data.flush()
-            note()  # before what follows, which may take as long again
-            analyse(case, folder, hands, more, remark)
-            more["kept"] = keep(case, folder)
+            self._state, self._verdicts = self._flown()
+            self._data.flush()
+            self._note()  # before what follows, which may take as long again
+            analyse(case, self._folder, self._hands, self._more, self._remark)
+            self._more["kept"] = keep(case, self._folder, self._remark)
         except KeyboardInterrupt as signal:
-            state, interrupted = "interrupted", getattr(signal, "number", 2)
+            self._state, self._signal = "interrupted", getattr(signal, "number", 2)
         finally:
             with held():
-                data.flush()
-                if state in ("running", "interrupted"):
-                    state, verdicts = "interrupted", verdicts_so_far(case, data, extended)
-                note()
-        page = _page(folder, remark)
-    counts = int(data.done.sum()), int(data.failed.sum())
-    return Finished(state, *counts, verdicts, data.reason, perf_counter() - begun, interrupted, page)
+                self._data.flush()
+                if self._state in ("running", "interrupted"):
+                    self._state, self._verdicts = "interrupted", self._so_far()
+                self._note()
+
+    def _note(self) -> None:
+        wall = perf_counter() - self._begun
+        record = manifest(self._case, self._state, self._data, self._verdicts, wall, self._earlier, self._announced)
+        write(self._folder, {**record, "fresh": self._fresh, "unchecked": self._checks.unchecked, **self._more})
+
+    def _hands(self) -> Crew:
+        """Those who fly, from the first time that they are needed."""
+        if self._flying is None:
+            self._flying, remarks = self._stack.enter_context(self._hired())
+            self._flying.anew |= self._fresh
+            for text in remarks:
+                self._remark(text)
+        return self._flying
+
+    _flying: Crew | None = None
+
+    def _flown(self) -> tuple[str, list[Verdict]]:
+        """Flies up to the end, or until all is decided."""
+        case = self._case
+        if case.campaign.stop != "decided":
+            self._up_to(case.runs)
+            return "completed", self._so_far()
+        for look in statistics.looks(case.runs):
+            self._up_to(look)
+            verdicts = self._of_first(look)
+            if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
+                return "stopped early", verdicts
+        return "completed", self._so_far()
+
+    def _up_to(self, look: int) -> None:
+        """Flies those of the first `look` runs that are not there yet, and checks flights of them."""
+        data, design = self._data, self._case.job.design
+        left = np.flatnonzero(~data.done[:look])
+        if not len(left) and not self._checks.unchecked:
+            return
+        begun, flying = perf_counter(), self._hands()
+        batches = Batches(left, design.points if design.early else None, flying.slots)
+        checked = foreign(self._case.job) and not flying.anew
+        while True:
+            for flown in flying.fly(batches):
+                if flown.batch.check:
+                    self._compare(flown.rows, batches)
+                elif flown.pilot and flying.anew and checked:  # it was sent before resets were seen to fail
+                    batches.again(map(int, flown.batch.indices))
+                else:
+                    data.add(flown.rows)
+                    if checked and flown.pilot:
+                        batches.check(self._checks.took(flown.pilot, [int(i) for i in flown.batch.indices]))
+                if self._tell is not None:
+                    there, failed = int(data.done.sum()), int(data.failed.sum())
+                    self._tell(Progress(there, self._case.runs, failed, there - self._there, perf_counter() - begun))
+            last = self._checks.last() if checked and not flying.anew else []
+            if not last and batches.over:
+                break
+            batches.check(last)
+        data.flush()
+
+    def _compare(self, rows: RunRows, batches: Batches) -> None:
+        """Holds flights on fresh instances against those on instances that were reset. A difference ends the resets."""
+        flying, names = self._hands(), [name for name, _ in self._case.job.columns]
+        for row in rows:
+            index = int(row[0] or 0)
+            if flying.anew or not self._data.done[index]:
+                continue
+            differ = differing(names, self._data.row(index), row)
+            if not differ:
+                self._checks.sound(index)
+                continue
+            gone = self._checks.clear()
+            self._data.withdraw(gone)
+            batches.again(gone)
+            flying.anew = self._fresh = True
+            few = ", ".join(differ[:3]) + f" and {len(differ) - 3} more" * (len(differ) > 3)
+            self._remark(
+                f"run {index} on FMUs that were reset differs from the same run on fresh ones in {few}: fmi2Reset leaves "
+                f"something behind; FMUs are instantiated for each run from now on, and {len(gone)} runs are flown again"
+            )
+
+    def _so_far(self) -> list[Verdict]:
+        """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often."""
+        return self._of_first(self._case.runs if self._data.done.all() else int(self._data.done.argmin()))
+
+    def _of_first(self, count: int) -> list[Verdict]:
+        return verdicts_of_first(self._case, self._data, count, self._announced)
 
 
-def _flown(
-    case: Case, data: Any, hands: Callable[[], Crew], tell: Tell | None, extended: bool
-) -> tuple[str, list[Verdict]]:
-    """Flies up to the end, or until all is decided."""
-    begun, there = perf_counter(), int(data.done.sum())
-    if case.campaign.stop != "decided":
-        _up_to(case, data, hands, case.runs, begun, there, tell)
-        return "completed", verdicts_so_far(case, data, extended)
-    verdicts: list[Verdict] = []
-    for look in statistics.looks(case.runs):
-        _up_to(case, data, hands, look, begun, there, tell)
-        met = {name: int(flags[:look].sum()) for name, flags in data.met.items()}
-        verdicts = _with_cause(data, look, statistics.verdicts(case.job.requirements, met, look, early=True))
-        if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
-            return "stopped early", verdicts
-    return "completed", verdicts
+def verdicts_of_first(case: Case, data: Any, count: int, announced: Announced) -> list[Verdict]:
+    """Returns the verdicts of the first `count` runs of a campaign that was so announced.
 
-
-def _up_to(
-    case: Case, data: Any, hands: Callable[[], Crew], look: int, begun: float, there: int, tell: Tell | None
-) -> None:
-    """Flies those of the first `look` runs that are not there yet."""
-    left = np.flatnonzero(~data.done[:look])
-    if not len(left):
-        return
-    points = case.job.design.points if case.job.design.early else None
-    flying = hands()
-    batches = Batches(left, points, flying.slots)
-    flown, failed = int(data.done.sum()), int(data.failed.sum())
-    for rows in flying.fly(batches):
-        data.add(rows)
-        flown += len(rows)
-        failed += sum(row[1] != "ok" for row in rows)
-        if tell is not None:
-            tell(Progress(flown, case.runs, failed, flown - there, perf_counter() - begun))
-    data.flush()
-
-
-def verdicts_so_far(case: Case, data: Any, extended: bool) -> list[Verdict]:
-    """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often.
-
-    Where these are not the runs that were planned first, the campaign is looked at more than once, and the bounds allow for that.
+    Where every run failed, they have the reason, since the share says nothing of the bounds then.
     """
-    there = case.runs if data.done.all() else int(data.done.argmin())
-    met = {name: int(flags[:there].sum()) for name, flags in data.met.items()}
-    early = extended or there < case.runs or case.campaign.stop == "decided"
-    return _with_cause(data, there, statistics.verdicts(case.job.requirements, met, there, early=early))
-
-
-def _with_cause(data: Any, there: int, verdicts: list[Verdict]) -> list[Verdict]:
-    """The verdicts; where every run failed, with the reason, since their share says nothing of the bounds then."""
-    if not there or not data.failed[:there].all():
+    met = {name: int(flags[:count].sum()) for name, flags in data.met.items()}
+    verdicts = statistics.verdicts(case.job.requirements, met, count, announced)
+    if not count or not data.failed[:count].all():
         return verdicts
     return [replace(v, text=f"{v.text}; every run failed, the first with: {data.reason}") for v in verdicts]
-
-
-def _extended(case: Case, earlier: dict[str, Any]) -> bool:
-    """Whether runs were added to a campaign that had its verdicts on fewer."""
-    runs = earlier.get("runs", {})
-    judged = bool(earlier.get("verdicts")) and runs.get("flown") == runs.get("wanted", case.runs) < case.runs
-    return judged or bool(earlier.get("extended"))
 
 
 def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:

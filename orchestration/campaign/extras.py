@@ -46,14 +46,17 @@ def analyse(
             put(folder / "worst.yaml", text)
 
 
-def keep(case: Case, folder: Path) -> list[int]:
+def keep(case: Case, folder: Path, remark: Callable[[str], None]) -> list[int]:
     """Flies the runs that are kept again, into `folder/kept/INDEX`, and returns their indices."""
     indices = chosen(case, folder)
     for index in indices:
         place = folder / "kept" / str(index)
         if not (place / "manifest.json").exists():
             try:
-                replay(case, index, place).result.save(place)
+                again = replay(case, index, place, folder)
+                again.result.save(place)
+                if again.differs:
+                    remark(f"run {index}, flown again to be kept, differs from its row: {'; '.join(again.differs)}")
             except (InputError, MetricError):
                 continue  # its row has the reason
     return indices

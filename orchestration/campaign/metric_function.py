@@ -42,8 +42,8 @@ class FlownMetrics:
         indices = np.arange(len(points))
         metrics = np.full((len(points), len(self.metrics)), np.nan)
         batches = Batches(indices, lambda chosen: points[chosen], self._crew.slots)
-        for rows in self._crew.fly(batches):
-            for row in rows:
+        for flown in self._crew.fly(batches):
+            for row in flown.rows:
                 cells: Any = row[self._first : self._first + len(self.metrics)]
                 metrics[int(row[0] or 0)] = [np.nan if cell is None else cell for cell in cells]
                 if row[1] != OK:

@@ -1,12 +1,11 @@
-"""`campaign.json`: what a campaign was made of, and what came of it."""
+"""`campaign.json` says what a campaign was made of, and what came of it. Tests: tests/orchestration/campaign/test_campaign.py."""
 
 from __future__ import annotations
 
-import json
+import os
 import platform
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,23 +13,27 @@ from typing import TYPE_CHECKING, Any
 
 from fmus.versions import version_of
 
-from ..errors import InputError, ResultsError, reason
-from ..results.data import json_text
-from ..results.place import put
+from ..errors import InputError
 from .case import Case
-from .statistics.verdicts import Verdict
+from .statistics.verdicts import Announced, Verdict
+from .sums import MANIFEST, RUNS, read
 
 if TYPE_CHECKING:
     from .flying.dataset import Dataset
 
-MANIFEST = "campaign.json"
 _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "scipy", "pyarrow", "distributed")
 
 
 def manifest(
-    case: Case, state: str, data: Dataset, verdicts: Sequence[Verdict], wall: float, earlier: Mapping[str, Any]
+    case: Case,
+    state: str,
+    data: Dataset,
+    verdicts: Sequence[Verdict],
+    wall: float,
+    earlier: Mapping[str, Any],
+    announced: Announced,
 ) -> dict[str, Any]:
-    """The manifest, ready for JSON. `earlier` is that of an earlier start, whose begin and wall time count, too."""
+    """Returns the manifest, ready for JSON. `earlier` is that of an earlier start, whose begin and wall time count, too."""
     campaign, job = case.campaign, case.job
     written = campaign.model_dump(mode="json", exclude_none=True, by_alias=True)
     now = datetime.now(UTC).isoformat(timespec="seconds")
@@ -44,7 +47,8 @@ def manifest(
         "parts": case.parts,
         "seed": campaign.seed,
         "sampling": campaign.sampling,
-        "early": campaign.stop == "decided",
+        "announced": asdict(announced),
+        "early": announced.early or int(data.done.sum()) != announced.runs,
         "runs": {"wanted": case.runs, "flown": int(data.done.sum()), "failed": int(data.failed.sum())},
         "varied": [
             {
@@ -85,6 +89,8 @@ def manifest(
         "expectations": [{"name": name, "column": f"expect: {name}"} for name in job.expectations],
         "verdicts": [asdict(verdict) for verdict in verdicts],
         "notes": case.notes,
+        "files": data.files,
+        "withdrawn": data.withdrawn,
         "scenario": case.scenario.name,
         "scenario_file": case.scenario.source.file,
         "fmus": {name: {"file": str(fmu.path), "sha256": fmu.sha256} for name, fmu in job.opened.fmus.items()},
@@ -96,46 +102,31 @@ def manifest(
     }
 
 
-def write(path: Path, record: Mapping[str, Any]) -> None:
-    """Writes the manifest, whole or not at all. Raises ResultsError."""
-    try:
-        put(path, json_text(record) + "\n")
-    except OSError as error:
-        raise ResultsError(f"the campaign's manifest cannot be written: {path}: {reason(error)}") from None
-
-
-def _is_sound(earlier: Mapping[str, Any]) -> bool:
-    """Whether what is taken over from a manifest has its types."""
-    runs = earlier.get("runs", {})
-    counts = list(runs.values()) if isinstance(runs, dict) else [None]
-    texts = all(isinstance(earlier.get(key, ""), str) for key in ("started", "state"))
-    return texts and all(type(n) is int for n in counts) and type(earlier.get("wall_time", 0.0)) in (int, float)
+def announced_first(case: Case, earlier: Mapping[str, Any]) -> Announced:
+    """Returns what was said of the campaign before its first run: now, or as its folder says at an earlier start."""
+    if earlier:
+        return Announced(**earlier["announced"])
+    return Announced(case.runs, case.campaign.stop == "decided")
 
 
 def earlier_start(case: Case, folder: Path) -> dict[str, Any]:
-    """The manifest that an earlier start of this campaign left, empty where there is none.
+    """Returns the manifest that an earlier start of this campaign left, empty where there is none.
 
-    Raises InputError where the folder holds another campaign.
+    Raises InputError where it is damaged, or the folder holds another campaign.
     """
-    path = folder / MANIFEST
-    if not path.exists():
-        if (folder / "runs").exists():
-            raise InputError(f"{folder / 'runs'} stands without {MANIFEST}; remedy: another folder (--out)")
+    if not os.path.lexists(folder / MANIFEST):
+        if (folder / RUNS).exists():
+            raise InputError(f"{folder / RUNS} stands without {MANIFEST}; remedy: another folder (--out)")
         return {}
-    left: dict[str, Any] = {}
-    with suppress(OSError, ValueError):
-        left = json.loads(path.read_text("utf-8"))
-    parts = left.get("parts") if isinstance(left, dict) else None
-    if not isinstance(parts, dict) or not _is_sound(left):
-        raise InputError(f"{path} is no manifest of a campaign; remedy: another folder (--out)")
-    if left.get("fingerprint") != case.fingerprint:
-        differ = [name for name, value in case.parts.items() if parts.get(name) != value]
-        if "sampling" in differ and left.get("sampling") == case.campaign.sampling:
-            wanted = left.get("runs", {}).get("wanted")
+    left = read(folder)
+    if left["fingerprint"] != case.fingerprint:
+        differ = [name for name, value in case.parts.items() if left["parts"].get(name) != value]
+        if "sampling" in differ and left["sampling"] == case.campaign.sampling:
+            wanted = left["runs"]["wanted"]
             runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
             differ[differ.index("sampling")] = runs
         raise InputError(
-            f"{folder} holds the campaign {str(left.get('campaign'))!r}, which differs in {', '.join(differ) or 'its parts'}; "
+            f"{folder} holds the campaign {str(left['campaign'])!r}, which differs in {', '.join(differ) or 'its parts'}; "
             "remedy: another folder (--out), or remove it"
         )
     return left

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from pathlib import Path
@@ -13,9 +12,9 @@ import click
 from ..campaign import engine
 from ..campaign.case import Case, read_campaign
 from ..campaign.flying.batches import CrewLost
-from ..campaign.record import MANIFEST
 from ..campaign.replay import Replayed, replay, worst
 from ..campaign.report.page import value_text
+from ..campaign.sums import read
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import with_unit
@@ -98,7 +97,7 @@ def command(
     finally:
         bar.close()
     if not quiet:
-        summary(json.loads((target / MANIFEST).read_text("utf-8")), finished.reason)
+        summary(read(target), finished.reason)
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     if open_ and finished.page is not None:
         open_page(finished.page)
@@ -141,6 +140,13 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
         say(f"\nscenario in {again.file}, results in {folder}")
     if result.failure is not None:
         complain(str(result.failure))
+    if again.differs:
+        run = "the worst case" if index == "worst" else f"run {index}"
+        complain(
+            f"{run}, flown again on fresh instances, is not as in {target}: {'; '.join(again.differs)}; an FMU keeps "
+            "something beyond its reset, or is not deterministic; remedy: the campaign in another folder (--out)"
+        )
+    if result.failure is not None or again.differs:
         return BLOCK_FAILED
     return 0 if all(again.met.values()) and result.passed else EXPECTATION_FAILED
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..campaign.sums import MANIFEST, check
 from ..errors import InputError
 from .console import open_page, say
 from .help import examples
@@ -31,5 +32,7 @@ def command(result_dir: Path) -> None:
             f"{result_dir}: {what}; expected the folder of a run, with report.html, or of a campaign or comparison; "
             "remedy: orchestrate run SCENARIO writes one"
         )
+    if (result_dir / MANIFEST).exists():
+        check(result_dir)
     say(str(page))
     open_page(page)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ...fmu.interfaces import is_path
@@ -29,6 +30,18 @@ class Batch:
     indices: NDArray
     points: Floats | None
     """Of each run (n, dimension); None where the worker draws them from the indices."""
+    check: bool = False
+    """Whether they have been flown, and are flown on fresh instances to be compared."""
+
+
+@dataclass(frozen=True)
+class Flown:
+    """The rows of a batch."""
+
+    rows: RunRows
+    batch: Batch
+    pilot: str = ""
+    """Who flew them one after the other on instances that were reset; "" where they were fresh for each run."""
 
 
 class Batches:
@@ -38,9 +51,14 @@ class Batches:
         """`points` are made here where the workers cannot draw them; `slots` is how many batches are flown at a time."""
         self._indices, self._points, self._slots = indices, points, max(slots, 1)
         self._next, self._size, self._cost = 0, 1, 0.0
+        self._checks: list[int] = []
 
     def next(self) -> Batch | None:
         """The next batch; None where no run is left."""
+        if self._checks:
+            chosen = np.array(self._checks[: self._size])
+            del self._checks[: self._size]
+            return self._batch(chosen, True)
         left = len(self._indices) - self._next
         if left <= 0:
             return None
@@ -49,7 +67,23 @@ class Batches:
         )  # small ones in the end, so that all workers end together
         chosen = self._indices[self._next : self._next + n]
         self._next += n
-        return Batch(chosen, None if self._points is None else self._points(chosen))
+        return self._batch(chosen, False)
+
+    def _batch(self, chosen: NDArray, check: bool) -> Batch:
+        return Batch(chosen, None if self._points is None else self._points(chosen), check)
+
+    def again(self, indices: Iterable[int]) -> None:
+        """Adds runs to those that are left."""
+        self._indices = np.concatenate((self._indices, np.array(list(indices), np.int64)))
+
+    def check(self, indices: Iterable[int]) -> None:
+        """Adds runs that have been flown and are to be checked next."""
+        self._checks += indices
+
+    @property
+    def over(self) -> bool:
+        """Whether no run is left to be flown or checked."""
+        return self._next == len(self._indices) and not self._checks
 
     def took(self, count: int, seconds: float) -> None:
         """Takes note of how long a batch took."""
@@ -66,8 +100,11 @@ class Crew(Protocol):
     def slots(self) -> int:
         """How many batches it flies at a time."""
 
-    def fly(self, batches: Batches) -> Iterator[RunRows]:
-        """The rows of all batches, in any order; each run once."""
+    anew: bool
+    """Whether FMUs are instantiated for each run. What is flown after it is set obeys it."""
+
+    def fly(self, batches: Batches) -> Iterator[Flown]:
+        """The rows of all batches, in any order; each batch once."""
 
 
 def fly(pilot: Pilot, batch: Batch) -> RunRows:

@@ -18,8 +18,8 @@ from uuid import uuid4
 import numpy as np
 
 from ...errors import InputError
-from .batches import Batch, Batches, CrewLost, foreign, seconds
-from .job import Job, RunRows, lost
+from .batches import Batch, Batches, CrewLost, Flown, foreign, seconds
+from .job import Job, lost
 
 try:
     import dask
@@ -60,9 +60,12 @@ class Cluster:
         """Finds out whether FMUs of others come back to their first state by a reset."""
         if foreign(self._job):
             with suppress(KilledWorker):
-                self.anew = not self._client.submit(worker.resets, self._key, pure=False).result()
+                try:
+                    self.anew = not self._client.submit(worker.resets, self._key, pure=False).result()
+                except (CancelledError, OSError) as error:
+                    raise _lost(error) from None
 
-    def fly(self, batches: Batches) -> Iterator[RunRows]:
+    def fly(self, batches: Batches) -> Iterator[Flown]:
         """See `Crew.fly`. Raises CrewLost."""
         pending: dict[Any, Batch] = {}
         suspects: list[Batch] = []
@@ -79,13 +82,14 @@ class Cluster:
             while pending:
                 future = next(arriving)
                 batch = pending.pop(future)
-                rows = self._rows(future)
+                flown = self._flown(future, batch)
                 del future
-                if isinstance(rows, BaseException):
+                if isinstance(flown, BaseException):
                     suspects.append(batch)
                 else:
-                    batches.took(len(rows), seconds(rows))
-                    yield rows
+                    if not batch.check:
+                        batches.took(len(flown.rows), seconds(flown.rows))
+                    yield flown
                 send()
             for batch in suspects:
                 yield from self._alone(batch)
@@ -93,33 +97,39 @@ class Cluster:
             self._client.cancel(list(pending))
 
     def _sent(self, batch: Batch) -> Any:
-        return self._client.submit(worker.fly, self._key, batch, self.anew, pure=False)
+        return self._client.submit(worker.fly, self._key, batch, self.anew or batch.check, pure=False)
 
-    def _rows(self, future: Any) -> RunRows | BaseException:
-        """What a batch gave: its rows, or why there are none. Raises CrewLost."""
+    def _flown(self, future: Any, batch: Batch) -> Flown | BaseException:
+        """Returns what came of a batch, or why there is nothing. Raises CrewLost."""
         try:
-            rows: RunRows = future.result()
+            rows, pilot = future.result()
         except CancelledError:
-            raise CrewLost("the cluster gave up a batch; the same command goes on from what is written") from None
+            raise _lost("the cluster gave up a batch") from None
         except Exception as error:  # of a worker that died, or of its code
             return error
-        return rows
+        return Flown(rows, batch, pilot)
 
-    def _alone(self, batch: Batch) -> Iterator[RunRows]:
+    def _alone(self, batch: Batch) -> Iterator[Flown]:
         """Flies a batch with nothing beside it, since Dask blames all that waits at a worker that dies; then run by run."""
-        rows = self._rows(self._sent(batch))
-        if not isinstance(rows, BaseException):
-            yield rows
+        flown = self._flown(self._sent(batch), batch)
+        if not isinstance(flown, BaseException):
+            yield flown
+        elif batch.check:
+            return  # a check that cannot be made shows nothing
         elif len(batch.indices) > 1:
             for i in range(len(batch.indices)):
                 points = None if batch.points is None else batch.points[i : i + 1]
                 yield from self._alone(Batch(batch.indices[i : i + 1], points))
         else:
             point = self._job.design.points(batch.indices)[0] if batch.points is None else batch.points[0]
-            reason = f"{type(rows).__name__}: {rows}"
-            if isinstance(rows, KilledWorker):
+            reason = f"{type(flown).__name__}: {flown}"
+            if isinstance(flown, KilledWorker):
                 reason = "it ended the process of its worker, each time that it was flown"
-            yield [lost(self._job, int(batch.indices[0]), np.asarray(point), reason)]
+            yield Flown([lost(self._job, int(batch.indices[0]), np.asarray(point), reason)], batch)
+
+
+def _lost(why: object) -> CrewLost:
+    return CrewLost(f"the workers are lost: {why or 'they ended'}; the same command goes on from what is written")
 
 
 @contextmanager
@@ -138,17 +148,21 @@ def cluster(
     ):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set(_settings(dashboard)), _client(workers, scheduler, dashboard) as client:
-        try:
-            client.wait_for_workers(1, timeout=_PATIENCE)
-        except TimeoutError:
-            raise InputError(
-                f"the scheduler {scheduler or ''} has no worker; remedy: dask worker {scheduler or 'ADDRESS'}"
-            ) from None
         setup = worker.Setup(key, job)
-        try:
-            client.register_plugin(setup)
-        except Exception as error:
-            raise InputError(f"a worker cannot take in the campaign: {type(error).__name__}: {error}") from None
+        for left in reversed(range(_TRIES)):  # a worker that dies while it starts is replaced
+            try:
+                client.wait_for_workers(1, timeout=_PATIENCE)
+                client.register_plugin(setup)
+                break
+            except OSError as error:  # among them a TimeoutError, and a connection that broke off
+                if isinstance(error, TimeoutError) and scheduler is not None:
+                    raise InputError(
+                        f"the scheduler {scheduler} has no worker; remedy: dask worker {scheduler}"
+                    ) from None
+                if not left:
+                    raise _lost(error) from None
+            except Exception as error:
+                raise InputError(f"a worker cannot take in the campaign: {type(error).__name__}: {error}") from None
         crew = Cluster(client, key, job)
         try:
             crew.check()
@@ -199,19 +213,27 @@ def local(workers: int | None = None, dashboard: bool = False) -> Iterator[Any]:
         raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
     if not dashboard:  # else Dask would serve pages about itself without one, too
         dask.config.set({"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []})
-    with (
-        dask.config.set(_settings(dashboard)),
-        LocalCluster(
-            n_workers=workers or os.cpu_count() or 1,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            scheduler_kwargs={"dashboard": dashboard},
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-    ):
+    with dask.config.set(_settings(dashboard)), _started(workers or os.cpu_count() or 1, dashboard) as cluster:
         yield cluster
+
+
+def _started(workers: int, dashboard: bool) -> LocalCluster:
+    """Starts so many workers; once more where one of them dies before it has started. Raises CrewLost."""
+    for left in reversed(range(_TRIES)):
+        try:
+            return LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": dashboard},
+                silence_logs=logging.CRITICAL,
+            )
+        except (RuntimeError, OSError) as error:
+            if not left:
+                raise _lost(error) from None
+    raise AssertionError
 
 
 def each(function: Callable[[Any], Any], items: Iterable[Any], scheduler: str) -> Iterator[tuple[int, Any]]:

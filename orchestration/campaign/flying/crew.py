@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from .batches import Batches, Crew, fly, foreign, seconds
-from .job import Job, Pilot, RunRows
+from .batches import Batches, Crew, Flown, fly, foreign, seconds
+from .job import Job, Pilot
 
 
 class Here:
@@ -15,18 +15,22 @@ class Here:
     slots = 1
 
     def __init__(self, job: Job, anew: bool) -> None:
-        self._pilot = Pilot(job, anew)
+        self.anew = anew
+        self._pilots = {anew: Pilot(job, anew) for anew in (False, True)}
 
-    def fly(self, batches: Batches) -> Iterator[RunRows]:
+    def fly(self, batches: Batches) -> Iterator[Flown]:
         """See `Crew.fly`."""
         while (batch := batches.next()) is not None:
-            rows = fly(self._pilot, batch)
-            batches.took(len(rows), seconds(rows))
-            yield rows
+            pilot = self._pilots[anew := self.anew or batch.check]
+            rows = fly(pilot, batch)
+            if not batch.check:
+                batches.took(len(rows), seconds(rows))
+            yield Flown(rows, batch, "" if anew else pilot.name)
 
     def close(self) -> None:
         """Ends the FMUs."""
-        self._pilot.close()
+        for pilot in self._pilots.values():
+            pilot.close()
 
 
 @contextmanager

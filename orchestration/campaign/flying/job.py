@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
+from uuid import uuid4
 
 import numpy as np
 
@@ -101,7 +102,7 @@ class Pilot:
 
     def __init__(self, job: Job, anew: bool = False) -> None:
         """`anew`: the FMUs are instantiated for each run, since a reset does not bring them back to their first state."""
-        self.job = job
+        self.job, self.name = job, uuid4().hex
         self._functions = functions(dict(job.codes))
         nodes = [node for measure in job.measures for node in measure.needed]
         self._flight = Flight(job.opened, nodes, anew)
@@ -139,7 +140,8 @@ class Pilot:
     def resets(self) -> bool:
         """Whether a run on reset FMUs gives what the first one gave: flies run 0, then another, then run 0 again."""
         rows = [self.fly(0, np.full(self.job.draws.dimension, where)) for where in (0.5, 0.25, 0.5)]
-        return _same(rows[0], rows[2])
+        names = [name for name, _ in self.job.columns]
+        return not differing(names, rows[0], rows[2])
 
     def close(self) -> None:
         """Ends the FMUs."""
@@ -162,12 +164,13 @@ def lost(job: Job, index: int, point: Floats, reason: str) -> list[Cell]:
     return failed(job, index, reason, cells, 0.0)
 
 
-_WALL = 3
-"""The place of the wall time in a row, the one cell in which equal runs differ."""
-
-
-def _same(a: Sequence[Cell], b: Sequence[Cell]) -> bool:
-    return all(x == y or (x != x and y != y) for i, (x, y) in enumerate(zip(a, b, strict=True)) if i != _WALL)
+def differing(columns: Sequence[str], row: Sequence[Cell], other: Sequence[Cell]) -> list[str]:
+    """Returns the names of the columns in which two rows of one run differ; the reasons of failures and times count not."""
+    return [
+        name
+        for name, x, y in zip(columns, row, other, strict=True)
+        if name not in ("wall", "reason") and x != y and not (x != x and y != y)
+    ]
 
 
 RunRows = list[list[Cell]]

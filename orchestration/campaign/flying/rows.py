@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,8 @@ import pyarrow.compute as pc
 import pyarrow.dataset as ds
 from numpy.typing import NDArray
 
+from ..sums import parts, read
+
 Floats = NDArray[np.float64]
 
 
@@ -20,9 +21,10 @@ class Rows:
     """The runs of a campaign, read from its folder when they are asked for."""
 
     def __init__(self, folder: Path) -> None:
+        """Raises InputError where the manifest or a part is damaged, missing or none of the campaign."""
         self.folder = folder
-        self.manifest: dict[str, Any] = json.loads((folder / "campaign.json").read_text("utf-8"))
-        files = sorted(map(str, (folder / "runs").glob("part-*.parquet")))
+        self.manifest: dict[str, Any] = read(folder)
+        files = list(map(str, parts(folder, self.manifest["files"], self.manifest["withdrawn"])))
         self._dataset: Any = ds.dataset(files, format="parquet") if files else None
 
     def __len__(self) -> int:

@@ -115,10 +115,10 @@ def _of(key: str) -> Given:
     return _given[key]
 
 
-def fly(key: str, batch: Batch, anew: bool) -> RunRows:
-    """The rows of a batch of the job under this key."""
+def fly(key: str, batch: Batch, anew: bool) -> tuple[RunRows, str]:
+    """Returns the rows of a batch of the job under this key, and the name of the pilot that resets its FMUs."""
     with _of(key).pilot(anew) as pilot:
-        return fly_batch(pilot, batch)
+        return fly_batch(pilot, batch), "" if anew else pilot.name
 
 
 def resets(key: str) -> bool:

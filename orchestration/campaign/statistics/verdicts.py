@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import betainc, betaincc, betaincinv, betaln
-from scipy.stats import binomtest
+from scipy.stats import binom, binomtest
 
 Floats = NDArray[np.float64]
 
@@ -47,6 +47,15 @@ class Requirement:
     name: str
     probability: float
     confidence: float
+
+
+@dataclass(frozen=True)
+class Announced:
+    """The plan of a campaign as it was before the first run; it stands in the campaign's folder and does not change."""
+
+    runs: int
+    early: bool
+    """Whether it may end as soon as all is decided, so that it is looked at after any number of runs."""
 
 
 @dataclass(frozen=True)
@@ -122,18 +131,36 @@ def looks(runs: int) -> list[int]:
     return [*counts, runs]
 
 
-def verdicts(
-    requirements: Iterable[Requirement], met: Mapping[str, int], flown: int, early: bool = False
-) -> list[Verdict]:
-    """What the first `flown` runs say of the requirements; met[name] of them meet a requirement's requirement.
+def elsewhere(successes: int, runs: int, requirement: Requirement, announced: int) -> Bounds:
+    """Returns bounds of a probability at any other end than that of the runs that were announced first.
 
-    `early` where it is looked at more than once; else the number of runs was fixed before.
+    The look at that end is wrong with a probability that Clopper and Pearson's bounds leave somewhat below 1 - C, since
+    counts are whole. Only that rest is left to a confidence sequence here, so whoever chooses the end, before or after
+    the announced one, is told something wrong with probability 1 - C at most.
     """
-    return [_verdict(requirement, met[requirement.name], flown, early) for requirement in requirements]
+    wrong, p = 1.0 - requirement.confidence, requirement.probability
+    met = wrong - float(binom.sf(binom.isf(wrong, announced, p), announced, p))
+    not_met = wrong - float(binom.cdf(binom.ppf(wrong, announced, p) - 1.0, announced, p))
+    low = sequence(successes, runs, 1.0 - met).low if met > 0.0 else 0.0
+    return Bounds(low, sequence(successes, runs, 1.0 - not_met).high if not_met > 0.0 else 1.0)
 
 
-def _verdict(requirement: Requirement, met: int, flown: int, early: bool) -> Verdict:
-    bounds = (sequence if early else fixed)(met, flown, requirement.confidence)
+def verdicts(
+    requirements: Iterable[Requirement], met: Mapping[str, int], flown: int, announced: Announced | None = None
+) -> list[Verdict]:
+    """Returns what the first `flown` runs say of the requirements; met[name] of them meet one.
+
+    `announced` is what was said before the first run; None where that was `flown` runs.
+    """
+    return [_verdict(one, met[one.name], flown, announced or Announced(flown, False)) for one in requirements]
+
+
+def _verdict(requirement: Requirement, met: int, flown: int, announced: Announced) -> Verdict:
+    early, other = announced.early, not announced.early and flown != announced.runs
+    if other:
+        bounds = elsewhere(met, flown, requirement, announced.runs)
+    else:
+        bounds = (sequence if early else fixed)(met, flown, requirement.confidence)
     status: Literal["met", "not met", "undecided"] = "undecided"
     if bounds.low >= requirement.probability:
         status = "met"
@@ -148,7 +175,11 @@ def _verdict(requirement: Requirement, met: int, flown: int, early: bool) -> Ver
     else:
         text += f"{ends(bounds.low, bounds.high)}, each {at}, required {requirement.probability:g}"
         least = runs_needed(requirement.probability, requirement.confidence, early)
-        text += f"; {least} runs are needed at least" if flown < least else ""
+        if other:
+            stopped = "stopped early" if flown < announced.runs else "flown on"
+            text += f"; {stopped}: {announced.runs} runs were announced"
+        elif flown < least:
+            text += f"; {least} runs are needed at least"
     mean = met / flown if flown else None
     return Verdict(
         requirement.name,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -12,9 +11,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from orchestration.campaign import sums
 from orchestration.campaign.file.analysis import Search, Sensitivity
 from orchestration.campaign.statistics import search, sensitivity
-from orchestration.campaign.statistics.verdicts import Requirement, verdicts
+from orchestration.campaign.statistics.verdicts import Announced, Requirement, verdicts
 
 from .analytic import Analytic, separate
 
@@ -79,7 +79,7 @@ def write(
     (folder / "runs").mkdir(parents=True, exist_ok=True)
     columns = pa.table(table)
     for number, part in enumerate(np.array_split(rng.permutation(runs), 3)):
-        pq.write_table(columns.take(part), folder / "runs" / f"part-{number}.parquet")
+        pq.write_table(columns.take(part), folder / "runs" / f"part-{number:06d}.parquet")
     bounds = {"settles": (None, 1158.0), "points": (None, 5e-3), "available": (0.98, None)}
     requirements = [
         Requirement("settles", 0.9, 0.95),
@@ -124,7 +124,7 @@ def write(
             for c in requirements
         ],
         "expectations": [{"name": "the wheel stays within its limits", "column": "expect: the wheel stays within its limits"}],
-        "verdicts": [asdict(v) for v in verdicts(requirements, {n: int(m.sum()) for n, m in met.items()}, runs, early)],
+        "verdicts": [asdict(v) for v in verdicts(requirements, {n: int(m.sum()) for n, m in met.items()}, runs, Announced(runs, early))],
         "early": early,
         "scenario_file": "scenarios/paper_no_singularity.yaml",
         "campaign_file": "detumble_spread.yaml",
@@ -139,7 +139,8 @@ def write(
     }  # fmt: skip
     if analyses:
         manifest |= _analyses()
-    (folder / "campaign.json").write_text(json.dumps({**manifest, **more}, indent=1, allow_nan=False), "utf-8")
+    files = {path.name: sums.digest(path) for path in (folder / "runs").iterdir()}
+    sums.write(folder, {**manifest, "files": files, "withdrawn": [], **more})
     return folder
 
 

@@ -10,10 +10,12 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
+from distributed.comm import CommClosedError
 
 from orchestration.campaign import engine
 from orchestration.campaign.case import read_campaign
@@ -21,7 +23,7 @@ from orchestration.campaign.flying import cluster
 from orchestration.campaign.flying.cluster import each
 from orchestration.errors import InputError
 
-from .test_campaign import changed, rows, toy  # noqa: F401  (a fixture)
+from .test_campaign import changed, command, rows, toy  # noqa: F401  (a fixture)
 
 ROOT = Path(__file__).parents[3]
 KILLER = """\
@@ -100,3 +102,43 @@ def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, s
     assert {row["count"] for row in rows("many")} == {20.0}, "the reset that resets nothing is seen in a worker, too"
     assert fly(toy, "one").flown == 60
     assert rows("many") == rows("one")
+
+
+class Dying:
+    """A `LocalCluster` whose workers die while they start, so many times."""
+
+    def __init__(self, times: int) -> None:
+        self.times, self.made = times, 0
+
+    def __call__(self, **options: object) -> nullcontext[str]:
+        self.made += 1
+        if self.made <= self.times:
+            raise RuntimeError("Nanny failed to start.")
+        return nullcontext("started")
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_workers_that_die_while_they_start_are_started_again_and_at_last_are_lost(toy, times, monkeypatch):  # noqa: F811
+    dying = Dying(times)
+    monkeypatch.setattr(cluster, "LocalCluster", dying)
+    if times < 3:
+        with cluster.local(1) as started_at_last:
+            assert (started_at_last, dying.made) == ("started", times + 1)
+        return
+    result = command(toy, "--workers", 1, "--out", "out")
+    told = "the workers are lost: Nanny failed to start.; the same command goes on from what is written"
+    assert (result.exit_code, told in result.stderr) == (3, True)
+
+
+def test_a_connection_that_breaks_off_while_a_worker_takes_in_the_campaign_is_tried_again(toy, scheduler, monkeypatch):  # noqa: F811
+    register, tries = cluster.Client.register_plugin, []
+
+    def broken(self, *arguments, **more):
+        tries.append(1)
+        if len(tries) == 1:
+            raise CommClosedError("broke off")
+        return register(self, *arguments, **more)
+
+    monkeypatch.setattr(cluster.Client, "register_plugin", broken)
+    assert fly(toy, "out", scheduler, runs=5).flown == 5
+    assert len(tries) == 2

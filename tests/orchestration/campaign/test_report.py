@@ -123,7 +123,7 @@ def test_a_campaign_that_stopped_early_or_did_not_begin_has_a_page(tmp_path):
     assert "stopped early" in early
     assert "They hold at all looks at once (a confidence sequence), so stopping early keeps the confidence." in early
     folder = synthetic.write(
-        tmp_path / "none", 60, analyses=False, verdicts=[], requirements=[], metrics=[], state="interrupted"
+        tmp_path / "none", 60, analyses=False, verdicts=[], requirements=[], metrics=[], state="interrupted", files={}
     )
     for part in (folder / "runs").iterdir():
         part.unlink()

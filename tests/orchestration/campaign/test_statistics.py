@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import binom, quantile_test
 
 from orchestration.campaign.statistics.verdicts import (
+    Announced,
     Requirement,
     evidence,
     fixed,
@@ -151,8 +152,10 @@ def test_early_stopping_asks_for_half_as_many_runs_again_at_most():
 
 def test_a_sure_thing_is_decided_at_one_of_the_first_looks():
     requirement = [Requirement("a", 0.9, 0.95)]
-    good = next(n for n in looks(10**6) if verdicts(requirement, {"a": n}, n, early=True)[0].status == "met")
-    bad = next(n for n in looks(10**6) if verdicts(requirement, {"a": n // 2}, n, early=True)[0].status == "not met")
+    good = next(n for n in looks(10**6) if verdicts(requirement, {"a": n}, n, Announced(n, True))[0].status == "met")
+    bad = next(
+        n for n in looks(10**6) if verdicts(requirement, {"a": n // 2}, n, Announced(n, True))[0].status == "not met"
+    )
     assert good == 45  # 43 would be enough
     assert bad == 30
     assert looks(20) == [20]

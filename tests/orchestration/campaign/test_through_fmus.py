@@ -16,7 +16,7 @@ from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.flying.crew import crew
 from orchestration.campaign.metric_function import FlownMetrics
 from orchestration.campaign.statistics.search import run as search
-from orchestration.campaign.statistics.verdicts import fixed, sequence
+from orchestration.campaign.statistics.verdicts import Requirement, elsewhere, fixed
 from orchestration.cli.main import main
 from orchestration.errors import InputError
 
@@ -104,12 +104,13 @@ def test_too_few_runs_for_a_requirement_are_told_before_the_first(campaign):
     ]
 
 
-def test_runs_that_are_added_to_a_judged_campaign_are_a_second_look_and_the_bounds_allow_for_it(campaign):
+def test_runs_that_are_added_to_those_announced_are_another_end_and_the_bounds_allow_for_it(campaign):
     campaign.write_text(
         "\n".join(line for line in FILE.splitlines() if line.split(":")[0] not in ("sensitivity", "search")), "utf-8"
     )
 
     remarks: list[str] = []
+    required = Requirement("no larger than 16", 0.5, 0.95)
 
     def flown(runs):
         engine.fly(read_campaign(campaign, {"runs": runs}), Path("out"), workers=0, remark=remarks.append)
@@ -119,8 +120,9 @@ def test_runs_that_are_added_to_a_judged_campaign_are_a_second_look_and_the_boun
     for runs, early in ((20, False), (20, False), (30, True), (30, True)):
         looked, verdict = flown(runs)
         assert (looked, verdict["flown"]) == (early, runs)
-        assert any("a second look" in text for text in remarks) == early
-        assert verdict["low"] == (sequence if early else fixed)(verdict["met"], runs, 0.95).low
+        assert any("20 runs were announced, and 30 are another end" in text for text in remarks) == early
+        there = verdict["met"], runs
+        assert verdict["low"] == (elsewhere(*there, required, 20) if early else fixed(*there, 0.95)).low
 
 
 def test_a_search_on_a_manoeuvre_of_the_paper_finds_a_worse_case_than_as_many_random_runs(tmp_path):

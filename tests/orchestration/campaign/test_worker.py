@@ -44,7 +44,7 @@ def given(path: Path, key: str, place: SimpleNamespace) -> worker.Setup:
 
 
 def states(key: str) -> list[object]:
-    return [row[1] for row in worker.fly(key, BATCH, False)]
+    return [row[1] for row in worker.fly(key, BATCH, False)[0]]
 
 
 def test_a_campaign_that_ends_leaves_the_fmus_of_another(toy, place):  # noqa: F811
@@ -66,7 +66,7 @@ def test_a_campaign_that_ends_while_a_batch_flies_lets_it_finish(toy, place, mon
         return fly(pilot, batch)
 
     monkeypatch.setattr(worker, "fly_batch", slow)
-    thread = threading.Thread(target=lambda: rows.extend(worker.fly("slow", BATCH, False)))
+    thread = threading.Thread(target=lambda: rows.extend(worker.fly("slow", BATCH, False)[0]))
     thread.start()
     assert flying.wait(20.0)
     setup.teardown(place)
