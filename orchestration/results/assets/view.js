@@ -304,7 +304,11 @@
     resize();
     paint();
   });
-  new ResizeObserver(() => { if (!printing) resize(); }).observe(stage);
+  new ResizeObserver(() => { // a new size clears the canvas, so it is drawn at once: the next frame shows it
+    if (printing) return;
+    resize();
+    render();
+  }).observe(stage);
   resize();
   paint();
 })();

@@ -148,6 +148,22 @@ def test_the_view_draws_moves_and_turns_and_fits_every_width(chromium, motion):
     assert (chromium.complaints, chromium.foreign) == ([], [])
 
 
+def test_no_frame_shows_labels_without_the_view_when_the_size_changes(chromium, motion):
+    chromium.open(motion, 1400)
+    page = chromium.page
+    page.evaluate(
+        """window.blank = []; new ResizeObserver(() => {  // called after the page's own, before the frame is shown
+          const { width, height } = document.querySelector('[data-part=canvas]');
+          const copy = new OffscreenCanvas(width, height).getContext('2d');
+          copy.drawImage(document.querySelector('[data-part=canvas]'), 0, 0);
+          blank.push(copy.getImageData(0, 0, width, height).data.every(value => value === 0));
+        }).observe(document.querySelector('[data-part=stage]')); 0"""
+    )
+    chromium.settle()
+    chromium.resize(800)
+    assert page.evaluate("window.blank") == [False, False]
+
+
 def test_labels_of_the_view_do_not_stand_on_each_other(chromium, motion):
     """All its vectors are shown at once, at an instant at which some of them point the same way."""
     chromium.open(motion, 390)
