@@ -11,14 +11,19 @@ from fmus.interface import SOURCE, cites
 
 from ..errors import writing
 from ..quantities import ONE, with_unit
-from ..results.html import Page, each, items, joined, part, pieces, rows, verdict
-from ..results.plots import CURVES, ROWS, Curve, axis, plot, unit_of_values
+from ..results.curves import axis, unit_of_values
+from ..results.html import Page, each, header, joined, listed, piece, section, table, verdict
+from ..results.plots import CURVES, ROWS, Curve, plot
 from ..results.report import figure, fmu_table
 from . import verdict as words
 from .compare import Comparison, Difference
 from .verdict import DIFFERENCES, colour, meaning, rows_of_differences
 
-_TEMPLATE = "comparison.html"
+_CLOSED = (
+    "The whole run twice: with our block, and with theirs in its place. The status is that of the run with theirs."
+)
+_EXPECTATIONS = ("status", "expectation", "ours", "theirs", "expected")
+_KEY_FIGURES = ("signal", "ours at the end", "theirs at the end", "ours, largest", "theirs, largest")
 
 
 def write(comparison: Comparison, folder: Path) -> Path:
@@ -34,41 +39,41 @@ def page(comparison: Comparison) -> str:
     """The page of a comparison."""
     ours, theirs = comparison.ours, comparison.theirs
     made = Page(ours)
-    title = {"block": comparison.block, "fmu": Path(comparison.fmu).name}
-    header = pieces(_TEMPLATE)["header"].format(
-        **title,
-        scenario=ours.scenario.name,
-        description=ours.scenario.description,
-        kind={"green": "good", "yellow": "warn", "red": "bad"}[colour(comparison)],
-        verdict=words.verdict(comparison),
-        failure=comparison.failure or "",
-    )
+    title = f"{comparison.block} against {Path(comparison.fmu).name}"
+    kind = {"green": "good", "yellow": "warn", "red": "bad"}[colour(comparison)]
+    failure = Markup('<pre class="failure">{}</pre>\n').format(comparison.failure) if comparison.failure else ""
+    figures = joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)
     parts = [
-        header,
-        _open_loop(comparison, made),
-        pieces(_TEMPLATE)["closed_loop"].format(
-            claims=rows(_claims(comparison), ("status", "expectation", "ours", "theirs", "expected"))
+        header(
+            title,
+            f"{ours.scenario.name}: {ours.scenario.description}",
+            [(kind, words.verdict(comparison))],
+            failure,
         ),
-        part(_TEMPLATE, "key_figures", rows(_key_figures(comparison))),
-        part(_TEMPLATE, "figures", joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)),
-        part(_TEMPLATE, "notes", items(theirs.warnings)),
+        _open_loop(comparison, made),
+        section("Closed loop", _CLOSED + table(_EXPECTATIONS, _claims(comparison))),
+        section("Key figures", table(_KEY_FIGURES, _key_figures(comparison))),
+        section(
+            "Figures of the closed loop", figures, Markup('<p class="hint">Ours is wide and pale, theirs thin.</p>\n')
+        ),
+        section("Notes", listed(theirs.warnings, "notes")),
         fmu_table("FMUs compared", "whose", _fmus(comparison)),
     ]
-    return made.html("{block} against {fmu}".format(**title), parts)
+    return made.html(title, parts)
 
 
 def _open_loop(comparison: Comparison, made: Page) -> Markup:
-    table = [[verdict(status), *cells] for status, cells in rows_of_differences(comparison)]
+    cells = [[verdict(status), *cells] for status, cells in rows_of_differences(comparison)]
     compared = [difference for difference in comparison.differences if difference.largest is not None]
     variables = comparison.ours.models[comparison.block].variables
     cited = [SOURCE] if any(cites(variables[difference.output].description) for difference in compared) else []
-    return pieces(_TEMPLATE)["open_loop"].format(
-        meaning=each(Markup("<p>{}</p>\n"), [*meaning(comparison), *cited]),
-        head=each(Markup('<th scope="col">{}</th>'), DIFFERENCES),
-        differences=rows(table, ("status", *DIFFERENCES)),
-        hint=pieces("pieces.html")["hint"] if compared else "",
-        figures=joined(_output(comparison, difference, made) for difference in compared),
-    )
+    content = [
+        each("<p>{}</p>\n", [*meaning(comparison), *cited]),
+        table(("status", *DIFFERENCES), cells),
+        piece("hint") if compared else "",
+        *(_output(comparison, difference, made) for difference in compared),
+    ]
+    return section("Open loop", joined(content))
 
 
 def _output(comparison: Comparison, difference: Difference, made: Page) -> Markup:

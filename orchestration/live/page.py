@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
@@ -10,12 +11,12 @@ from markupsafe import Markup
 from ..quantities import ONE
 from ..results import phases
 from ..results import view as seen
+from ..results.curves import window
 from ..results.data import RunData
-from ..results.html import Page, asset, joined, pieces
+from ..results.html import Page, asset, joined, piece, pieces, section
 from ..results.report import figure
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
-from ..scenario.live import LiveFault
 from ..scenario.references import Reference
 from ..system.panels import unit_of
 from ..system.wiring import Node
@@ -24,75 +25,77 @@ from .sliders import Control
 from .system import Live
 
 _POLICY = " 'wasm-unsafe-eval'; worker-src blob:"
+_HERE = Path(__file__).parent
+_BADGES = Markup('<span class="badge plain" id="verdict">flying</span> <span class="badge plain" id="speed"></span>')
 _PLOTS = 6
 """Plots of a scenario that has no figures."""
 
 
 def page(live: Live, native: RunData) -> str:
-    """The page; `native` is the run of the scenario as it stands."""
-    parts, entries = pieces("live.html"), _entries(native)
+    """Returns the page; `native` is the run of the scenario as it stands."""
+    parts, entries, scenario = pieces(_HERE / "page.html"), _entries(native), live.scenario
     made = Page(native, live=True, faults=bool(live.faults))
     figures = [figure(native, entry, made) for entry in entries]
-    scenario = live.scenario
     shown = seen.view(native, made.arrays)
-    sliders = [
-        parts["slider"].format(
-            label=control.slider.label or control.slider.start,
-            least=repr(control.least),
-            most=repr(control.most),
-            value=repr(control.value),
-            number=number,
-        )
-        for number, control in enumerate(live.controls)
-    ]
-    names = [*(sentence(fault) for fault in scenario.faults), *(f.name for f in _added(live))]
-    buttons = [
-        parts["fault"].format(
-            number=i,
-            pressed=str(i < len(scenario.faults)).lower(),
-            state="" if does else " disabled",
-            text=sentence(fault),
-            name=name,
-        )
-        for i, (fault, does, name) in enumerate(zip(live.faults, live.each, names, strict=True))
-    ]
+    first = parts["first"].format(
+        kind=" both" if shown else "",
+        view=made.view(shown),
+        first=figures[0],
+        name=scenario.name,
+        sliders=joined(_slider(parts["slider"], *entry) for entry in enumerate(live.controls)),
+        faults=_buttons(live, parts["fault"]),
+        hash=native.sha256,
+        file=_file(live),
+    )
     body = [
-        Markup("<style>{}</style>").format(Markup(str(parts["style"]).replace("{{", "{").replace("}}", "}"))),
-        parts["header"].format(name=scenario.name, description=scenario.description),
-        parts["first"].format(
-            kind=" both" if shown else "",
-            view=made.view(shown),
-            first=figures[0],
-            name=scenario.name,
-            sliders=joined(sliders),
-            faults=joined(buttons),
-            hash=native.sha256,
-            file=_file(live),
-        ),
-        parts["figures"].format(hint=pieces("pieces.html")["hint"], content=joined(figures[1:]))
-        if figures[1:]
-        else Markup(""),
+        piece("header", title=scenario.name, lead=scenario.description, badges=_BADGES, content=""),
+        first,
+        section("Figures", joined(figures[1:]), piece("hint")),
     ]
     flown = {
         "plots": [_plot(native, entry, panel) for entry in entries for panel in entry.panels],
         "phases": columns(native, phases.conditions(native)) if scenario.phases else None,
         "view": shown and motion(native, shown),
     }
+    script, style = asset(_HERE / "page.js"), asset(_HERE / "page.css")
     data = {"live": {**_data(live, flown), "hash": native.sha256}}
-    return made.html(f"{scenario.name}: live", body, asset("live.js"), _POLICY, data)
+    return made.html(f"{scenario.name}: live", body, script, _POLICY, style, data)
+
+
+def _slider(piece: Markup, number: int, control: Control) -> Markup:
+    return piece.format(
+        label=control.slider.label or control.slider.start,
+        least=repr(control.least),
+        most=repr(control.most),
+        value=repr(control.value),
+        number=number,
+    )
+
+
+def _buttons(live: Live, piece: Markup) -> Markup:
+    """Returns a button for each fault; one that does nothing in a shortened run is disabled."""
+    own = len(live.scenario.faults)
+    added = live.scenario.live.faults if live.scenario.live else []
+    names = [*(sentence(fault) for fault in live.scenario.faults), *(fault.name for fault in added)]
+    return joined(
+        piece.format(
+            number=i,
+            pressed=str(i < own).lower(),
+            state="" if does else " disabled",
+            text=sentence(fault),
+            name=name,
+        )
+        for i, (fault, does, name) in enumerate(zip(live.faults, live.each, names, strict=True))
+    )
 
 
 def _entries(native: RunData) -> list[FigureEntry]:
-    """The scenario's figures; where it has none, one for each of some signals."""
+    """Returns the scenario's figures; where it has none, one for each of some signals."""
     if native.scenario.figures:
         return native.scenario.figures
     expected = [entry.signal for entry in native.scenario.expect if entry.signal in native]
     names = list(dict.fromkeys(expected or native))[:_PLOTS]
     return [FigureEntry(name="signal", title=n, panels=[Panel(signals=[Reference(n)])]) for n in names]
-
-
-def _added(live: Live) -> list[LiveFault]:
-    return live.scenario.live.faults if live.scenario.live else []
 
 
 def _file(live: Live) -> str:
@@ -108,7 +111,7 @@ def _data(live: Live, flown: dict[str, Any]) -> dict[str, Any]:
         "step": scenario.step,
         "duration": scenario.duration,
         "wasm": base64.b64encode(live.wasm).decode("ascii"),
-        "worker": asset("live_worker.js"),
+        "worker": asset(_HERE / "worker.js"),
         "starts": live.tables.values,
         "controls": [_control(live, control) for control in live.controls],
         "faults": [
@@ -153,15 +156,14 @@ def _control(live: Live, control: Control) -> dict[str, Any]:
 
 
 def _plot(native: RunData, entry: FigureEntry, panel: Panel) -> dict[str, Any]:
-    """How the curves of a panel come from the recorded columns."""
+    """Returns how the curves of a panel come from the recorded columns."""
     curves: list[dict[str, Any]] = []
     for name in panel.signals:
         variable, columns = native.variable(name), native.places(name)
         factor, offset = (variable.unit or ONE).conversion(unit_of(panel, variable))
-        groups = [columns] if panel.measure == "norm" else [[column] for column in columns]
         norm = panel.measure == "norm"
+        groups = [columns] if norm else [[column] for column in columns]
         curves += [{"columns": group, "norm": norm, "factor": factor, "offset": offset} for group in groups]
-    window = entry.window or [float(native.time[0]), float(native.time[-1])]
     shade = native.places(entry.shade)[0] if entry.shade else None
     mark = native.places(entry.mark)[0] if entry.mark else None
-    return {"curves": curves, "shade": shade, "mark": mark, "window": window}
+    return {"curves": curves, "shade": shade, "mark": mark, "window": window(native, entry)}

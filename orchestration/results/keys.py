@@ -6,6 +6,8 @@ import textwrap
 from dataclasses import dataclass, field
 from typing import Any
 
+from .curves import crossings_text
+
 _FAULTS = ("#c00000", "#e07b00", "#7b1fa2", "#5d4037")
 """Colours of the bars of faults, in turn."""
 _FONT = 8
@@ -13,8 +15,6 @@ _LETTERS = 14.5
 """Letters of that size on an inch, about."""
 _GAP = 0.06
 """Inches between what stands below one another."""
-_CROSSINGS = 6
-"""Crossings that are listed one by one."""
 
 
 @dataclass
@@ -57,9 +57,7 @@ class Keys:
         """What kind of thing each line explains, and the line; those of faults follow."""
         several = len(self.lines) > 1
         found = [("line", what + (f" ({', '.join(panels)})" if several else "")) for what, panels in self.lines.items()]
-        for signal, times in self.marks.items():
-            more = f" and {len(times) - _CROSSINGS} more" if len(times) > _CROSSINGS else ""
-            found.append(("mark", f"{signal} = 0 at {', '.join(f'{time:.2f} s' for time in times[:_CROSSINGS])}{more}"))
+        found += [("mark", crossings_text(signal, times)) for signal, times in self.marks.items()]
         return found + [("shade", f"{signal} is true") for signal in self.shades]
 
 

@@ -13,8 +13,8 @@ from ..quantities import ONE, QuantityError, Unit, value_in
 from ..scenario.figures import FigureEntry, Panel
 from ..system import acting
 from .arrays import MARKS, Arrays, Span, few, kept
+from .curves import axis, crossings, curves, spans, unit_of_values, window
 from .data import RunData
-from .figures import curves, zero_crossings
 
 ROWS = 5000
 """Rows that a plot of the scenario's figures keeps, about."""
@@ -58,7 +58,7 @@ def of_panel(
     result: RunData, entry: FigureEntry, panel: Panel, arrays: Arrays, over: RunData | None = None
 ) -> dict[str, Any]:
     """The plot of a figure's panel; `over` is a run of the same scenario whose curves are drawn over these."""
-    window = (entry.window[0], entry.window[1]) if entry.window else _whole(result.time)
+    shown = window(result, entry)
     drawn: list[Curve] = []
     others: list[Curve] = []
     variables = list(dict.fromkeys(reference.whole for reference in panel.signals))
@@ -73,12 +73,12 @@ def of_panel(
                 others.append(Curve(f"{name}, theirs", theirs[i], place))
             drawn.append(Curve(name if over is None else f"{name}, ours", values, place, over is not None, layer=layer))
     return {
-        **plot(result.time, axis(panel.label or panel.signals[0], unit), [*drawn, *others], arrays, ROWS, window),
+        **plot(result.time, axis(panel.label or panel.signals[0], unit), [*drawn, *others], arrays, ROWS, shown),
         "unit": unit_of_values(unit),
         "scale": panel.scale,
         "lines": [value_in(line, unit) for line in panel.lines],
         "lines_are": panel.lines_are,
-        "shade": shaded(result, entry.shade, window) if entry.shade else [],
+        "shade": _shaded(result, entry.shade, shown) if entry.shade else [],
         "marks": crossings(result, entry)[:MARKS],
     }
 
@@ -91,27 +91,11 @@ def _padded(result: RunData, reference: str, panel: Panel, rows: int) -> list[Fl
     return [np.concatenate([values, np.full(rows - len(values), np.nan)]) for values in short]
 
 
-def _whole(time: Floats) -> Span:
-    return float(time[0]), float(time[-1])
-
-
-def crossings(result: RunData, entry: FigureEntry) -> list[float]:
-    """When a figure's marked signal changes its sign, s."""
-    if not entry.mark:
-        return []
-    low, high = entry.window or (result.time[0], result.time[-1])
-    rows = (result.time >= low) & (result.time <= high)
-    return zero_crossings(result.time[rows], result[entry.mark][rows])
-
-
-def shaded(result: RunData, flag: str, window: Span) -> list[Span]:
-    """When a boolean signal is true."""
-    true = result[flag].astype(np.int8).ravel()
-    edges = np.diff(true, prepend=0, append=0)
-    last = len(true) - 1
-    begins, ends = np.flatnonzero(edges > 0), np.minimum(np.flatnonzero(edges < 0), last)
-    found = zip(result.time[begins].tolist(), result.time[ends].tolist(), strict=True)
-    return few([(max(a, window[0]), min(b, window[1])) for a, b in found if a <= window[1] and b >= window[0]])
+def _shaded(result: RunData, flag: str, shown: Span) -> list[Span]:
+    """Returns when a boolean signal is true within the times that are shown."""
+    low, high = shown
+    found = spans(result.time, result[flag].ravel())
+    return few([(max(a, low), min(b, high)) for a, b in found if a <= high and b >= low])
 
 
 def faulty(result: RunData) -> list[Span]:
@@ -174,10 +158,10 @@ def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Grou
 
 
 def plot(
-    time: Floats, label: str, drawn: Sequence[Curve], arrays: Arrays, rows: int, window: Span | None = None
+    time: Floats, label: str, drawn: Sequence[Curve], arrays: Arrays, rows: int, shown: Span | None = None
 ) -> dict[str, Any]:
     """A plot with its curves, of which it keeps about so many rows."""
-    low, high = window or _whole(time)
+    low, high = shown or (float(time[0]), float(time[-1]))
     part = slice(int(np.searchsorted(time, low)), int(np.searchsorted(time, high, side="right")))
     values, time = np.column_stack([curve.values[part] for curve in drawn]), time[part]
     chosen = kept(values, rows)
@@ -225,13 +209,3 @@ def _constant(variable: Variable, values: Floats, unit: Unit) -> str:
 
     text = ", ".join(one(value) for value in values[:CURVES].tolist()) + (", ..." if len(values) > CURVES else "")
     return axis(text if len(values) == 1 else f"[{text}]", unit, " ")
-
-
-def unit_of_values(unit: Unit) -> str:
-    """What stands behind a value: its unit, if there is one."""
-    return "" if unit.name in ("", "1") else str(unit)
-
-
-def axis(text: str, unit: Unit, between: str = ", ") -> str:
-    """The label of an axis: what it shows, and the unit if there is one."""
-    return f"{text}{between}{unit}" if unit_of_values(unit) else text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +14,12 @@ from ..scenario.figures import FigureEntry
 from ..system import acting
 from . import lateness, plots
 from . import view as seen
+from .curves import crossings, crossings_text
 from .data import RunData, json_text
-from .html import Page, cards, items, joined, key, part, pieces, rows, verdict
+from .html import Page, facts, fold, header, joined, key, listed, piece, section, table, verdict
 
-_CROSSINGS = 6
-"""Crossings that a caption lists one by one."""
-_CLAIMS = ("status", "expectation", "found", "expected", "margin", "signal")
-_part = partial(part, "report.html")
-_pieces = partial(pieces, "report.html")
+_EXPECTATIONS = ("status", "expectation", "found", "expected", "margin", "signal")
+_FMU = ("model", "file", "made by", "isolation", "SHA-256")
 
 
 def write(result: RunData, path: Path) -> None:
@@ -37,25 +34,28 @@ def page(result: RunData, files: Sequence[str] = ()) -> str:
     made = Page(result)
     figures = [figure(result, entry, made) for entry in result.scenario.figures] if len(result.time) else []
     view = made.view(seen.view(result, made.arrays))
+    first = Markup('<div class="first{}">{}</div>\n').format(
+        " both" if view and figures else "", view + joined(figures[:1])
+    )
     parts = [
         _header(result),
-        _part("first", joined([view, *figures[:1]]), kind=" both" if view and figures else ""),
+        first if view or figures else view,
         _facts(result, files),
-        _part("expectations", rows(_expectations(result), _CLAIMS)),
-        _part("columns", _events(result)),
-        _part("notes", items(result.warnings)),
+        section("Expectations", table(_EXPECTATIONS, _expectations(result), "claims")),
+        Markup('<div class="columns">\n{}</div>\n').format(_events(result)),
+        section("Notes", listed(result.warnings, "notes")),
         _realtime(result, made),
-        *([_part("figures", joined(figures[1:]), hint=_hint()), *_signals(result, made)] if len(result.time) else []),
+        *(
+            [section("Figures", joined(figures[1:]), piece("hint")), *_signals(result, made)]
+            if len(result.time)
+            else []
+        ),
         fmu_table("Blocks", "block", result.manifest.get("fmus", {})),
         manifest_fold(
             "manifest.json", "the scenario as resolved, parameters, versions, platform", public(result.manifest)
         ),
     ]
     return made.html(f"{result.scenario.name}: {_outcome(result)[1]}", parts)
-
-
-def _hint() -> Markup:
-    return pieces("pieces.html")["hint"]
 
 
 def _outcome(result: RunData) -> tuple[str, str]:
@@ -79,32 +79,28 @@ def _outcome(result: RunData) -> tuple[str, str]:
 
 
 def _header(result: RunData) -> Markup:
-    scenario = result.scenario
     badges = [_outcome(result)]
     badges += [("warn", f"{hold.name} latched") for hold in result.holds if hold.latched]
-    if n := len(scenario.faults):
+    if n := len(result.scenario.faults):
         badges.append(("warn", f"{n} fault{'s' * (n > 1)} injected"))
-    return _pieces()["header"].format(
-        name=scenario.name,
-        description=scenario.description,
-        badges=joined(_pieces()["badge"].format(kind=kind, text=text) for kind, text in badges),
-        failure=result.failure or "",
-    )
+    failure = Markup('<pre class="failure">{}</pre>\n').format(result.failure) if result.failure else ""
+    return header(result.scenario.name, result.scenario.description, badges, failure)
 
 
 def _facts(result: RunData, files: Sequence[str]) -> Markup:
     scenario, manifest = result.scenario, result.manifest
     speed = f", {result.steps / result.wall:,.0f} steps/s" if result.wall else ""
-    links = (Markup('<a href="{}">{}</a>').format(name, name) for name in files)
-    return _pieces()["facts"].format(
-        simulated=f"{result.reached:.10g} s" if len(result.time) else "nothing",
-        steps=f"{result.steps} of {scenario.step:.6g} s, {scenario.exchange}",
-        wall=f"{result.wall:.2f} s{speed}",
-        recorded=f"{len(result.columns)} signals, {len(result.time)} samples",
-        scenario=public(manifest.get("scenario_file") or ""),
-        options=", ".join(str(public(option)) for option in manifest.get("options", ())),
-        files=Markup(", ").join(links),
-        finished=str(manifest.get("finished", "")).replace("T", " ").replace("+00:00", " UTC"),
+    return facts(
+        {
+            "simulated": f"{result.reached:.10g} s" if len(result.time) else "nothing",
+            "steps": f"{result.steps} of {scenario.step:.6g} s, {scenario.exchange}",
+            "wall time": f"{result.wall:.2f} s{speed}",
+            "recorded": f"{len(result.columns)} signals, {len(result.time)} samples",
+            "scenario": public(manifest.get("scenario_file") or ""),
+            "options": ", ".join(str(public(option)) for option in manifest.get("options", ())),
+            "files": Markup(", ").join(Markup('<a href="{0}">{0}</a>').format(name) for name in files),
+            "finished": str(manifest.get("finished", "")).replace("T", " ").replace("+00:00", " UTC"),
+        }
     )
 
 
@@ -123,36 +119,35 @@ def _expectations(result: RunData) -> list[list[object]]:
 
 
 def _events(result: RunData) -> Markup:
-    """Holds, injected faults, key figures, flags."""
-    holds = [
-        _pieces()["hold"].format(kind="warn" if hold.latched else "name", name=hold.name, text=hold.text)
-        for hold in result.holds
-    ]
+    """Returns the holds, injected faults, timeline, key figures and flags."""
+    hold = Markup('<strong class="{}">{}</strong>: {}')
+    holds = [hold.format("warn" if h.latched else "name", h.name, h.text) for h in result.holds]
     figures = [[h.signal, with_unit(h.final, h.unit), h.text] for h in result.highlights]
     return joined(
         [
-            _part("holds", items(holds)),
-            _part("faults", items(acting.fault_sentences(result.scenario, result.models, result.reached))),
-            _part("timeline", items(acting.timeline_sentences(result.scenario, result.reached))),
-            _part("key_figures", rows(figures)),
-            _part("flags", items(result.raised)),
+            section("Holds", listed(holds)),
+            section("Injected faults", listed(acting.fault_sentences(result.scenario, result.models, result.reached))),
+            section("Timeline", listed(acting.timeline_sentences(result.scenario, result.reached))),
+            section("Key figures", table(("signal", "at the end", "largest"), figures)),
+            section("Flags raised", listed(result.raised)),
         ]
     )
 
 
 def _realtime(result: RunData, made: Page) -> Markup:
-    """How a paced run kept its deadlines."""
+    """Returns how a paced run kept its deadlines."""
     pace = result.pace
     if pace is None or not len(pace.lateness):
         return Markup("")
     panels = [lateness.histogram(pace, made.arrays), lateness.over_time(pace, made.arrays)]
-    return _part(
-        "realtime",
-        rows(lateness.figures(pace)),
-        facts=items(lateness.facts(pace)),
-        late=_part("late", items(late.text for late in pace.listed)),
-        figure=made.figure("Lateness of the base steps", panels, kind="n2"),
-    )
+    late = listed((late.text for late in pace.listed), "notes")
+    content = [
+        table(("", "p50", "p99", "p99.9", "largest"), lateness.figures(pace)),
+        listed(lateness.facts(pace)),
+        Markup("<h3>Late steps</h3>\n") + late if late else late,
+        made.figure("Lateness of the base steps", panels, kind="n2"),
+    ]
+    return section("Real time", joined(content))
 
 
 def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None = None) -> Markup:
@@ -163,10 +158,8 @@ def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None
         notes.append(key("shade", f"shaded: {entry.shade} is true"))
     if entry.mark and made.live:  # whose flights have other times
         notes.append(key("mark", f"dotted: {entry.mark} = 0"))
-    elif times := plots.crossings(result, entry):
-        listed = ", ".join(f"{time:.2f} s" for time in times[:_CROSSINGS])
-        more = f" and {len(times) - _CROSSINGS} more" if len(times) > _CROSSINGS else ""
-        notes.append(key("mark", f"dotted: {entry.mark} = 0 at {listed}{more}"))
+    elif times := crossings(result, entry):
+        notes.append(key("mark", f"dotted: {crossings_text(entry.mark or '', times)}"))
     return made.figure(entry.title or entry.name, panels, notes=notes, kind=f"n{min(len(panels), 3)}")
 
 
@@ -180,14 +173,14 @@ def _signals(result: RunData, made: Page) -> list[Markup]:
     for group in groups:
         if group not in expected:
             blocks.setdefault(group.name.split(".")[0], []).append(group)
-    in_the_open = joined(_group(group, made, "n1") for group in expected)
     alone = not entries and not expected
     folds = [_block(name, members, made, " paper" if alone else "") for name, members in blocks.items()]
     if left:
-        folds.append(_pieces()["left_out"].format(count=left))
+        folds.append(Markup("<p>{} more signals are in the signals' file beside this page.</p>\n").format(left))
+    in_the_open = joined(_group(group, made, "n1") for group in expected)
     return [
-        _part("expected_signals", in_the_open, hint=_hint()),
-        _part("signals", joined(folds), hint=_hint()) if alone else _part("other_signals", joined(folds)),
+        section("Signals of the expectations", in_the_open, piece("hint")),
+        section("Signals" if alone else "Other signals", joined(folds), piece("hint") if alone else ""),
     ]
 
 
@@ -195,12 +188,13 @@ def _block(name: str, groups: list[plots.Group], made: Page, paper: str) -> Mark
     moving = [group for group in groups if group.plot is not None]
     still = [[group.name, group.constant, group.description] for group in groups if group.plot is None]
     plotted = f"{len(moving)} plot{'s' * (len(moving) != 1)}" if moving else ""
-    return _pieces()["block"].format(
-        block=name,
-        count=", ".join(filter(None, (plotted, f"{len(still)} constant" if still else ""))),
-        plots=joined(_group(group, made) for group in moving),
-        constants=_part("constants", rows(still)),
-        paper=paper,
+    constants = Markup("<h3>Constant signals</h3>\n"), table(("signal", "value", "description"), still)
+    return fold(
+        name,
+        ", ".join(filter(None, (plotted, f"{len(still)} constant" if still else ""))),
+        (_group(group, made) for group in moving),
+        *(constants if still else ()),
+        kind=paper,
     )
 
 
@@ -211,9 +205,8 @@ def _group(group: plots.Group, made: Page, kind: str = "") -> Markup:
 
 
 def fmu_table(heading: str, first: str, fmus: Mapping[str, Mapping[str, Any]]) -> Markup:
-    """The FMUs of a manifest; `first` is the name of the column with their keys."""
+    """Returns the FMUs of a manifest; `first` is the name of the column with their keys."""
     path, code = Markup('<span class="path">{}</span>'), Markup("<code>{}</code>")
-    piece = pieces("pieces.html")["fmus"]
     cells = [
         [
             name,
@@ -225,13 +218,13 @@ def fmu_table(heading: str, first: str, fmus: Mapping[str, Mapping[str, Any]]) -
         ]
         for name, fmu in fmus.items()
     ]
-    return piece.format(heading=heading, first=first, content=cards(piece, cells)) if cells else Markup("")
+    return section(heading, table((first, *_FMU), cells, "named"))
 
 
 def manifest_fold(file: str, about: str, data: object) -> Markup:
-    """A manifest, folded; nothing where there is none."""
-    text = json_text(data) if data else ""
-    return part("pieces.html", "manifest", text, file=file, about=about)
+    """Returns a manifest, folded; nothing where there is none."""
+    content = piece("manifest", file=file, about=about, content=json_text(data)) if data else ""
+    return section("Manifest", content)
 
 
 def public(data: Any) -> Any:

@@ -7,9 +7,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ...results.html import joined, pieces, verdict
+from ...results import html
+from ...results.html import facts, verdict
 from ..statistics.verdicts import ends, percent
-from .template import piece
 
 _BASIS = {
     "latin hypercube": "They are those of independent draws; a Latin hypercube makes them wider than needed as a rule.",
@@ -48,19 +48,16 @@ def header(manifest: dict[str, Any]) -> Markup:
     seconds = manifest.get("wall_time") or 0.0
     rate = f", {counts['flown'] / seconds:,.3g} runs/s" if seconds else ""
     few = f" of {counts['wanted']:,}" if counts["flown"] < counts["wanted"] else ""
-    return piece("header").format(
-        name=manifest["campaign"],
-        description=manifest.get("description") or "",
-        badges=joined(pieces("report.html")["badge"].format(kind=kind, text=text) for kind, text in badges),
-        runs=f"{counts['flown']:,}{few}",
-        failed=f"{counts['failed']:,}" if counts["failed"] else "",
-        drawn=manifest["sampling"]
-        if manifest["sampling"] == "grid"
-        else f"{manifest['sampling']}, seed {manifest['seed']}",
-        scenario=manifest.get("scenario_file") or manifest.get("scenario") or "",
-        wall=f"{seconds:,.3g} s{rate}",
-        finished=str(manifest.get("finished") or "").replace("T", " ").replace("+00:00", " UTC"),
-    )
+    seed = "" if manifest["sampling"] == "grid" else f", seed {manifest['seed']}"
+    entries = {
+        "runs": f"{counts['flown']:,}{few}",
+        "failed runs": f"{counts['failed']:,}" if counts["failed"] else "",
+        "drawn": f"{manifest['sampling']}{seed}",
+        "scenario": manifest.get("scenario_file") or manifest.get("scenario") or "",
+        "wall time": f"{seconds:,.3g} s{rate}",
+        "finished": str(manifest.get("finished") or "").replace("T", " ").replace("+00:00", " UTC"),
+    }
+    return html.header(manifest["campaign"], manifest.get("description") or "", badges, facts(entries))
 
 
 def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
