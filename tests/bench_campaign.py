@@ -15,7 +15,7 @@ import orchestration
 from orchestration.campaign import engine
 from orchestration.campaign.case import prepare
 from orchestration.campaign.file.campaign import Campaign
-from orchestration.campaign.flying.batches import TARGET
+from orchestration.campaign.flying.batches import TARGET, Progress
 from orchestration.campaign.flying.job import Pilot
 from orchestration.master.compiled import CompiledLoop
 from orchestration.scenario.source import Source
@@ -62,7 +62,7 @@ def orbits(scenario: dict[str, Any], count: int, row: Row) -> None:
     cores = os.cpu_count() or 1
     for workers, runs in ((cores, count), (max(cores // 2, 1), count // 4)):
         with tempfile.TemporaryDirectory() as folder:
-            marks: list[engine.Progress] = []
+            marks: list[Progress] = []
             finished = engine.fly(case(scenario, runs), Path(folder) / "out", workers, tell=marks.append)
         flying = marks[-1].seconds
         name = f"campaign: {runs} orbits, {workers} worker{'s' * (workers > 1)}"

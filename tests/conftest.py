@@ -49,7 +49,7 @@ MARKERS = {
     "isolate": (
         "orchestration/cli",
         "orchestration/acceptance/test_page.py",
-        "orchestration/campaign/test_cluster.py",
+        "orchestration/campaign/flying/test_cluster.py",
         "orchestration/instances",
         "orchestration/results/test_endings.py",
         "orchestration/results/test_outputs.py",

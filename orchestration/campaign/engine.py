@@ -10,44 +10,24 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError, reason
 from ..interrupt import held
 from ..results.place import reserved
 from .case import Case
-from .flying.batches import Batches, Crew, foreign
-from .flying.checks import Checks
+from .flying.batches import Crew, Tell
 from .flying.crew import crew
-from .flying.job import RunRows, differing
 from .record import announced_first, earlier_start, manifest
 from .report import page as report
-from .statistics import verdicts as statistics
-from .statistics.verdicts import Announced, Verdict
+from .statistics.bounds import looks
+from .statistics.verdicts import Announced, Verdict, verdicts
 from .sums import write
 
 try:
     from .extras import ANALYSES, analyse, keep
     from .flying.dataset import Dataset
+    from .flying.flights import Flights
 except ModuleNotFoundError:  # in a place without PyArrow, of which `fly` tells
     Dataset = None  # type: ignore[assignment, misc]
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a campaign stands."""
-
-    flown: int
-    """Runs that are there, those of an earlier start included."""
-    wanted: int
-    failed: int
-    fresh: int
-    """Runs of this start."""
-    seconds: float
-    """Since its first batch was sent."""
-
-
-Tell = Callable[[Progress], None]
 
 
 @dataclass
@@ -112,11 +92,8 @@ class _Campaign:
         self._earlier = earlier_start(case, folder)
         self._announced = announced_first(case, self._earlier)
         self._data = Dataset(folder, case.job, case.runs, self._earlier, self._note)
-        self._there = int(self._data.done.sum())
+        self._flights = Flights(case.job, self._data, self._earlier, self._hire, remark)
         self._state, self._verdicts, self._signal = "running", list[Verdict](), 0
-        self._checks = Checks(case.campaign.seed, self._earlier.get("unchecked", ()))
-        self._fresh = bool(self._earlier.get("fresh"))
-        """Whether resets have been seen to leave something behind, so that each run has fresh instances."""
         self._more = {key: self._earlier[key] for key in ("kept", "analyses", *ANALYSES) if key in self._earlier}
 
     @property
@@ -139,7 +116,7 @@ class _Campaign:
             self._state, self._verdicts = self._flown()
             self._data.flush()
             self._note()  # before what follows, which may take as long again
-            analyse(case, self._folder, self._hands, self._more, self._remark)
+            analyse(case, self._folder, self._flights.crew, self._more, self._remark)
             self._more["kept"] = keep(case, self._folder, self._remark)
         except KeyboardInterrupt as signal:
             self._state, self._signal = "interrupted", getattr(signal, "number", 2)
@@ -153,80 +130,26 @@ class _Campaign:
     def _note(self) -> None:
         wall = perf_counter() - self._begun
         record = manifest(self._case, self._state, self._data, self._verdicts, wall, self._earlier, self._announced)
-        write(self._folder, {**record, "fresh": self._fresh, "unchecked": self._checks.unchecked, **self._more})
+        write(self._folder, {**record, **self._flights.state, **self._more})
 
-    def _hands(self) -> Crew:
-        """Those who fly, from the first time that they are needed."""
-        if self._flying is None:
-            self._flying, remarks = self._stack.enter_context(self._hired())
-            self._flying.anew |= self._fresh
-            for text in remarks:
-                self._remark(text)
-        return self._flying
-
-    _flying: Crew | None = None
+    def _hire(self) -> Crew:
+        flying, remarks = self._stack.enter_context(self._hired())
+        for text in remarks:
+            self._remark(text)
+        return flying
 
     def _flown(self) -> tuple[str, list[Verdict]]:
         """Flies up to the end, or until all is decided."""
         case = self._case
         if case.campaign.stop != "decided":
-            self._up_to(case.runs)
+            self._flights.up_to(case.runs, self._tell)
             return "completed", self._so_far()
-        for look in statistics.looks(case.runs):
-            self._up_to(look)
-            verdicts = self._of_first(look)
-            if look < case.runs and all(verdict.status != "undecided" for verdict in verdicts):
-                return "stopped early", verdicts
+        for look in looks(case.runs):
+            self._flights.up_to(look, self._tell)
+            said = self._of_first(look)
+            if look < case.runs and all(verdict.status != "undecided" for verdict in said):
+                return "stopped early", said
         return "completed", self._so_far()
-
-    def _up_to(self, look: int) -> None:
-        """Flies those of the first `look` runs that are not there yet, and checks flights of them."""
-        data, design = self._data, self._case.job.design
-        left = np.flatnonzero(~data.done[:look])
-        if not len(left) and not self._checks.unchecked:
-            return
-        begun, flying = perf_counter(), self._hands()
-        batches = Batches(left, design.points if design.early else None, flying.slots)
-        checked = foreign(self._case.job) and not flying.anew
-        while True:
-            for flown in flying.fly(batches):
-                if flown.batch.check:
-                    self._compare(flown.rows, batches)
-                elif flown.pilot and flying.anew and checked:  # it was sent before resets were seen to fail
-                    batches.again(map(int, flown.batch.indices))
-                else:
-                    data.add(flown.rows)
-                    if checked and flown.pilot:
-                        batches.check(self._checks.took(flown.pilot, [int(i) for i in flown.batch.indices]))
-                if self._tell is not None:
-                    there, failed = int(data.done.sum()), int(data.failed.sum())
-                    self._tell(Progress(there, self._case.runs, failed, there - self._there, perf_counter() - begun))
-            last = self._checks.last() if checked and not flying.anew else []
-            if not last and batches.over:
-                break
-            batches.check(last)
-        data.flush()
-
-    def _compare(self, rows: RunRows, batches: Batches) -> None:
-        """Holds flights on fresh instances against those on instances that were reset. A difference ends the resets."""
-        flying, names = self._hands(), [name for name, _ in self._case.job.columns]
-        for row in rows:
-            index = int(row[0] or 0)
-            if flying.anew or not self._data.done[index]:
-                continue
-            differ = differing(names, self._data.row(index), row)
-            if not differ:
-                self._checks.sound(index)
-                continue
-            gone = self._checks.clear()
-            self._data.withdraw(gone)
-            batches.again(gone)
-            flying.anew = self._fresh = True
-            few = ", ".join(differ[:3]) + f" and {len(differ) - 3} more" * (len(differ) > 3)
-            self._remark(
-                f"run {index} on FMUs that were reset differs from the same run on fresh ones in {few}: fmi2Reset leaves "
-                f"something behind; FMUs are instantiated for each run from now on, and {len(gone)} runs are flown again"
-            )
 
     def _so_far(self) -> list[Verdict]:
         """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often."""
@@ -242,10 +165,10 @@ def verdicts_of_first(case: Case, data: Any, count: int, announced: Announced) -
     Where every run failed, they have the reason, since the share says nothing of the bounds then.
     """
     met = {name: int(flags[:count].sum()) for name, flags in data.met.items()}
-    verdicts = statistics.verdicts(case.job.requirements, met, count, announced)
+    said = verdicts(case.job.requirements, met, count, announced)
     if not count or not data.failed[:count].all():
-        return verdicts
-    return [replace(v, text=f"{v.text}; every run failed, the first with: {data.reason}") for v in verdicts]
+        return said
+    return [replace(v, text=f"{v.text}; every run failed, the first with: {data.reason}") for v in said]
 
 
 def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:

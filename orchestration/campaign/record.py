@@ -1,4 +1,4 @@
-"""`campaign.json` says what a campaign was made of, and what came of it. Tests: tests/orchestration/campaign/test_campaign.py."""
+"""`campaign.json` says what a campaign was made of, and what came of it."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import click
 
 from ..campaign import engine
 from ..campaign.case import Case, read_campaign
-from ..campaign.flying.batches import CrewLost
+from ..campaign.flying.batches import CrewLost, Progress
 from ..campaign.replay import Replayed, replay, worst
 from ..campaign.report.page import value_text
 from ..campaign.sums import read
@@ -196,7 +196,7 @@ class _Bar:
         self._bar: Any = None
         self._task: Any = None
 
-    def __call__(self, at: engine.Progress) -> None:
+    def __call__(self, at: Progress) -> None:
         if not self.shown:
             return
         if self._bar is None:

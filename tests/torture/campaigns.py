@@ -22,8 +22,8 @@ import psutil
 import pyarrow.dataset as ds
 
 from ..orchestration import fmus
-from ..orchestration.campaign.test_campaign import FILE, SHRINKS
-from ..orchestration.campaign.test_cluster import KILLER
+from ..orchestration.campaign.flying.test_cluster import KILLER
+from ..orchestration.campaign.toy import FILE, SHRINKS
 from ..orchestration.wrong_inputs import SCENARIO
 
 ROOT = Path(__file__).parents[2]

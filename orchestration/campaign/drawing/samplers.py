@@ -9,7 +9,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
@@ -22,28 +22,34 @@ _TINY = 1e-290
 """Probabilities below this one lose digits, so their logarithms are taken."""
 
 
-class Sampler(Protocol):
+class Sampler:
     """A distribution."""
+
+    finite = True
+    """Whether its values have ends in each of the numbers that it takes."""
 
     @property
     def count(self) -> int:
         """How many numbers it takes."""
+        return 1
 
     @property
     def bounded(self) -> tuple[bool, ...]:
         """Of each number that it takes, whether the values have ends there."""
+        return (self.finite,) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
-        """Its value at `count` numbers in [0, 1)."""
+        """Returns its value at `count` numbers in [0, 1)."""
+        raise NotImplementedError
 
 
 def _quantile(u: Any) -> Floats:
-    """Quantiles of the standard normal distribution."""
+    """Returns quantiles of the standard normal distribution."""
     return np.asarray(ndtri(np.maximum(u, _SMALLEST)), float)
 
 
 def _far(below: Floats, above: Floats, share: Floats) -> Floats:
-    """Quantiles of the standard normal distribution between two ends in its lower tail, by logarithms of probabilities.
+    """Returns quantiles of the standard normal distribution between two ends in its lower tail, by logarithms of probabilities.
 
     With A and B the probabilities below `above` and `below`: log(share A + (1 - share) B) = log A + log(share + (1 - share) B/A).
     """
@@ -54,7 +60,7 @@ def _far(below: Floats, above: Floats, share: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Uniform:
+class Uniform(Sampler):
     """low + u (high - low), element by element."""
 
     low: Floats
@@ -64,17 +70,12 @@ class Uniform:
     def count(self) -> int:
         return self.low.size
 
-    @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (True,) * self.count
-
     def value(self, u: Sequence[float]) -> Any:
         return _plain(self.low + np.reshape(u, self.low.shape) * (self.high - self.low))
 
 
 @dataclass(frozen=True)
-class Normal:
+class Normal(Sampler):
     """mean + deviation z, z standard normal between `low` and `high`, element by element."""
 
     mean: Floats
@@ -88,7 +89,6 @@ class Normal:
 
     @property
     def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
         return (math.isfinite(self.low) and math.isfinite(self.high),) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
@@ -107,20 +107,16 @@ class Normal:
 
 
 @dataclass(frozen=True)
-class Correlated:
+class Correlated(Sampler):
     """mean + root z, z standard normal: normal with the covariance `root root^T`."""
 
     mean: Floats
     root: Floats
+    finite = False
 
     @property
     def count(self) -> int:
         return self.mean.size
-
-    @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (False,) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
         z = _quantile(u)
@@ -132,7 +128,7 @@ class Correlated:
 
 
 def root_of(covariance: Floats) -> Floats:
-    """A matrix R with R R^T = covariance (n, n), which may be singular. Raises ValueError where it is no covariance."""
+    """Returns a matrix R with R R^T = covariance (n, n), which may be singular. Raises ValueError where it is no covariance."""
     if covariance.ndim != 2 or covariance.shape[0] != covariance.shape[1] or not np.isfinite(covariance).all():
         raise ValueError("expected a square matrix of finite numbers")
     if not np.allclose(covariance, covariance.T, rtol=1e-12, atol=0.0):
@@ -144,37 +140,27 @@ def root_of(covariance: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class LogNormal:
+class LogNormal(Sampler):
     """median exp(sigma z), z standard normal, element by element."""
 
     median: Floats
     sigma: float
+    finite = False
 
     @property
     def count(self) -> int:
         return self.median.size
-
-    @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (False,) * self.count
 
     def value(self, u: Sequence[float]) -> Any:
         return _plain(self.median * np.exp(self.sigma * _quantile(np.reshape(u, self.median.shape))))
 
 
 @dataclass(frozen=True)
-class Integers:
+class Integers(Sampler):
     """A whole number from `low` to `high`, both included."""
 
     low: int
     high: int
-    count: int = 1
-
-    @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (True,)
 
     def value(self, u: Sequence[float]) -> Any:
         n = self.high - self.low + 1
@@ -182,37 +168,28 @@ class Integers:
 
 
 @dataclass(frozen=True)
-class Pick:
+class Pick(Sampler):
     """One of the values; `ends` are their summed weights, of which the last is 1."""
 
     values: tuple[Any, ...]
     ends: tuple[float, ...]
     axis: bool = False
     """Whether a grid goes through the values in turn."""
-    count: int = 1
-
-    @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (True,)
 
     def value(self, u: Sequence[float]) -> Any:
         return self.values[min(bisect_right(self.ends, u[0]), len(self.values) - 1)]
 
 
 @dataclass(frozen=True)
-class Rotation:
+class Rotation(Sampler):
     """A unit quaternion [q0, q1, q2, q3], scalar first, q0 >= 0, uniform over SO(3).
 
     K. Shoemake, Uniform random rotations, in Graphics Gems III, 1992.
     """
 
-    count: int = 3
-
     @property
-    def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
-        return (True,) * 3
+    def count(self) -> int:
+        return 3
 
     def value(self, u: Sequence[float]) -> Any:
         near, far = math.sqrt(1.0 - u[0]), math.sqrt(u[0])
@@ -222,7 +199,7 @@ class Rotation:
 
 
 @dataclass(frozen=True)
-class Sphere:
+class Sphere(Sampler):
     """A vector of some length, its direction uniform over the sphere: height and azimuth are uniform (Archimedes)."""
 
     length: float | Sampler
@@ -233,7 +210,6 @@ class Sphere:
 
     @property
     def bounded(self) -> tuple[bool, ...]:
-        """See `Sampler.bounded`."""
         return (True, True, *(() if isinstance(self.length, float) else self.length.bounded))
 
     def value(self, u: Sequence[float]) -> Any:
@@ -244,5 +220,5 @@ class Sphere:
 
 
 def _plain(values: Floats) -> Any:
-    """A float, or a list of them."""
+    """Returns a float, or a list of them."""
     return np.asarray(values, float).tolist()

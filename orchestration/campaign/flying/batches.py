@@ -93,6 +93,23 @@ class Batches:
         self._size = max(1, min(wanted, 4 * max(self._size, count), _LARGEST))
 
 
+@dataclass(frozen=True)
+class Progress:
+    """Where a campaign stands."""
+
+    flown: int
+    """Runs that are there, those of an earlier start included."""
+    wanted: int
+    failed: int
+    fresh: int
+    """Runs of this start."""
+    seconds: float
+    """Since its first batch was sent."""
+
+
+Tell = Callable[[Progress], None]
+
+
 class Crew(Protocol):
     """What flies batches."""
 

@@ -1,7 +1,7 @@
 """The rows of a campaign on the disk: one Parquet dataset, `runs/part-000000.parquet` and so on.
 
 Each part is whole or not there at all, and is listed in the manifest with its SHA-256.
-Tests: tests/orchestration/campaign/test_campaign.py, tests/orchestration/campaign/test_sums.py.
+Tests: tests/orchestration/campaign/test_sums.py, tests/orchestration/campaign/test_engine.py.
 """
 
 from __future__ import annotations

@@ -15,8 +15,9 @@ from markupsafe import Markup
 
 from ...results.html import Page, joined
 from ...results.report import manifest_fold
+from ..statistics.bounds import quantile, share
 from ..statistics.sensitivity import RANKED
-from ..statistics.verdicts import probability, quantile, share
+from ..statistics.verdicts import probability
 from . import plots
 from .influence import ranked, sensitivity, signed
 from .overview import basis, failures, header, outcome, two, verdicts

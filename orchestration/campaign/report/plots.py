@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...quantities import with_unit
 from ...results.arrays import Arrays
-from ..statistics.verdicts import fixed, sequence
+from ..statistics.bounds import fixed, sequence
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]

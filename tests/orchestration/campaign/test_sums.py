@@ -20,7 +20,7 @@ from orchestration.cli.main import main
 from orchestration.errors import InputError
 
 from . import synthetic
-from .test_campaign import command, fly, rows, toy  # noqa: F401  (a fixture)
+from .toy import command, fly, rows
 
 
 def flipped(path: Path, bit: int) -> None:
@@ -43,7 +43,7 @@ def test_each_flipped_bit_is_named_with_its_file(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["campaign.json", "runs/part-000000.parquet"])
-def test_a_changed_file_is_refused_at_resume_page_replay_and_view(toy, name):  # noqa: F811
+def test_a_changed_file_is_refused_at_resume_page_replay_and_view(toy, name):
     fly(toy, runs=5)
     flipped(Path("out", name), 8 * 200)
     case, out = read_campaign(toy, {"runs": 5}), Path("out")
@@ -54,7 +54,7 @@ def test_a_changed_file_is_refused_at_resume_page_replay_and_view(toy, name):  #
     assert (viewed.exit_code, f"out/{name} is damaged" in viewed.stderr) == (2, True)
 
 
-def test_a_damaged_part_that_is_removed_is_flown_again(toy):  # noqa: F811
+def test_a_damaged_part_that_is_removed_is_flown_again(toy):
     fly(toy, runs=5)
     whole, part = rows(), Path("out/runs/part-000000.parquet")
     part.unlink()
@@ -108,7 +108,7 @@ def _twice(runs: Path) -> Path:
         (_twice, "holds a run that is there already"),
     ],
 )
-def test_what_is_no_part_of_the_campaign_is_refused_by_name_and_nothing_is_doubled(toy, spoil, told):  # noqa: F811
+def test_what_is_no_part_of_the_campaign_is_refused_by_name_and_nothing_is_doubled(toy, spoil, told):
     fly(toy, runs=5)
     path = spoil(Path("out/runs"))
     result = command(toy, "--runs", 5, "--workers", 0, "--out", "out")
@@ -116,7 +116,7 @@ def test_what_is_no_part_of_the_campaign_is_refused_by_name_and_nothing_is_doubl
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no FIFO")
-def test_a_manifest_that_is_no_file_is_refused_at_once(toy):  # noqa: F811
+def test_a_manifest_that_is_no_file_is_refused_at_once(toy):
     Path("out").mkdir()
     os.mkfifo("out/campaign.json")
     result = command(toy, "--workers", 0, "--out", "out")

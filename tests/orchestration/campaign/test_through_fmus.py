@@ -15,8 +15,8 @@ from orchestration.campaign.case import read_campaign
 from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.flying.crew import crew
 from orchestration.campaign.metric_function import FlownMetrics
+from orchestration.campaign.statistics.bounds import elsewhere, fixed
 from orchestration.campaign.statistics.search import run as search
-from orchestration.campaign.statistics.verdicts import Requirement, elsewhere, fixed
 from orchestration.cli.main import main
 from orchestration.errors import InputError
 
@@ -110,7 +110,6 @@ def test_runs_that_are_added_to_those_announced_are_another_end_and_the_bounds_a
     )
 
     remarks: list[str] = []
-    required = Requirement("no larger than 16", 0.5, 0.95)
 
     def flown(runs):
         engine.fly(read_campaign(campaign, {"runs": runs}), Path("out"), workers=0, remark=remarks.append)
@@ -122,7 +121,7 @@ def test_runs_that_are_added_to_those_announced_are_another_end_and_the_bounds_a
         assert (looked, verdict["flown"]) == (early, runs)
         assert any("20 runs were announced, and 30 are another end" in text for text in remarks) == early
         there = verdict["met"], runs
-        assert verdict["low"] == (elsewhere(*there, required, 20) if early else fixed(*there, 0.95)).low
+        assert verdict["low"] == (elsewhere(*there, 0.5, 0.95, 20) if early else fixed(*there, 0.95)).low
 
 
 def test_a_search_on_a_manoeuvre_of_the_paper_finds_a_worse_case_than_as_many_random_runs(tmp_path):

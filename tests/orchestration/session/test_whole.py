@@ -18,7 +18,7 @@ from orchestration.session.read import load
 from orchestration.session.run import whole
 from tests.commands import orchestrate
 
-from ..campaign.test_campaign import changed, command, fly, toy  # noqa: F401  (a fixture)
+from ..campaign.toy import changed, command, fly, toy  # noqa: F401  (a fixture)
 from ..cli.test_new_satellite import made
 from ..swapped import swapped
 

@@ -23,9 +23,9 @@ from orchestration.campaign.flying import cluster
 from orchestration.campaign.flying.cluster import each
 from orchestration.errors import InputError
 
-from .test_campaign import changed, command, rows, toy  # noqa: F401  (a fixture)
+from ..toy import changed, command, rows
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 KILLER = """\
 import os, signal
 from pathlib import Path
@@ -84,13 +84,13 @@ def fly(path: Path, out: str, scheduler: str | None = None, **overrides: object)
 
 
 @pytest.mark.parametrize("address", ["bogus", "tcp://bogus", "http://host:80", "tcp://host:port", "tcp://host:99999"])
-def test_what_is_no_address_of_a_scheduler_is_refused_at_once(toy, address, monkeypatch):  # noqa: F811
+def test_what_is_no_address_of_a_scheduler_is_refused_at_once(toy, address, monkeypatch):
     monkeypatch.setattr(cluster, "Client", lambda *a, **more: pytest.fail("it was looked for"))
     with pytest.raises(InputError, match=f"^--scheduler {address}: expected tcp://HOST:PORT$"):
         fly(toy, "out", address)
 
 
-def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, scheduler, tmp_path):  # noqa: F811
+def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, scheduler, tmp_path):
     code = KILLER.format(mark=str(tmp_path / "killed"), always=9.0, once=1.8)
     Path("deadly.py").write_text(code, "utf-8")
     more = "  - {name: start, python: 'deadly:deadly', signals: [motor.speed]}\n"
@@ -118,7 +118,7 @@ class Dying:
 
 
 @pytest.mark.parametrize("times", [1, 2, 3])
-def test_workers_that_die_while_they_start_are_started_again_and_at_last_are_lost(toy, times, monkeypatch):  # noqa: F811
+def test_workers_that_die_while_they_start_are_started_again_and_at_last_are_lost(toy, times, monkeypatch):
     dying = Dying(times)
     monkeypatch.setattr(cluster, "LocalCluster", dying)
     if times < 3:
@@ -130,7 +130,7 @@ def test_workers_that_die_while_they_start_are_started_again_and_at_last_are_los
     assert (result.exit_code, told in result.stderr) == (3, True)
 
 
-def test_a_connection_that_breaks_off_while_a_worker_takes_in_the_campaign_is_tried_again(toy, scheduler, monkeypatch):  # noqa: F811
+def test_a_connection_that_breaks_off_while_a_worker_takes_in_the_campaign_is_tried_again(toy, scheduler, monkeypatch):
     register, tries = cluster.Client.register_plugin, []
 
     def broken(self, *arguments, **more):

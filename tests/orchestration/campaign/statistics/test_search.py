@@ -8,7 +8,7 @@ import pytest
 from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.statistics import search
 
-from .analytic import Analytic, ackley, edge, peaks, separate
+from ..analytic import Analytic, ackley, edge, peaks, separate
 
 
 @pytest.mark.parametrize("function", [ackley, edge, peaks])

@@ -11,13 +11,13 @@ from orchestration.campaign.case import read_campaign
 from orchestration.campaign.flying import checks
 from orchestration.campaign.flying.checks import Checks
 
-from .. import fmus
-from .test_campaign import SHRINKS, changed, command, fly, rows, toy  # noqa: F401  (a fixture)
+from ... import fmus
+from ..toy import SHRINKS, changed, command, fly, rows
 from .test_cluster import scheduler  # noqa: F401  (a fixture)
 
 
 @pytest.fixture
-def drifting(toy):  # noqa: F811
+def drifting(toy):
     """The campaign with a motor that drifts from its sixth flight on; no run is longer than the others."""
     fmus.write(toy.with_name("motor.fmu"), fmus.description("motor"), fmus.library("probe", "-DDRIFT=6"))
     return changed(toy, ("runs: 60", "runs: 30"))
@@ -56,6 +56,7 @@ def test_flights_that_an_earlier_start_left_unchecked_are_checked_by_the_next(dr
     assert sound() == [True] * 30
 
 
+@pytest.mark.isolate
 def test_a_cluster_checks_flights_as_one_process_does(drifting, scheduler):  # noqa: F811
     engine.fly(read_campaign(drifting), Path("out"), scheduler=scheduler)
     assert sound() == [True] * 30

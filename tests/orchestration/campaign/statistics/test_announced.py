@@ -11,9 +11,10 @@ import pytest
 from orchestration.campaign import engine, sums
 from orchestration.campaign.case import read_campaign
 from orchestration.campaign.engine import verdicts_of_first
-from orchestration.campaign.statistics.verdicts import Announced, Requirement, elsewhere, fixed, sequence
+from orchestration.campaign.statistics.bounds import elsewhere, fixed, sequence
+from orchestration.campaign.statistics.verdicts import Announced, Requirement
 
-from .test_campaign import changed, fly, toy  # noqa: F401  (a fixture)
+from ..toy import changed, fly
 
 REQUIRED = Requirement("it holds", 0.9, 0.95)
 
@@ -48,10 +49,10 @@ def test_the_announced_end_and_all_others_together_are_wrong_at_most_as_often_as
     """At the announced end Clopper and Pearson's bounds are wrong somewhat less often; the rest is for all other ends."""
     rng = np.random.default_rng(1)
     low = fixed(282, 300, 0.95).low
-    assert low > 0.9 > elsewhere(282, 300, REQUIRED, 300).low
+    assert low > 0.9 > elsewhere(282, 300, 0.9, 0.95, 300).low
     for announced in (20, 100, 1000):
         n = int(rng.integers(200, 400))
-        bounds, free = elsewhere(int(0.95 * n), n, REQUIRED, announced), sequence(int(0.95 * n), n, 0.95)
+        bounds, free = elsewhere(int(0.95 * n), n, 0.9, 0.95, announced), sequence(int(0.95 * n), n, 0.95)
         assert bounds.low <= free.low < free.high < bounds.high
 
 
@@ -63,7 +64,7 @@ def stopped(path: Path, after: int) -> engine.Finished:
     return engine.fly(read_campaign(path), Path("out"), workers=0, tell=tell)
 
 
-def test_an_end_that_was_not_announced_is_said_and_the_announced_one_is_as_it_was(toy):  # noqa: F811
+def test_an_end_that_was_not_announced_is_said_and_the_announced_one_is_as_it_was(toy):
     changed(toy, ("probability: 0.3", "probability: 0.5"))
     first = stopped(toy, 20)
     other = fly(toy, runs=first.flown + 5).verdicts[0]
@@ -75,7 +76,7 @@ def test_an_end_that_was_not_announced_is_said_and_the_announced_one_is_as_it_wa
     assert more.low < fixed(more.met, 70, 0.95).low
 
 
-def test_a_campaign_that_was_announced_as_one_that_ends_early_has_no_bounds_of_a_fixed_number(toy):  # noqa: F811
+def test_a_campaign_that_was_announced_as_one_that_ends_early_has_no_bounds_of_a_fixed_number(toy):
     changed(toy, ("runs: 60", "runs: 60\nstop: decided"), ("probability: 0.3", "probability: 0.65"))
     fly(toy)
     changed(toy, ("stop: decided\n", ""))

@@ -18,10 +18,10 @@ from orchestration.campaign.statistics import sensitivity
 from orchestration.cli.campaign_summary import summary
 from orchestration.results.html import Page
 
-from ..results.browser import Tab, box, pixels, values
-from ..results.swing import Reader, data_of, unpacked
-from . import synthetic
-from .analytic import Analytic
+from ...results.browser import Tab, box, pixels, values
+from ...results.swing import Reader, data_of, unpacked
+from .. import synthetic
+from ..analytic import Analytic
 
 
 @pytest.fixture(scope="module")

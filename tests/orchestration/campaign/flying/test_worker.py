@@ -16,8 +16,6 @@ from orchestration.campaign.case import read_campaign
 from orchestration.campaign.flying import worker
 from orchestration.campaign.flying.batches import Batch
 
-from .test_campaign import toy  # noqa: F401  (a fixture)
-
 BATCH = Batch(np.arange(2), None)
 
 
@@ -47,7 +45,7 @@ def states(key: str) -> list[object]:
     return [row[1] for row in worker.fly(key, BATCH, False)[0]]
 
 
-def test_a_campaign_that_ends_leaves_the_fmus_of_another(toy, place):  # noqa: F811
+def test_a_campaign_that_ends_leaves_the_fmus_of_another(toy, place):
     one, two = given(toy, "one", place), given(toy, "two", place)
     assert states("one") == states("two") == ["ok", "ok"]
     one.teardown(place)
@@ -57,7 +55,7 @@ def test_a_campaign_that_ends_leaves_the_fmus_of_another(toy, place):  # noqa: F
         worker.fly("two", BATCH, False)
 
 
-def test_a_campaign_that_ends_while_a_batch_flies_lets_it_finish(toy, place, monkeypatch):  # noqa: F811
+def test_a_campaign_that_ends_while_a_batch_flies_lets_it_finish(toy, place, monkeypatch):
     setup, flying, ended, rows = given(toy, "slow", place), threading.Event(), threading.Event(), []
 
     def slow(pilot, batch, fly=worker.fly_batch):
@@ -76,7 +74,7 @@ def test_a_campaign_that_ends_while_a_batch_flies_lets_it_finish(toy, place, mon
     assert not list(Path(place.local_directory).iterdir())
 
 
-def test_nothing_of_a_campaign_stays_in_its_worker(toy, place, monkeypatch):  # noqa: F811
+def test_nothing_of_a_campaign_stays_in_its_worker(toy, place, monkeypatch):
     made = []
 
     class Pilot(worker.Pilot):

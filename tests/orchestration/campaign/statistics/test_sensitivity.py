@@ -10,7 +10,7 @@ from orchestration.campaign.file.analysis import Search, Sensitivity, metric_pro
 from orchestration.campaign.statistics.sensitivity import ranks, run
 from orchestration.errors import InputError
 
-from .analytic import ISHIGAMI, Analytic, ishigami, separate
+from ..analytic import ISHIGAMI, Analytic, ishigami, separate
 
 
 def test_sobol_indices_of_ishigamis_function_are_those_of_its_variance():

@@ -6,20 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom, quantile_test
 
-from orchestration.campaign.statistics.verdicts import (
-    Announced,
-    Requirement,
-    evidence,
-    fixed,
-    hints,
-    looks,
-    probability,
-    quantile,
-    runs_needed,
-    sequence,
-    share,
-    verdicts,
-)
+from orchestration.campaign.statistics.bounds import evidence, fixed, looks, quantile, runs_needed, sequence, share
+from orchestration.campaign.statistics.verdicts import Announced, Requirement, hints, probability, verdicts
 
 
 def test_intervals_of_ten_of_a_hundred_are_those_of_the_tables():

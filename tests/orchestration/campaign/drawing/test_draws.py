@@ -1,0 +1,44 @@
+"""Values that expressions make of others, in the places of start values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestration.campaign.case import read_campaign
+from orchestration.errors import InputError
+
+from ..toy import changed, fly, rows
+
+
+def test_one_value_with_an_error_between_two_blocks(toy):
+    changed(
+        toy,
+        ("vary:", "draw:\n  k: {normal: {mean: 1, deviation: 0.1}}\n  e: {choice: [-0.1, 0.1]}\nvary:"),
+        ("  motor.speed0", '  regulator.gain: {expression: "-k * (1 + e)"}\n  motor.speed0'),
+    )
+    fly(toy, runs=12)
+    for row in rows():
+        gain = row["k"] * (1.0 + row["e"])
+        assert row["regulator.gain"] == -gain
+        assert row["final"] == pytest.approx(row["motor.speed0"] * (1.0 - 0.1 * gain) ** 20, rel=1e-12)
+
+
+def test_an_expression_counts_in_base_units(toy):
+    changed(
+        toy,
+        ("vary:", "draw:\n  turn: {uniform: [60 rpm, 120 rpm]}\nvary:"),
+        ("{uniform: [1 rad/s, 2 rad/s]}", '{expression: "turn / 10"}'),
+    )
+    fly(toy, runs=5)
+    for row in rows():
+        assert row["motor.speed0"] == pytest.approx(row["turn"] * 2.0 * np.pi / 60.0 / 10.0)
+
+
+def test_an_expression_sets_whole_numbers_where_the_port_takes_them_and_no_others(toy):
+    changed(toy, ("vary:", "draw:\n  half: {choice: [1, 2]}\nvary:\n  motor.poles: {expression: 2 * half}"))
+    fly(toy, runs=8)
+    assert {(row["half"], row["motor.poles"]) for row in rows()} == {(1.0, 2.0), (2.0, 4.0)}
+    changed(toy, ("2 * half", "0.4 * half"))
+    with pytest.raises(InputError, match="expected a whole number, found 0.8"):
+        read_campaign(toy)

@@ -1,0 +1,68 @@
+"""The folder of a campaign belongs to it: what differs is refused by name."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from orchestration.campaign.case import read_campaign
+from orchestration.errors import InputError
+
+from .toy import changed, fly
+
+
+def test_a_manifest_of_an_earlier_version_in_the_folder_is_refused_by_name(toy):
+    fly(toy, runs=5)
+    path = Path("out/campaign.json")
+    record = json.loads(path.read_text("utf-8"))
+    del record["sha256"]
+    path.write_text(json.dumps(record), "utf-8")
+    with pytest.raises(
+        InputError, match=r"campaign.json is no manifest of a campaign, or one without SHA-256 of an earl"
+    ):
+        fly(toy, runs=5)
+
+
+@pytest.mark.parametrize(("sampling", "runs"), [("grid", (4, 6)), ("sobol", (4, 8)), ("latin hypercube", (4, 5))])
+def test_another_number_of_runs_is_said_where_it_moves_the_points(toy, sampling, runs):
+    changed(toy, ("runs: 60", f"sampling: {sampling}"), ("{uniform: [1 rad/s, 2 rad/s]}", "{grid: [1 rad/s, 2 rad/s]}"))
+    fly(toy, runs=runs[0])
+    told = (
+        f"differs in the number of runs ({runs[0]} there, {runs[1]} here), on which the points of {sampling} depend; "
+    )
+    with pytest.raises(InputError, match=re.escape(told)):
+        fly(toy, runs=runs[1])
+
+
+def test_another_campaign_in_the_folder_is_refused_by_name(toy):
+    fly(toy, runs=5)
+    with pytest.raises(InputError, match=r"out holds the campaign 'toy', which differs in seed; remedy"):
+        fly(toy, runs=5, seed=1)
+    changed(toy, ("2 rad/s]", "3 rad/s]"))
+    with pytest.raises(InputError, match="differs in what varies"):
+        fly(toy, runs=5)
+    changed(toy, ("3 rad/s]", "2 rad/s]"))
+    with pytest.raises(InputError, match=r"out holds 5 runs, more than the 3"):
+        fly(toy, runs=3)
+
+
+def test_what_decides_no_row_of_the_scenario_may_change_and_what_does_may_not(toy, loop):
+    fly(toy, runs=3)
+    before = read_campaign(toy, {"runs": 3}).fingerprint
+    more = """\
+live: {sliders: [{start: motor.speed0, least: 1, most: 2}]}
+realtime: {factor: 2}
+holds: [{name: gain, signal: regulator.enabled, keeps: [motor.speed]}]
+consistency: {still: {left: motor.speed, right: motor.speed, within: 1 rad/s}}
+figures: [{name: speed, panels: [{signals: [motor.speed]}]}]
+"""
+    text = loop.read_text("utf-8")
+    loop.write_text(text + more, "utf-8")
+    assert read_campaign(toy, {"runs": 3}).fingerprint == before
+    assert fly(toy, runs=3).state == "completed"
+    loop.write_text(text + "exchange: parallel\n", "utf-8")
+    with pytest.raises(InputError, match="differs in scenario"):
+        fly(toy, runs=3)
