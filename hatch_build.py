@@ -1,7 +1,7 @@
 """Builds wheels: with two import names only, and with the FMUs and the step loop's libraries ready-made.
 
-In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and `fmus`, `plant`, `estimator`,
-`controller` and `allocator` stand inside `attitude_cosim`, since those names may be anyone's: docs/decisions/0006.
+In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and the others stand inside
+`attitude_cosim`, since names such as `plant` may be anyone's: docs/decisions/0006.
 
 The build backend is hatchling; what compiles the FMUs is asked for when a wheel is built, not for an editable install.
 """
@@ -32,7 +32,7 @@ __all__ = [
 
 ROOT = Path(__file__).parent
 NAME = "attitude_cosim"
-INSIDE = ("allocator", "controller", "estimator", "fmus", "plant", "supervisor")
+INSIDE = ("allocator", "controller", "design", "estimator", "fmus", "plant", "supervisor")
 """The packages that stand inside it in a wheel."""
 BUILT = "ATTITUDE_COSIM_FMUS"
 """This variable of the environment names a folder of FMUs, by flavour. One that is made of these very sources is not built
@@ -83,7 +83,10 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def renamed(text: str, where: str) -> str:
-    """A module's source with `from fmus...` as `from attitude_cosim.fmus...`. Raises ValueError on any other way to import."""
+    """A module's source with `from fmus...` as `from attitude_cosim.fmus...`, and `import plant` as `from attitude_cosim import plant`.
+
+    Raises ValueError on any other way to import.
+    """
     lines = text.splitlines(keepends=True)
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and node.level == 0 and _is_inside(node.module):
@@ -92,6 +95,10 @@ def renamed(text: str, where: str) -> str:
             known = lines[node.lineno - 1] != line
         elif isinstance(node, ast.Import):
             known = not any(_is_inside(alias.name) for alias in node.names)
+            if node.names[0].name in INSIDE and len(node.names) == 1:  # `import plant` of a whole line
+                line = lines[node.lineno - 1]
+                lines[node.lineno - 1] = line.replace("import ", f"from {NAME} import ", 1)
+                known = True
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):  # for import_module, `python -m`, a patch
             known = re.fullmatch(r"fmus(\.\w+)+", node.value) is None
         elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in _BY_NAME:
@@ -102,7 +109,7 @@ def renamed(text: str, where: str) -> str:
         if not known:
             raise ValueError(
                 f"{where}:{node.lineno}: {ast.unparse(node)}: the wheel has this module inside {NAME}, and only "
-                "'from PACKAGE import ...' is renamed; write that, or a relative import"
+                "'from PACKAGE import ...' and 'import PACKAGE' are renamed; write these, or a relative import"
             )
     return "".join(lines)
 

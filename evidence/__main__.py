@@ -1,7 +1,4 @@
-"""python -m evidence: the momentum bound and the gains of a scenario, and the pages that studies write to docs/.
-
-Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may ask for too much torque; 2 the input is wrong; others as of `orchestrate`.
-"""
+"""python -m evidence: makes the pages of docs/evidence. Exit statuses are those of `orchestrate`."""
 
 from __future__ import annotations
 
@@ -26,7 +23,6 @@ from .flight import make as flights
 from .flight.closest import FILE as HOLDS_FLOWN
 from .flight.rivals import compare
 from .flight.tune import search
-from .of_scenario import momentum_bound, sizing
 from .optimum import page as least_times
 from .optimum.kept import FILE
 from .paper import ROOT
@@ -53,10 +49,6 @@ def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 _HOLDS = "Search how close to the target a motion can stay, some ten seconds each (needs the package casadi)."
-
-
-main.add_command(momentum_bound)
-main.add_command(sizing)
 
 
 @main.command()

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from design.loop import Loop, read
+from design.momentum import MomentumBalance, Tolerance
 from orchestration.scenario.source import Source
 
-from ..momentum_bound import MomentumBalance, Tolerance
-from ..setup import Loop, read
 from .cases import RATE, Group
 from .schemes import Data, change
 

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from design.loop import Loop, read
 from fmus.interface import load
 
-from .. import setup
 from ..paper import INERTIA, SCENARIOS
-from ..setup import Loop
 from .cases import DRAWN, SEEDS, Group, tumbles
 from .schemes import Data, base, change, without
 
@@ -105,7 +104,7 @@ def _turned() -> str:
 @cache
 def scenario_loop() -> Loop:
     """The paper's loop, for what its plant's functions tell of orbits."""
-    return setup.read(SCENARIOS["V.B"]).loop
+    return read(SCENARIOS["V.B"]).loop
 
 
 def _perigee(e: float) -> dict[str, str]:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..momentum_bound import MomentumBalance, Verdict
+from design.loop import read
+from design.momentum import MomentumBalance, Verdict
+
 from ..paper import LIMITS, SCENARIOS, Array, constants, node
-from ..setup import read
 
 NODES = np.arange(0.0, 360.0, 10.0)
 """Longitudes of the ascending node, deg east."""

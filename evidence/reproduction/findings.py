@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from design.loop import read
+
 from .. import markdown
 from ..paper import LIMITS, SCENARIOS, Array
-from ..setup import read
 from . import equilibria, sweep
 from .bounds import NODES
 from .claims import CLAIMS, HOLDS, all_hold, hold_outcome

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from design.exact import Flown
+from design.loop import read
+
 from ..crew import crew
 from ..paper import LIMITS, MASS, ORBIT, READINGS, ROOT, SCENARIOS, node
 from ..samples import wrong_inertias
-from ..setup import read
 from . import convergence, figures, page, sweep
 from .bounds import bounds
 from .runs import Run, run
@@ -30,13 +32,13 @@ def orbit_hold(drag_moment: float | None = None) -> Run:
     return run("V.B", "a", changes, ORBIT)
 
 
-def from_random(schedule: str, wrong: bool = False) -> convergence.Flown:
+def from_random(schedule: str, wrong: bool = False) -> Flown:
     """600 random starts under V.B's law with exact torque; `wrong`: on bodies 10% off what the law knows."""
     law = read(SCENARIOS["V.B"]).loop.controller
     return convergence.random_cases(law, schedule, J=wrong_inertias(law.J_B, 600, 4, 0.1) if wrong else None)
 
 
-def from_edge() -> convergence.Flown:
+def from_edge() -> Flown:
     """Starts next to the unstable equilibria of V.B's law."""
     return convergence.from_the_edge(read(SCENARIOS["V.B"]).loop.controller)
 

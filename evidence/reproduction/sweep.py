@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from design.loop import read
 from plant.orbit import lvlh
 
 from ..crew import Crew
 from ..paper import DURATION, INERTIA, MASS, ORBIT, READINGS, SCENARIOS, STEP, Array, constants, node
 from ..samples import wrong_inertias
-from ..setup import read
 from .claims import CLAIMS, all_hold
 from .runs import sweep
 from .seen import Seen

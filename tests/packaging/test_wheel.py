@@ -121,6 +121,8 @@ def test_from_an_empty_folder_a_user_gets_scenarios_runs_one_and_gets_the_fmus(i
     manifest = json.loads((tmp_path / "results/paper_no_singularity/manifest.json").read_text())
     assert str(installed) in json.dumps(manifest)
     assert (tmp_path / "results/paper_no_singularity/report.html").is_file()
+    bound = call(installed, tmp_path, "momentum-bound", "mine/paper_no_singularity.yaml")
+    assert "least time: 2.7 s" in bound.stdout, bound.stderr
     handed = call(installed, tmp_path, "fmus", "--copy", "handed")
     assert handed.returncode == 0, handed.stderr
     for block in blocks_of("native"):
@@ -191,12 +193,10 @@ def test_a_c_kit_of_an_installed_copy_builds_and_is_generated_anew(installed: Pa
 
 
 def test_an_import_is_renamed_wherever_it_stands() -> None:
-    text = (
-        "from fmus.build import ensure\nfrom fmuspkg import x\ndef f():\n    from fmus import (\n        kit,\n    )\n"
-    )
+    text = "import plant\nfrom fmus.build import ensure\nfrom fmuspkg import x\ndef f():\n    from fmus import (\n        kit,\n    )\n"
     assert renamed(text, "m.py") == text.replace("from fmus.", "from attitude_cosim.fmus.").replace(
         "from fmus ", "from attitude_cosim.fmus "
-    )
+    ).replace("import plant", "from attitude_cosim import plant")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from evidence.momentum_bound import MomentumBalance, Tolerance, farthest
+from design.momentum import MomentumBalance, Tolerance, farthest
 from tests.blocks import parameters
 from tests.plant.motion import checked
 
@@ -75,7 +75,7 @@ def test_flown_for_its_time_the_costate_gives_the_momentum(solved):
 
 @pytest.mark.parametrize("rate", [[0.05, 0.05, 0.03], [-0.06, 0.02, 0.04], [0.0, -0.08, 0.02]])
 def test_the_time_is_not_below_the_bound_that_momentum_sets(rate):
-    """The bound: evidence/momentum_bound.py on the plant's own field, without wheel, tolerance and disturbances."""
+    """The bound: design/momentum.py on the plant's own field, without wheel, tolerance and disturbances."""
     p = checked(
         node_longitude=math.radians(158.0), omega_B0=rate, gravity_gradient=False, drag=False, wheel_momentum_max=1e-9,
         epoch="2009-08-10T00:00:00Z",

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from allocator.allocation import Singular, allocate
+from design.loop import read
 from evidence.crew import crew
 from evidence.paper import SCENARIOS, constants, node
 from evidence.reproduction import metrics
 from evidence.reproduction.runs import run, sweep
 from evidence.reproduction.seen import Seen, seen
-from evidence.setup import read
 from tests.evidence.reproduction import flown
 
 DURATION = 12.0

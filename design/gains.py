@@ -23,9 +23,8 @@ from controller.sizing import Sizing, Wish, fastest, size
 from orchestration import InputError
 from orchestration.scenario.source import Source
 
-from .paper import PAPER, Array
-from .reproduction.convergence import Flown, fly
-from .setup import Loop, Setup, read
+from .exact import Array, Flown, fly
+from .loop import BLOCKS, Loop, Setup, read
 
 DIRECTIONS = 2000
 """Directions of the field in the body that are looked at."""
@@ -41,7 +40,7 @@ def setup_of(source: Source) -> Setup:
             ("name", "satellite"),
             ("step", 0.1),
             ("duration", 1.0),
-            ("blocks", {name: {"fmu": name} for name in PAPER}),
+            ("blocks", {name: {"fmu": name} for name in BLOCKS}),
         ):
             source = source.with_entry((key,), value)
     return read(source)

@@ -1,7 +1,5 @@
 """The least time in which the balance of angular momentum allows a manoeuvre: a proven lower bound.
 
-Longer than 250 lines: the proof stands beside the code that evaluates it.
-
 Rods and wheel cannot change the momentum H_N = R (J Omega + l_w e_w) as they like: the wheel's torque is internal,
 and a dipole m in the field B gives m x B only. Over [0, T]
 
@@ -16,8 +14,7 @@ on the way. At the end the motion is the desired one (to a tolerance), so that H
 
 The end states and the reachable momenta are convex compact sets, so such a p exists whenever they are disjoint; g is
 concave in p, and its maximum over the unit ball is a convex problem. Whatever p the optimiser returns is a proof by
-itself: it need only be inserted. The integral is bounded from above, by trapezoids on the chords of B_N (|B x p| is
-convex in B) and a bound on B's distance from its chords.
+itself: it need only be inserted. The integral is bounded from above (impulse.py).
 
 As T grows by dT, g falls by at most `_fall` dT, so that every time in [T, T + g/_fall) is impossible too: from T = 0 on,
 such steps end where g vanishes, and all times before are excluded, not only those that were looked at.
@@ -32,16 +29,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-import controller.reference
 import plant
+from controller import Parameters as Law
+from controller import reference as references
 from controller.reference import Reference
 from orchestration import InputError
 
-from .paper import Array
-from .setup import Setup
-
-SAMPLE = 1.0
-"""Interval of the field's chords, s."""
+from .exact import Array
+from .impulse import Impulse, across
+from .loop import Setup
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ class MomentumBalance:
     def __init__(
         self,
         p: plant.Parameters,
-        law: controller.Parameters,
+        law: Law,
         dipole_max: float | None = None,
         tolerance: Tolerance = Tolerance(),
         horizon: float = 6000.0,
@@ -109,12 +105,8 @@ class MomentumBalance:
         self.l_max = p.wheel_momentum_max
         moments = np.linalg.eigvalsh(p.body.J)
         spread = float(moments[2] - moments[0])
-        times = np.arange(math.ceil(horizon / SAMPLE) + 2) * SAMPLE
-        self._B = np.array([p.field.at(t) for t in times])
-        bend = np.abs(np.diff(self._B, 2, axis=0)).max() / SAMPLE**2
-        # B's distance from its chord is h^2/8 max |B''|; differences see |B''| at the nodes, hence the factor 2.
-        self._chord_error = 2.0 * math.sqrt(3.0) * bend * SAMPLE**2 / 8.0
-        self._B_max = float(np.linalg.norm(self._B, axis=1).max()) + self._chord_error
+        self.field = Impulse(p.field.at, self.rho, horizon)
+        times = self.field.times
         x = plant.start(p, plant.Inputs(np.zeros(3), 0.0))
         self.H0 = x.R @ x.Pi
         self._turn = max(float(np.linalg.norm(self._reference(t).Omega_d)) for t in times[:: max(1, len(times) // 50)])
@@ -123,7 +115,7 @@ class MomentumBalance:
         self._tolerance = float(moments[2]) * tolerance.rate + chord * (self.l_max + spread * rate)
         self._disturbance = self._disturbances(spread, times)
         self._J = p.body.J
-        self._fall = rate * (float(moments[2]) * rate + self.l_max) + self.rho * self._B_max + self._disturbance
+        self._fall = rate * (float(moments[2]) * rate + self.l_max) + self.rho * self.field.B_max + self._disturbance
         # An Omega_d that changes (an eccentric orbit) moves D as well: |J dOmega_d|, taken at its largest sampled value.
         change = max(float(np.linalg.norm(self._reference(t).dOmega_d)) for t in times[:: max(1, len(times) // 50)])
         self._fall += 1.1 * float(moments[2]) * change
@@ -136,10 +128,10 @@ class MomentumBalance:
     def _reference(self, t: float) -> Reference:
         law = self.law
         if law.reference == "lvlh":
-            return controller.reference.lvlh(*self.plant.orbit.position_velocity(t))
+            return references.lvlh(*self.plant.orbit.position_velocity(t))
         if law.reference == "inertial":
-            return controller.reference.inertial(law.desired_attitude_0)
-        return controller.reference.rate(law.desired_attitude_0, law.Omega_d0, t)
+            return references.inertial(law.desired_attitude_0)
+        return references.rate(law.desired_attitude_0, law.Omega_d0, t)
 
     def _disturbances(self, spread: float, times: Array) -> float:
         """A bound on the disturbing moments, N m, whatever the attitude."""
@@ -166,27 +158,11 @@ class MomentumBalance:
     def slack(self, T: float) -> float:
         return self._tolerance + self._disturbance * T
 
-    def _chords(self, T: float) -> tuple[Array, Array]:
-        """B (n, 3) at the corners of the chords over [0, T] and the corners' trapezoidal weights, s; the last corner is at T."""
-        n = math.floor(T / SAMPLE)
-        rest = T - n * SAMPLE
-        w = np.full(n + 2, SAMPLE)
-        w[0], w[n + 1] = 0.5 * SAMPLE, 0.5 * rest
-        w[n] = 0.5 * rest + (0.5 * SAMPLE if n else 0.0)
-        end = self._B[n] + rest / SAMPLE * (self._B[n + 1] - self._B[n])
-        return np.concatenate((self._B[: n + 1], [end])), w
-
-    def impulse(self, p: Array, T: float) -> float:
-        """At least rho times the integral of |B x p| over [0, T], N m s."""
-        B, w = self._chords(T)
-        across = np.linalg.norm(np.cross(B, p), axis=1)  # exact for p along B, where p.G p is what rounding leaves
-        return self.rho * (float(w @ across) + float(w.sum()) * self._chord_error * float(np.linalg.norm(p)))
-
     def gap(self, p: Array, T: float) -> float:
         """g(p, T), N m s, from below; p (3,) with |p| <= 1."""
         D, a = self.needed(T)
         size = float(np.linalg.norm(p))
-        return float(p @ D) - self.l_max * abs(float(p @ a)) - self.impulse(p, T) - self.slack(T) * size
+        return float(p @ D) - self.l_max * abs(float(p @ a)) - self.field.impulse(p, T) - self.slack(T) * size
 
     def at(self, T: float, guess: Array | None = None) -> Verdict:
         """The best certificate against T, s, that the optimiser finds."""
@@ -200,24 +176,24 @@ class MomentumBalance:
             gap=self.gap(best, T),
             direction=best,
             needed=float(best @ D) - self.l_max * abs(float(best @ a)),
-            impulse=self.impulse(best, T),
+            impulse=self.field.impulse(best, T),
             slack=self.slack(T),
         )
 
     def _optimise(self, start: Array, D: Array, a: Array, T: float) -> Array:
         """Maximises g over the unit ball; l_max |p.a| becomes l_max u with -u <= p.a <= u. Returns a unit vector."""
-        B, w = self._chords(T)
-        G = _across(B)
+        B, w = self.field.chords(T)
+        G = across(B)
         scale = 1.0 / float(np.linalg.norm(D))
-        steady = self.slack(T) + self.rho * float(w.sum()) * self._chord_error
+        steady = self.slack(T) + self.rho * float(w.sum()) * self.field.error
 
         def cost(x: Array) -> tuple[float, Array]:
             p, u = x[:3], x[3]
             size = math.sqrt(p @ p) + 1e-300
             Gp = G @ p
-            across = np.sqrt(np.maximum(Gp @ p, 1e-300))
-            value = p @ D - self.l_max * u - self.rho * (w @ across) - steady * size
-            slope = D - self.rho * ((w / across) @ Gp) - steady * p / size
+            size_across = np.sqrt(np.maximum(Gp @ p, 1e-300))
+            value = p @ D - self.l_max * u - self.rho * (w @ size_across) - steady * size
+            slope = D - self.rho * ((w / size_across) @ Gp) - steady * p / size
             return -scale * value, -scale * np.append(slope, -self.l_max)
 
         limits = [
@@ -258,11 +234,6 @@ class MomentumBalance:
         """g of p = D/|D|, N m s."""
         D, _ = self.needed(T)
         return self.gap(D / np.linalg.norm(D), T)
-
-
-def _across(B: Array) -> Array:
-    """G with p.G p = |B x p|^2, (..., 3, 3), of fields (..., 3)."""
-    return (B * B).sum(axis=-1)[..., None, None] * np.eye(3) - B[..., :, None] * B[..., None, :]
 
 
 def balance(setup: Setup, dipole_max: float | None = None, horizon: float = 6000.0) -> MomentumBalance:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from evidence.momentum_bound import SAMPLE, MomentumBalance, Tolerance, farthest
+from design.impulse import SAMPLE
+from design.loop import read
+from design.momentum import MomentumBalance, Tolerance, farthest
 from evidence.paper import constants
-from evidence.setup import read
 
 EXACT = Tolerance(0.0, 0.0)
 RODS = np.array([[1, 1, -1], [1, -1, 1], [0, 0, math.sqrt(3)]]) / math.sqrt(3)
@@ -173,9 +174,9 @@ def test_a_tolerance_and_disturbances_only_loosen_the_bound():
 def test_the_integral_is_bounded_from_above_even_with_coarse_chords(monkeypatch):
     fine = balance()
     p = np.array([0.36, 0.48, 0.8])
-    truth = fine.impulse(p, 193.4)
-    monkeypatch.setattr("evidence.momentum_bound.SAMPLE", 40.0 * SAMPLE)
-    assert truth < balance().impulse(p, 193.4) < 1.1 * truth
+    truth = fine.field.impulse(p, 193.4)
+    monkeypatch.setattr("design.impulse.SAMPLE", 40.0 * SAMPLE)
+    assert truth < balance().field.impulse(p, 193.4) < 1.1 * truth
 
 
 def test_no_attitude_has_a_larger_disturbance_than_the_bound_counts_on_and_some_have_nearly_as_large_a_one():

@@ -23,9 +23,10 @@ from orchestration.fmu.model import Model
 from orchestration.scenario.source import Source
 from orchestration.system.starts import resolve
 
-from .paper import JUDGE, PAPER
-
-_BLOCKS: dict[str, Any] = {"plant": plant, "controller": controller, "allocator": allocator}
+BLOCKS: dict[str, Any] = {"plant": plant, "controller": controller, "allocator": allocator}
+"""The blocks of the paper's loop by their names."""
+JUDGE = "plant_judge"
+"""The block outside the loop by which runs are judged."""
 
 
 @dataclass(frozen=True)
@@ -68,16 +69,16 @@ class Setup:
 
 
 def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = None) -> Setup:
-    """The loop of a scenario. Raises InputError, with file and line, for whatever is wrong with it."""
+    """Returns the loop of a scenario. Raises InputError, with file and line, for whatever is wrong with it."""
     loaded = load_scenario(scenario, overrides)
-    names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in PAPER}
-    if missing := [block for block in PAPER if block not in names]:
+    names = {entry.fmu: name for name, entry in loaded.blocks.items() if entry.fmu in BLOCKS}
+    if missing := [block for block in BLOCKS if block not in names]:
         raise InputError(loaded.error(("blocks",), f"expected a block with 'fmu: {missing[0]}', found none"))
-    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in (*PAPER, JUDGE)]
+    strange = [name for name, entry in loaded.blocks.items() if entry.fmu not in (*BLOCKS, JUDGE)]
     if strange:
         found = loaded.blocks[strange[0]].fmu
         raise InputError(
-            loaded.error(("blocks", strange[0], "fmu"), f"expected one of {', '.join(PAPER)}, found {found!r}")
+            loaded.error(("blocks", strange[0], "fmu"), f"expected one of {', '.join(BLOCKS)}, found {found!r}")
         )
     models = {name: _model(block, loaded.blocks[name].flavour or loaded.flavour) for block, name in names.items()}
     starts = resolve(loaded, models)
@@ -86,9 +87,9 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
         given = {(s.element.variable, s.element.position): s.value for s in starts[name]}
         parts[block] = _parameters(block, given)
     setup = Setup(loaded, names, Loop(**parts))
-    for block in PAPER:
+    for block in BLOCKS:
         try:
-            _BLOCKS[block].check(parts[block])
+            BLOCKS[block].check(parts[block])
         except ValueError as error:
             raise InputError(loaded.error(("blocks", names[block], "start"), str(error))) from None
     return setup
@@ -118,4 +119,4 @@ def _parameters(block: str, given: Mapping[tuple[str, int], Any]) -> Any:
                 value = new
         convert: Any = {"real": float, "integer": int, "boolean": bool}.get(v.type, str)
         values[v.name] = np.asarray(value, np.float64) if v.shape else convert(value)
-    return _BLOCKS[block].Parameters(**values)
+    return BLOCKS[block].Parameters(**values)

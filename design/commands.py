@@ -1,4 +1,7 @@
-"""The commands of `python -m evidence` on one scenario: its momentum bound, and gains for it."""
+"""The commands `orchestrate sizing` and `orchestrate momentum-bound`, registered in pyproject.toml.
+
+Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may ask for too much torque; 2 wrong input.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,9 @@ from orchestration.cli.overrides import overridden
 from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
 from orchestration.session.read import read as read_source
 
-from .momentum_bound import balance
-from .setup import read
-from .sizing import setup_of, study, table
+from .gains import setup_of, study, table
+from .loop import read
+from .momentum import balance
 
 IMPOSSIBLE = 1
 _DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
@@ -51,7 +54,10 @@ def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
 def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
-    """The least time that the balance of angular momentum allows SCENARIO's manoeuvre: a proven lower bound."""
+    """Compute the least time of a manoeuvre: a proven lower bound.
+
+    No controller flies SCENARIO's manoeuvre sooner, by the balance of angular momentum. Exit status 1 where --time is
+    impossible."""
     wanted = _quantity("--time", time, SECOND)
     limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
     longest = _quantity("--horizon", horizon, SECOND) or 0.0
@@ -117,7 +123,9 @@ def sizing(
     out: Path | None,
     sets: tuple[str, ...],
 ) -> None:
-    """Gains of `controller` for FILE, a scenario or a satellite: start values as YAML, and what of them is guaranteed.
+    """Compute gains of `controller` for a wished time to settle.
+
+    FILE is a scenario or a satellite. Prints start values as YAML, and what of them is guaranteed.
 
     Exit status 1 where the guaranteed torque is above what the actuators give.
     """
