@@ -22,7 +22,6 @@ from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.closest import FILE as HOLDS_FLOWN
 from .flight.rivals import compare
-from .flight.tune import search
 from .optimum import page as least_times
 from .optimum.kept import FILE
 from .paper import ROOT
@@ -34,7 +33,6 @@ from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import load
 from .satellites.searched import BOUNDS, HOLDS
 from .sensors import make as sensor_figures
-from .sweep import make as swept
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -148,15 +146,6 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
 
 
 @main.command()
-@click.option("--cases", default=40, show_default=True, type=click.IntRange(2, 1000), help="Flights of acquisition.")
-def sweep(cases: int) -> None:
-    """Fly with constants of the planned controller at half and twice their values, for docs/evidence/sweep.md: forty minutes, one process."""
-    for line in swept.make(cases, ROOT / "docs" / "evidence" / swept.FILE):
-        say(line)
-    say(f"written: {swept.publish()}")
-
-
-@main.command()
 @_jobs
 @click.option("--cases", default=10, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles.")
 def rival(jobs: int, cases: int) -> None:
@@ -174,14 +163,6 @@ def flight_case(group: str, run: int) -> None:
     for name, value in flown.metrics.items():
         say(f"{name:14} {value}")
     say(f"written: {flown.file}")
-
-
-@main.command("flight-tune")
-@_jobs
-def flight_tune(jobs: int) -> None:
-    """Search the gains of law [8] in SI units that docs/evidence/flight.md compares with."""
-    for line in search(jobs):
-        say(line)
 
 
 @main.command()

@@ -19,7 +19,7 @@ from .. import crew
 from ..paper import INERTIA, ORBIT
 from .schemes import NO_ERRORS, SCHEMES, Data, base, change, fit, tuned
 
-SEEDS = {"nominal": 100, "errors": 200, "tried": 300, "tune": 400}
+SEEDS = {"nominal": 100, "errors": 200, "tried": 300}
 """Of each set of random tumbles. Run i depends on the seed and i alone, so all schemes fly the same ones."""
 RATE_MAX = math.radians(6.0)
 J = np.diag(INERTIA)

@@ -19,7 +19,7 @@ from ..paper import ROOT, constants
 Data = dict[str, Any]
 
 TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
-"""Gains of law [8] in SI units with the bounded allocator: the best of `python -m evidence flight-tune`."""
+"""Gains of law [8] in SI units with the bounded allocator: the best of 60 drawn at random, by tumbles that nothing else flies."""
 RIVAL = {"slow": 0.035, "K": 6.1e-4, "L": 0.069, "detumble_gain": 280.0, "look_ahead": 118.0}
 """Of evidence/flight/rival: the best of a random search on tumbles that nothing else flies (docs/evidence/rival.md)."""
 

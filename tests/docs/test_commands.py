@@ -30,7 +30,6 @@ NOT_RUN = {
     "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/; tests/estimator flies fewer",
     "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
     "python -m evidence rival --cases 50": "takes minutes; tests/evidence/flight/test_rival.py flies one",
-    "python -m evidence sweep": "takes forty minutes, and writes docs/evidence/sweep.md",
     "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
     "make pil": "takes minutes, needs QEMU and writes docs/evidence/processor.md",
 }
