@@ -30,7 +30,7 @@ def test_they_are_kept_by_group_and_run(tmp_path):
 
 def test_it_is_known_of_all_that_are_sought_and_none_was_flown_closer():
     """The search has stronger rods, knows all and has no start; it leaves out only what happens within an interval."""
-    flights, found = load_flights(ROOT / "docs" / "evidence" / "flight.csv"), load(ROOT / "docs" / FILE)
+    flights, found = load_flights(ROOT / "docs" / "evidence" / "flight.csv"), load(ROOT / "docs" / "evidence" / FILE)
     sought = {group.name: group.runs for group in all_groups(1000) if group.name in SOUGHT}
     assert [(one.group, one.run) for one in found] == [(name, run) for name in SOUGHT for run in range(sought[name])]
     for group in SOUGHT:
