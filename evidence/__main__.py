@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any
 
@@ -20,7 +19,6 @@ from .estimator import make as estimates
 from .failures import make as failures_flown
 from .failures.rows import TABLES
 from .flight import make as flights
-from .flight.closest import FILE as HOLDS_FLOWN
 from .flight.rivals import compare
 from .optimum import page as least_times
 from .optimum.kept import FILE
@@ -31,7 +29,7 @@ from .satellites import bound_search
 from .satellites import make as satellites_flown
 from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import load
-from .satellites.searched import BOUNDS, HOLDS
+from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
 
 
@@ -44,9 +42,6 @@ def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")(
         command
     )
-
-
-_HOLDS = "Search how close to the target a motion can stay, some ten seconds each (needs the package casadi)."
 
 
 @main.command()
@@ -101,16 +96,9 @@ def allocators(jobs: int, fly: bool, page: bool) -> None:
 @click.option(
     "--page", is_flag=True, help="Write page and figures from docs/evidence/flight.csv, without flying its cases."
 )
-@click.option("--holds", is_flag=True, help=_HOLDS)
-def flight(jobs: int, cases: int, page: bool, holds: bool) -> None:
+def flight(jobs: int, cases: int, page: bool) -> None:
     """Make docs/evidence/flight.md and its figures from campaigns; one that was interrupted goes on."""
-    if holds:
-        _needs_casadi()
-        from .flight.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
-
-        for line in make(jobs, ROOT / "docs" / "evidence" / HOLDS_FLOWN):
-            say(line)
-    say(f"written: {flights.publish() if page or holds else flights.make(cases, jobs)}")
+    say(f"written: {flights.publish() if page else flights.make(cases, jobs)}")
 
 
 @main.command()
@@ -136,8 +124,9 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
     What is in docs/evidence/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
     """
     if not page:
-        _needs_casadi()
-        from .optimum.make import fly_again, make  # CasADi, a package of three studies alone  # noqa: PLC0415
+        if find_spec("casadi") is None:
+            raise InputError("the package casadi is not installed; remedy: pip install casadi")
+        from .optimum.make import fly_again, make  # CasADi, which this command alone needs  # noqa: PLC0415
 
         file = ROOT / "docs" / "evidence" / FILE
         for line in fly_again(file) if flown else make(cases, file):
@@ -169,26 +158,17 @@ def flight_case(group: str, run: int) -> None:
 @_jobs
 @click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
 @click.option("--page", is_flag=True, help="Write the page from docs/evidence/satellites.csv, without flying.")
-@click.option("--holds", is_flag=True, help=_HOLDS)
-@click.option(
-    "--bounds",
-    is_flag=True,
-    help="Prove which of those that are not settled no controller can hold, some seconds each.",
-)
-def satellites(jobs: int, cases: int, page: bool, holds: bool, bounds: bool) -> None:
-    """Fly tumbles of satellites from 1U to 500 kg by their data alone, and make docs/evidence/satellites.md; one that was interrupted goes on."""
-    docs, progress = ROOT / "docs" / "evidence", list[Iterator[str]]()
-    if bounds:
-        progress.append(bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS))
-    if holds:
-        _needs_casadi()
-        from .satellites.hold_search import make  # CasADi, a package of three studies alone  # noqa: PLC0415
+@click.option("--bounds", is_flag=True, help="Prove which that are not settled no controller can hold.")
+def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
+    """Fly satellites from 1U to 500 kg by their data alone, and make docs/evidence/satellites.md.
 
-        progress.append(make(jobs, load(docs / SATELLITES), docs / HOLDS))
-    for line in itertools.chain(*progress):
-        say(line)
-    made = satellites_flown.write() if page or progress else satellites_flown.make(cases, jobs)
-    say(f"written: {made}")
+    One that was interrupted goes on.
+    """
+    docs = ROOT / "docs" / "evidence"
+    if bounds:
+        for line in bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS):
+            say(line)
+    say(f"written: {satellites_flown.write() if page or bounds else satellites_flown.make(cases, jobs)}")
 
 
 @main.command()
@@ -204,11 +184,6 @@ def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None
     A flight takes about two seconds of a core, one with a stuck wheel 36.
     """
     say(f"written: {failures_flown.write() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
-
-
-def _needs_casadi() -> None:
-    if find_spec("casadi") is None:
-        raise InputError("the package casadi is not installed; remedy: pip install casadi")
 
 
 if __name__ == "__main__":

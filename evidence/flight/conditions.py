@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from ..markdown import degrees, finite, orbits
@@ -23,10 +21,8 @@ def tried(flights: Flights) -> list[list[str]]:
             [
                 t.text + (f" ({failed} runs failed)" if failed else ""),
                 finite(times),
-                *(orbits(quantile(times, q)) for q in (0.5, 0.9, 1.0)),
-                finite(flights.times(t.name, 1)),
+                *(orbits(quantile(times, q)) for q in (0.5, 1.0)),
                 angle(held, np.median),
-                angle(held, np.max),
                 became(flights, t.name),
                 told(flights, t.name),
             ]
@@ -35,12 +31,12 @@ def tried(flights: Flights) -> list[list[str]]:
 
 
 def became(flights: Flights, group: str) -> str:
-    """What became over three orbits of those that were settled at EARLY."""
+    """Returns how many of those that were settled at EARLY were lost again, and their largest error."""
     then = np.isfinite(flights.column(group, "early_5deg_s"))
     lost = flights.lost(group)
     if not lost.any():
-        return f"{then.sum()}, all stay" if then.any() else "0"
-    return f"{then.sum()}, {lost.sum()} lose it, up to {degrees(float(flights.column(group, 'later_max_deg')[lost].max()))}"
+        return "0"
+    return f"{lost.sum()} of {then.sum()}, up to {degrees(float(flights.column(group, 'later_max_deg')[lost].max()))}"
 
 
 def told(flights: Flights, group: str) -> str:
@@ -50,29 +46,6 @@ def told(flights: Flights, group: str) -> str:
         return "0"
     names = sorted({name for line in flights.of(group) for name in line["told"].split()})
     return f"{len(times)} ({', '.join(f'`{name}`' for name in names)}), {np.median(times):.0f} s, {times.max():.0f} s"
-
-
-def notable(flights: Flights) -> list[Mapping[str, str]]:
-    """What stands out in the table of TRIED, by its own numbers."""
-    usual = quantile(flights.times("as nominal"), 0.5)
-    lost, back, slow, coarse = [], [], [], []
-    for t in TRIED:
-        times, held, again = flights.times(t.name), flights.hold_errors(t.name), flights.lost(t.name)
-        if again.any():
-            back.append(f"{t.text} ({int(again.sum())})")
-        if not np.isfinite(times).all():
-            lost.append(f"{t.text} ({int((~np.isfinite(times)).sum())})")
-        elif quantile(times, 0.5) > 1.5 * usual:
-            slow.append(t.text)
-        if len(held) and np.median(held) > 0.1:
-            coarse.append(t.text)
-    lists = (
-        ("Not all are settled at the end (how many are not)", lost),
-        ("Some settled and were lost again (how many)", back),
-        ("All settle, but half of them more than 1.5 times as late as nominally", slow),
-        ("Held worse than 0.1° rms at the median of those that settle", coarse),
-    )
-    return [{"what": what, "names": "; ".join(names)} for what, names in lists if names]
 
 
 def pairings(flights: Flights) -> list[list[str]]:

@@ -11,9 +11,8 @@ from orchestration.errors import hint
 from ..crew import crew
 from ..paper import FOLDER as STUDIES
 from ..paper import ROOT
-from . import closest, figures, kept, page
+from . import figures, kept, page
 from .bound import bound, starts
-from .calls import calls
 from .groups import all_groups
 from .schemes import base
 
@@ -38,10 +37,10 @@ def publish(folder: Path = ROOT / "docs" / "evidence") -> Path:
     """Makes page and figures from the files in the folder; flies only the two scenarios that are drawn."""
     flights = kept.load(folder / "flight.csv")
     tumble = shown("tumble", "controller.phase", "plant.dipole", "controller.h_w_ref")
-    hold = shown("hold", "allocator.b_wheel")
+    hold = shown("hold")
     figures.draw(flights, tumble, hold, folder.parent / "figures")
     target = folder / "flight.md"
-    target.write_text(page.text(flights, hold, calls(), closest.load(folder / closest.FILE)), "utf-8")
+    target.write_text(page.text(flights), "utf-8")
     return target
 
 

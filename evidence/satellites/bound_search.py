@@ -1,4 +1,4 @@
-"""Which tumbles of docs/evidence/satellites.md no controller can keep settled: the balance of the momentum along the field (evidence/hold_bound.py)."""
+"""Finds which tumbles of docs/evidence/satellites.md no controller can keep settled, by evidence/hold_bound.py."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from ..crew import in_parts
-from ..flight.bound import loop
+from ..flight.bound import loop, starts
 from ..flight.cases import LOST
 from ..flight.schemes import Data
 from ..hold_bound import missing
-from .classes import ALL, DURATION, EARLY
-from .kept import Flights, not_settled
-from .searched import Missing, load_bounds, save_bounds, starts_of
+from .classes import ALL, DURATION, EARLY, tumbles
+from .kept import CONDITIONS, Flights, not_settled
+from .searched import Missing, load_bounds, save_bounds
 
 
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
@@ -31,9 +31,10 @@ def _left(flights: Flights, found: list[Missing]) -> list[tuple[str, str, int, D
     known = {bound.tumble for bound in found}
     left = [tumble for tumble in not_settled(flights) if tumble not in known]
     wanted = []
-    for (name, condition), tumbles in groupby(left, lambda tumble: tumble[:2]):
-        of_run = starts_of(name, condition, [int(run) for *_, run in tumbles])
-        wanted += [(name, condition, run, data) for run, data in of_run.items()]
+    for (name, condition), those in groupby(left, lambda tumble: tumble[:2]):
+        runs = [int(run) for *_, run in those]
+        data = starts(tumbles(name, max(runs) + 1, CONDITIONS[condition]))
+        wanted += [(name, condition, run, data[run]) for run in runs]
     return wanted
 
 

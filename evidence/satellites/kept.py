@@ -12,10 +12,9 @@ import numpy as np
 from orchestration.campaign.flying.rows import Rows
 
 from .. import files
-from ..flight.bound import bound, starts
-from ..flight.cases import ALARMS, Group
+from ..flight.cases import ALARMS
 from ..paper import Array
-from .classes import ALL, EARLY, settled, tumbles
+from .classes import ALL, EARLY, settled
 
 FILE = "satellites.csv"
 CONDITIONS = {"nominal": False, "errors": True}
@@ -27,10 +26,8 @@ RADIUS = 6371.0
 """km, from which heights count."""
 COLUMNS = (
     "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
-    "wheel_share momentum_bound_s told remark"
+    "wheel_share told remark"
 ).split()
-HORIZON = 6000.0
-"""s, up to which the momentum bound of a flight that does not settle is sought."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +39,6 @@ class Flights:
     def of(self, satellite: str, condition: str) -> list[Mapping[str, str]]:
         """The lines of a satellite under a condition, in the order of their runs."""
         return [line for line in self.lines if (line["satellite"], line["condition"]) == (satellite, condition)]
-
-    @property
-    def unsettled(self) -> Flights:
-        """Those with a wheel that are not settled at the end."""
-        return Flights(
-            tuple(line for line in self.lines if not line["settled_5deg_s"] and ALL[line["satellite"]].has_wheel)
-        )
 
 
 def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.nan) -> Array:
@@ -82,7 +72,6 @@ def save(file: Path, flown: Mapping[tuple[str, str], Rows]) -> None:
 
 
 def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
-    group = tumbles(satellite, int(rows.index.max()) + 1, CONDITIONS[condition])
     value = {metric["name"]: rows.numbers(metric["name"]) for metric in rows.manifest["metrics"]}
     times = settled(value["angle_5"], value["rate"])
     numbers = {
@@ -95,7 +84,6 @@ def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
         "later_max_deg": (np.degrees(value["later_max"]), ".3g"),
         "hold_rms_deg": (np.degrees(value["hold_rms"]), ".3g"),
         "wheel_share": (value["wheel_max"] / ALL[satellite].wheel_momentum_max, ".3g"),
-        "momentum_bound_s": (_bounds(group, rows, times, ALL[satellite].has_wheel), ".1f"),
     }
     reasons = rows.reasons()
     found = []
@@ -107,16 +95,6 @@ def _lines(satellite: str, condition: str, rows: Rows) -> list[dict[str, str]]:
             {"satellite": satellite, "condition": condition, "run": f"{index}", **line, "told": told, "remark": remark}
         )
     return found
-
-
-def _bounds(group: Group, rows: Rows, times: Array, wheel: bool) -> Array:
-    """Momentum bounds, s, of those that do not settle: infinite beyond HORIZON, NaN for others, failed runs and without a wheel."""
-    data = starts(group)
-    least = np.full(len(times), math.nan)
-    for i in np.flatnonzero(~np.isfinite(times) & ~rows.failed & wheel):
-        found = bound(data[int(rows.index[i])], HORIZON)
-        least[i] = math.inf if found is None else found
-    return least
 
 
 Tumble = tuple[str, str, str]

@@ -9,6 +9,7 @@ from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
+from ..plots import save as save_figures
 from . import page
 from .classes import ALL, tumbles
 from .kept import CONDITIONS, FILE, load, save
@@ -48,5 +49,7 @@ def write() -> Path:
     docs = ROOT / "docs" / "evidence"
     target = docs / "satellites.md"
     found = load_holds(docs / HOLDS), load_bounds(docs / BOUNDS)
-    target.write_text(page.text(load(docs / FILE), *found), "utf-8")
+    flights = load(docs / FILE)
+    save_figures({"satellites": page.figure(flights)}, docs.parent / "figures")
+    target.write_text(page.text(flights, *found), "utf-8")
     return target

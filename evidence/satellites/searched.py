@@ -1,18 +1,15 @@
-"""What was searched of the tumbles of docs/evidence/satellites.md beside their flights: how close a motion can stay, and what none can."""
+"""What is known of tumbles that do not settle, beside their flights: what no controller can do, and what no search found."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 from .. import files
-from ..flight.bound import starts
 from ..flight.cases import LOST
-from ..flight.schemes import Data
-from .classes import ALL, tumbles
-from .kept import CONDITIONS, Flights, Tumble, not_settled, tumble_of
+from .classes import ALL
+from .kept import CONDITIONS, Tumble
 
 HOLDS, BOUNDS = "satellites_hold.csv", "satellites_bound.csv"
 PROVEN = 0.01
@@ -40,7 +37,7 @@ class Searched:
 
 @dataclass(frozen=True)
 class Missing(Searched):
-    """Torque along the field, as a share of the disturbance, without which LOST is exceeded from EARLY to the end; 0: not proven."""
+    """Torque along the field without which LOST is exceeded from EARLY on, as a share of the disturbance; 0: not proven."""
 
     share: float
 
@@ -52,69 +49,33 @@ class Missing(Searched):
 
 @dataclass(frozen=True)
 class Closest(Searched):
-    """The least largest errors that were found (evidence/hold.py), deg: of motions from EARLY to the end, and of motions that repeat, in
-    the orbit from EARLY on and in the last one. NaN: none found, or not sought."""
+    """Least largest errors, deg, of motions that a search found: from EARLY to the end, and of those that repeat each orbit.
+
+    The motions that repeat are those of the orbit from EARLY on and of the last one. NaN: none found, or not sought.
+    Decision 25 describes the search, whose code version 0.2.0 has.
+    """
 
     to_end_deg: float
     first_orbit_deg: float
     last_orbit_deg: float
 
     @property
-    def repeating_deg(self) -> tuple[float, float]:
-        """Of the motions that repeat."""
-        return self.first_orbit_deg, self.last_orbit_deg
-
-    @property
-    def close(self) -> bool:
-        """Whether a motion to the end is known that stays within LOST."""
-        return self.to_end_deg < LOST
-
-
-class Search(NamedTuple):
-    """Of a run: whether motions that repeat are sought, too."""
-
-    run: int
-    repeats: bool
-
-
-def waiting(flights: Flights, holds: Iterable[Closest]) -> dict[tuple[str, str], list[Search]]:
-    """By satellite and condition what is sought and not among those found.
-
-    That is each flight that is not settled, or lost again; with a wheel, motions that repeat, too. And, to compare, all nominal flights
-    without a wheel.
-    """
-    known, left_again = {hold.tumble for hold in holds}, set(not_settled(flights))
-    left: dict[tuple[str, str], list[Search]] = {}
-    for line in flights.lines:
-        tumble = satellite, condition, run = tumble_of(line)
-        wheel = ALL[satellite].has_wheel
-        to_compare = not wheel and condition == "nominal"
-        if tumble not in known and (to_compare or tumble in left_again):
-            left.setdefault((satellite, condition), []).append(Search(int(run), wheel and tumble in left_again))
-    return left
+    def none_within(self) -> bool:
+        """Whether no motion within LOST was found to the end, or none that repeats in either orbit."""
+        repeating = self.first_orbit_deg, self.last_orbit_deg
+        return self.to_end_deg >= LOST or all(error >= LOST for error in repeating)
 
 
 def load_holds(file: Path) -> list[Closest]:
-    """The least largest errors of a file, none without one. Raises InputError for a file of another form."""
-    return files.load_if_any(Closest, file, "python -m evidence satellites --holds")
-
-
-def save_holds(file: Path, holds: Iterable[Closest]) -> None:
-    """Writes them by satellite, condition and run."""
-    files.save(Closest, file, sorted(holds, key=lambda hold: hold.place))
+    """Returns what the search found, none without a file. Raises InputError for a file of another form."""
+    return files.load_if_any(Closest, file, "git checkout the file")
 
 
 def load_bounds(file: Path) -> list[Missing]:
-    """The bounds of a file, none without one. Raises InputError for a file of another form."""
+    """Returns the bounds of a file, none without one. Raises InputError for a file of another form."""
     return files.load_if_any(Missing, file, "python -m evidence satellites --bounds")
 
 
 def save_bounds(file: Path, bounds: Iterable[Missing]) -> None:
     """Writes them by satellite, condition and run."""
     files.save(Missing, file, sorted(bounds, key=lambda bound: bound.place))
-
-
-def starts_of(satellite: str, condition: str, runs: Collection[int]) -> dict[int, Data]:
-    """What a search needs of these tumbles, by run."""
-    data = starts(tumbles(satellite, max(runs) + 1, CONDITIONS[condition]))
-    return {run: data[run] for run in runs}
