@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,33 +23,33 @@ SOON = 1.5
 
 
 def text(flights: Sequence[Flight]) -> str:
-    """The page."""
+    """Returns the page."""
     of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
     columns = {RODS: _rod, OTHERS: _other, SENSORS: _sensor, UNSEARCHED: _unsearched, WHEEL: _wheel}
-    tables = {
-        table: [columns[table](row, of[row.name]) for row in ROWS if row.table == table and of[row.name]]
-        for table in columns
-    }
-    counts = {table: _counts([len(of[row.name]) for row in ROWS if row.table == table]) for table in columns}
-    searched = [(row, of[row.name]) for row in ROWS if row.table != UNSEARCHED]
+    rows = {table: [(row, of[row.name]) for row in ROWS if row.table == table and of[row.name]] for table in columns}
+    searched = [f for table in columns if table != UNSEARCHED for _, them in rows[table] for f in them]
+    failing = [f for row, them in rows[RODS] + rows[OTHERS] for f in them]
     return markdown.render(
         Path(__file__).parent,
-        **tables,
-        counts=counts,
+        **{
+            table: [columns[table](row, them) for row, them in (_joined(them) if table == RODS else them)]
+            for table, them in rows.items()
+        },
         flown=len(flights),
-        wrong=[
-            f"{row.text}, {_torque(row)}, flight {f.run}: `{'`, `'.join(f.others.split())}`"
-            for row, them in searched
-            for f in them
-            if f.others
-        ],
+        found=finite(_column(failing, "found_s")),
+        settled=finite(_column(failing, "settled_s")),
+        wrong=[f"{f.row}, flight {f.run}: `{'`, `'.join(f.others.split())}`" for f in searched if f.others],
         failed=[f"{f.row}, flight {f.run}: {f.remark}" for f in flights if f.remark],
     )
 
 
-def _counts(numbers: Sequence[int]) -> str:
-    low, high = min(numbers), max(numbers)
-    return f"{low}" if low == high else f"{low} to {high}"
+def _joined(rows: Sequence[tuple[Row, list[Flight]]]) -> list[tuple[Row, list[Flight]]]:
+    """Returns the rows with those of the three rods joined."""
+    of: dict[tuple[str, float], tuple[Row, list[Flight]]] = {}
+    for row, flights in rows:
+        text = re.sub(r"^rod \d", "a rod", row.text)
+        of.setdefault((text, row.push), (replace(row, text=text), []))[1].extend(flights)
+    return list(of.values())
 
 
 def _torque(row: Row) -> str:
@@ -71,10 +73,10 @@ def _spread(times: Array) -> list[str]:
 
 
 def _hold(flights: Sequence[Flight]) -> list[str]:
-    """Rms at the median and worst, and the largest angle, deg."""
+    """Returns the rms at the median, and the largest angle."""
     rms, largest = (_column(flights, name) for name in ("hold_rms_deg", "hold_max_deg"))
     known = np.isfinite(rms)
-    return [angle(rms[known], np.median), angle(rms[known], np.max), angle(largest[known], np.max)]
+    return [angle(rms[known], np.median), angle(largest[known], np.max)]
 
 
 def _rod(row: Row, flights: Sequence[Flight]) -> list[str]:
@@ -84,8 +86,8 @@ def _rod(row: Row, flights: Sequence[Flight]) -> list[str]:
 
 def _other(row: Row, flights: Sequence[Flight]) -> list[str]:
     times = _column(flights, "settled_s")
-    spread = [f"{t:,.0f} s" if math.isfinite(t := quantile(times, q)) else "not settled" for q in (0.5, 0.9, 1.0)]
-    return [row.text, _torque(row), *_found(_column(flights, "found_s")), finite(times), *spread, *_hold(flights)]
+    spread = [f"{t:,.0f} s" if math.isfinite(t := quantile(times, q)) else "not settled" for q in (0.5, 1.0)]
+    return [row.text, *_found(_column(flights, "found_s")), finite(times), *spread, *_hold(flights)]
 
 
 def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:
