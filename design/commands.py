@@ -15,6 +15,7 @@ from rich.table import Table
 
 from orchestration import InputError
 from orchestration.cli.console import say
+from orchestration.cli.help import examples
 from orchestration.cli.overrides import overridden
 from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
 from orchestration.session.read import read as read_source
@@ -44,7 +45,13 @@ def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
     return value
 
 
-@click.command("momentum-bound")
+@click.command(
+    "momentum-bound",
+    epilog=examples(
+        "orchestrate momentum-bound scenarios/paper_no_singularity.yaml",
+        "orchestrate momentum-bound scenarios/paper_singularity.yaml --time '5 min'",
+    ),
+)
 @click.argument("scenario", type=click.Path(path_type=Path))
 @click.option("--time", metavar="T", help="Whether the manoeuvre is possible within this time; in s or with a unit.")
 @click.option("--dipole-max", metavar="M", help="Limit of each rod instead of the plant's; in A.m2 or with a unit.")
@@ -86,7 +93,12 @@ def momentum_bound(
     ctx.exit(IMPOSSIBLE)
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "orchestrate sizing scenarios/paper_no_singularity.yaml --time '193 s'",
+        "orchestrate sizing scenarios/paper_no_singularity.yaml --time '10 min' --out gains.yaml",
+    )
+)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--time", required=True, metavar="T", help="Wished time to settle; in s or with a unit.")
 @click.option(

@@ -20,7 +20,7 @@ Each rest has a bound. With the means of theta, nu, l and l theta over short int
 envelope of the product), all this is a linear programme. Its least violation of the balance of q is torque along the field that
 is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
 is returned is the value of the dual solution, which is a proof by itself, to rounding and to differences over 10 s. The motion need not end as it began, and
-may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. evidence/hold.py has the other side: the
+may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Decision 25 has the other side: the
 motion of the least largest error that was found.
 """
 

@@ -1,7 +1,7 @@
 """The commands `orchestrate momentum-bound` and `orchestrate sizing`: what they answer and what they refuse."""
 
 import tomllib
-from importlib.metadata import EntryPoint, EntryPoints
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,7 @@ from design.loop import read
 from orchestration import run
 from orchestration.cli import main as orchestrate
 
+GROUP = "orchestrate.commands"
 SCENARIO = "scenarios/paper_no_singularity.yaml"
 SIZED = "scenarios/sized_no_singularity.yaml"
 SATELLITE = "scenarios/satellites/paper_50kg.yaml"
@@ -21,9 +22,9 @@ SI = ["--set", "plant.J_B=[[2.13,0,0],[0,3.04,0],[0,0,3.09]]"]
 @pytest.fixture(autouse=True)
 def registered(monkeypatch):
     """The commands that pyproject.toml adds, whenever this copy was installed."""
-    groups = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["entry-points"]
-    points = EntryPoints(EntryPoint(n, place, group) for group, named in groups.items() for n, place in named.items())
-    monkeypatch.setattr(orchestrate, "entry_points", lambda **wanted: points.select(**wanted))
+    named = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["entry-points"][GROUP]
+    points = {name: EntryPoint(name, place, GROUP) for name, place in named.items()}
+    monkeypatch.setattr(orchestrate, "outside", lambda: points)
 
 
 def bound(*arguments):
