@@ -75,6 +75,7 @@ pil: $(VENV)/test
 # The outside authorities' table, docs/evidence/verification.md.
 authorities: $(VENV)/test
 	$(BIN)/python -m tests.authorities
+	$(BIN)/python -m evidence verification
 
 # The wheel with its bills of materials and hashes, in dist/; refuses other versions of what has a say in the FMUs than the pinned.
 release: $(VENV)/test

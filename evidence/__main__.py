@@ -31,6 +31,7 @@ from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import load
 from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
+from .verification import page as verified
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -48,6 +49,12 @@ def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
 def sensors() -> None:
     """Make the figures of docs/use/sensors.md: an eclipse, and the Allan deviation of gyros."""
     say(f"written: {sensor_figures()}")
+
+
+@main.command()
+def verification() -> None:
+    """Make docs/evidence/verification.md and its figure from verification.csv, which `make authorities` writes."""
+    say(f"written: {verified.write()}")
 
 
 @main.command()

@@ -50,13 +50,13 @@ def load_if_any(kind: type[T], file: Path, remedy: str) -> list[T]:
     return load(kind, file, remedy) if file.is_file() else []
 
 
-def save(kind: type[T], file: Path, records: Iterable[T]) -> None:
-    """Writes records of a dataclass, numbers to five digits."""
+def save(kind: type[T], file: Path, records: Iterable[T], digits: int = 5) -> None:
+    """Writes records of a dataclass, numbers to so many digits."""
     lines = (asdict(record) for record in records)  # type: ignore[call-overload]
     write(
         file,
         _columns(kind),
-        ({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in line.items()} for line in lines),
+        ({k: f"{v:.{digits}g}" if isinstance(v, float) else v for k, v in line.items()} for line in lines),
     )
 
 

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from evidence.verification.rk4 import angle_between
 from tests.authorities.registry import authority
 from tests.plant.motion import FULL_INERTIA, checked, command, fly
-from tests.plant.rk4 import angle_between
 
 MU, PERIOD = 3.986004418e14, 5792.0
 

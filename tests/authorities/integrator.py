@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import cache
 
+from evidence.verification.rk4 import angle_between, environment, pack, truth
 from tests.authorities.registry import authority
 from tests.plant import manoeuvre
 from tests.plant.motion import checked, command, fly, measured_order
-from tests.plant.rk4 import angle_between, environment, pack, truth
 
 DOP853 = "scipy.integrate.solve_ivp, DOP853 at 3e-14, on [1], [2], [14]"
 FORCING = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from evidence.verification.rk4 import angle_between
 from tests.authorities.registry import authority
 from tests.plant.motion import FULL_INERTIA, checked, command, fly
-from tests.plant.rk4 import angle_between
 
 
 @authority(

@@ -8,10 +8,10 @@ from itertools import permutations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from evidence.verification.rk4 import angle_between
 from tests.authorities.free_body import FreeBody
 from tests.authorities.registry import authority
 from tests.plant.motion import bare, checked, command, fly
-from tests.plant.rk4 import angle_between
 
 LANDAU = "Landau and Lifshitz, Mechanics, section 37; scipy.special.ellipj, elliprf, elliprj"
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 import plant
+from evidence.verification.rk4 import angle_between, environment, pack, truth
 from tests.plant.motion import FULL_INERTIA, checked, command
-from tests.plant.rk4 import angle_between, environment, pack, truth
 
 PERIOD = 4.0
 COMMANDS = (

@@ -7,11 +7,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import plant
+from evidence.verification.rk4 import angle_between, environment, pack, rk4, truth
 from plant import attitude
 from plant.geomagnetic import FieldAlongOrbit
 from tests.plant import manoeuvre
 from tests.plant.motion import FULL_INERTIA, bare, checked, command, fly, measured_order
-from tests.plant.rk4 import angle_between, environment, pack, rk4, truth
 
 
 @pytest.mark.parametrize(("order", "bound"), [(2, 2e-4), (4, 5e-8), (6, 3e-10)])

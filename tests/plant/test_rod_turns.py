@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import plant
+from evidence.verification.rk4 import angle_between, environment, pack, truth
 from plant.geomagnetic import FieldAlongOrbit
 from tests.native.driver import Instance
 from tests.plant import manoeuvre
 from tests.plant.motion import FULL_INERTIA, checked, command, fly, measured_order
-from tests.plant.rk4 import angle_between, environment, pack, truth
 
 FIELD_N = np.array([1.3e-5, -2.1e-5, 3.4e-5])
 HEAVY = {"J_B": 1e12 * np.eye(3), "gravity_gradient": False, "omega_B0": [0.0, 0.0, 0.0], "dipole_max": 500.0}

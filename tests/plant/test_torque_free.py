@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
+from evidence.verification.rk4 import angle_between, pack, truth
 from tests.authorities.free_body import FreeBody
 from tests.plant.motion import FULL_INERTIA, bare, measured_order, no_moment
-from tests.plant.rk4 import angle_between, pack, truth
 
 
 @pytest.mark.parametrize("Omega", [[0.09, -0.02, 0.01], [-0.02, 0.03, 0.1], [0.01, 0.06, -0.09]])

@@ -11,10 +11,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import plant
+from evidence.verification.rk4 import angle_between, environment, pack, truth
 from plant.attitude import lgvi_step
 from plant.wheel import Segment, Wheel, net_torque, segments
 from tests.plant.motion import FULL_INERTIA, checked, command, fly, measured_order
-from tests.plant.rk4 import angle_between, environment, pack, truth
 
 I_W, MAX = 1.47e-5, 0.03
 IDEAL = Wheel(I_W, MAX, 0.003)

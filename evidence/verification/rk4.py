@@ -8,9 +8,12 @@ cost; `truth` is SciPy's DOP853 at its tightest tolerance.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
+
+import plant
 
 Moment = Callable[[np.ndarray, float, np.ndarray], np.ndarray]
 """External moment in body axes of R, t, Omega."""
@@ -31,7 +34,7 @@ def derivative(t: float, y: np.ndarray, J: np.ndarray, moment: Moment, wheel_tor
     return np.concatenate([(R @ skew).ravel(), dOmega, [dl_w]])
 
 
-def rk4(y: np.ndarray, t: float, h: float, *system) -> np.ndarray:
+def rk4(y: np.ndarray, t: float, h: float, *system: Any) -> np.ndarray:
     """One step of the classical fourth-order method."""
     k1 = derivative(t, y, *system)
     k2 = derivative(t + h / 2, y + h / 2 * k1, *system)
@@ -40,23 +43,23 @@ def rk4(y: np.ndarray, t: float, h: float, *system) -> np.ndarray:
     return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def truth(y: np.ndarray, t0: float, t1: float, *system) -> np.ndarray:
+def truth(y: np.ndarray, t0: float, t1: float, *system: Any) -> np.ndarray:
     """y at t1."""
     solution = solve_ivp(derivative, (t0, t1), y, method="DOP853", rtol=3e-14, atol=1e-16, args=system)
     assert solution.success, solution.message
-    return solution.y[:, -1]
+    return np.asarray(solution.y[:, -1])
 
 
 def pack(R: np.ndarray, Omega: np.ndarray, l_w: float) -> np.ndarray:
     return np.concatenate([R.ravel(), Omega, [l_w]])
 
 
-def environment(p, dipole_B) -> Moment:
+def environment(p: plant.Parameters, dipole_B: np.ndarray) -> Moment:
     """Rods' and gravity-gradient moment, from the plant's orbit and field as functions of time alone."""
     J = p.J_B + p.J_error_B
     dipole_B = np.asarray(dipole_B, dtype=float)
 
-    def moment(R, t, Omega):
+    def moment(R: np.ndarray, t: float, Omega: np.ndarray) -> np.ndarray:
         b = R.T @ p.field.at(t)
         r = R.T @ p.orbit.position_velocity(t)[0]
         d2 = float(r @ r)

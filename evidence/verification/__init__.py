@@ -1,0 +1,1 @@
+"""The comparisons of tests/authorities as a page, and what the plant's integrator gains and keeps."""
