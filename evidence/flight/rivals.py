@@ -28,6 +28,6 @@ def compare(cases: int, jobs: int) -> Iterator[str]:
             flown = hands.fly(group.case, FOLDER / "flight")
             flights = Flights(tuple(lines(group, flown, [None] * len(flown))))
             times = flights.times(group.name)
-            shown = [markdown.orbits(quantile(times, q)) for q in (0.25, 0.5, 1.0)]
+            shown = [markdown.orbits(quantile(times, q)) for q in (0.5, 1.0)]
             rows.append([name, markdown.finite(times), *shown, angle(flights.hold_errors(group.name), np.median)])
-    yield markdown.table(rows, "controller|settled|a quarter by, orbits|half by|all by|hold rms, median")
+    yield markdown.table(rows, "controller|settled|half by, orbits|all by|hold rms, median")

@@ -1,6 +1,5 @@
 """docs/evidence/optimum.md and docs/evidence/optimum.csv: that they agree, and that the lines can be."""
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -16,11 +15,6 @@ TEXT = (ROOT / "docs" / "evidence" / "optimum.md").read_text("utf-8")
 
 def test_the_page_is_made_from_the_file():
     assert page.text(LINES) == TEXT
-
-
-def test_the_page_says_the_median_and_the_worst_of_the_ratios():
-    ratios = sorted(line.flown_s / line.best_s for line in LINES)
-    assert f"**Flown over best found: {np.median(ratios):.2f} × at the median, {ratios[-1]:.2f} × at worst**" in TEXT
 
 
 def test_no_time_found_is_below_its_momentum_bound_or_later_than_the_flight():
