@@ -68,8 +68,6 @@ def text(done: Mapping[str, Flown]) -> str:
         runs=f"{len(done) * len(NODES):,}",
         orbit=f"{ORBIT:.0f}",
         count={name: count(name) for name in ALLOCATORS},
-        rod_weight=f"{1e6 * start['rod_weight']:g}",
-        wheel_weight=f"{start['wheel_weight']:g}",
         wheel_weight_ff=f"{start['wheel_weight_ff']:g}",
         header="|".join(["", "allocator", *COLUMNS]),
         mass=rows(done, "a"),
