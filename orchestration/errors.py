@@ -1,4 +1,7 @@
-"""What can go wrong: the input, or a block while it runs. Both carry their message ready for the user."""
+"""Errors of the user or of an FMU, which are found before a run, and failures of a block while it runs.
+
+An error is data: its place, what was expected and found there, and the remedy. Its text is made here, and only here.
+"""
 
 from __future__ import annotations
 
@@ -6,30 +9,114 @@ import errno
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypedDict
+
+Kind = Literal["", "damaged", "not valid"]
+"""What a caller may ask of an error: an archive that is damaged, a modelDescription.xml that is not valid."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something stands: in a file or an option of the command line, in which line, and under which name there."""
+
+    source: str | None = None
+    line: int | None = None
+    name: str = ""
+
+    def __str__(self) -> str:
+        source = f"{self.source}:{self.line}" if self.source and self.line else self.source
+        return ": ".join(filter(None, (source, self.name))) or "scenario"
+
+
+class Fields(TypedDict, total=False):
+    """What may be said of an error beside its text."""
+
+    expected: str
+    found: str
+    remedy: str
+    kind: Kind
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One error of the user or of an FMU."""
+
+    text: str = ""
+    """What is wrong, where expected and found do not say it."""
+    expected: str = ""
+    found: str = ""
+    remedy: str = ""
+    place: Place | None = None
+    kind: Kind = ""
+
+    def __str__(self) -> str:
+        separator = "\n  " if "\n" in self.text else "; "
+        return self._said() + (f"{separator}remedy: {self.remedy}" if self.remedy else "")
+
+    def _said(self) -> str:
+        wanted = f"expected {self.expected}" if self.expected else ""
+        found = f"found {self.found}" if self.found else ""
+        said = "; ".join(filter(None, (self.text, ", ".join(filter(None, (wanted, found))))))
+        return said if self.place is None else f"{self.place}: {said}"
+
+    def at(self, place: Place) -> Problem:
+        """Returns this error as one of what stands at a place; the place that it has stays in its text."""
+        if self.place is None:
+            return replace(self, place=place)
+        return Problem(self._said(), remedy=self.remedy, place=place, kind=self.kind)
 
 
 class InputError(ValueError):
     """The scenario, an FMU or an option is wrong, and nothing was run. Exit status 2."""
 
-    def __init__(self, *messages: str) -> None:
-        super().__init__("\n".join(messages))
-        self.messages = messages
+    def __init__(self, *problems: Problem | str) -> None:
+        self.problems = tuple(p if isinstance(p, Problem) else Problem(p) for p in problems)
+        super().__init__("\n".join(self.messages))
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """The texts of the errors."""
+        return tuple(map(str, self.problems))
+
+
+class Problems(list[Problem]):
+    """Errors that are gathered, to be raised together at the end of the `with` that makes the list."""
+
+    def __enter__(self) -> Problems:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None and self:
+            raise InputError(*self)
+
+    @contextmanager
+    def gathered(self) -> Iterator[None]:
+        """Takes in what is raised inside as InputError."""
+        try:
+            yield
+        except InputError as error:
+            self += error.problems
 
 
 class NoRoom(InputError):
-    """A folder of this machine cannot take what a run needs there: no error of the scenario, and nothing was run. Exit status 2."""
+    """A folder of this machine cannot take what a run needs there: no error of the scenario, and nothing was run.
+
+    Exit status 2.
+    """
 
     def __init__(self, what: str, folder: Path, error: OSError) -> None:
-        super().__init__(f"{what} in {folder}: {reason(error)}; remedy: room there, or another folder in TMPDIR")
+        super().__init__(
+            Problem(f"{what} in {folder}: {reason(error)}", remedy="room there, or another folder in TMPDIR")
+        )
 
 
 class BlockError(RuntimeError):
     """A block failed: in initialization (`time` is None) or during the run. Exit status 3.
 
-    `result` holds what was computed up to then, once the run has ended.
+    `status` is what the call gave, where it gave one. `result` holds what was computed up to then, once the run has ended.
     """
 
     def __init__(
@@ -39,8 +126,10 @@ class BlockError(RuntimeError):
         problem: str,
         time: float | None = None,
         log: Sequence[str] = (),
+        status: int | None = None,
     ) -> None:
         self.block, self.call, self.problem, self.time, self.log = block, call, problem, time, tuple(log)
+        self.status = status
         self.result: Any = None
         super().__init__(block, call, problem)
 
@@ -72,13 +161,13 @@ _PLAIN = {
 
 
 def reason(error: BaseException) -> str:
-    """Why the system refused something, in plain words."""
+    """Returns in plain words why the system refused something."""
     return _PLAIN.get(getattr(error, "errno", None) or 0) or getattr(error, "strerror", None) or str(error)
 
 
 @contextmanager
 def writing(target: Path) -> Iterator[None]:
-    """What is written inside is a result: raises ResultsError where the system refuses it."""
+    """Raises ResultsError where the system refuses what is written inside."""
     try:
         yield
     except OSError as error:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..errors import InputError
 from ..fmu.archive import libraries
 from ..fmu.co_simulation import CoSimulation
 from ..fmu.model import Model
@@ -46,9 +47,8 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
     if kind.steps_inside or not kind.variable_step:
         try:
             step = kind.sample_time()
-        except ValueError as error:
-            text, _, remedy = str(error).partition("; remedy: ")
-            findings.append(Finding("error", "step", text, remedy))
+        except InputError as error:
+            findings += [Finding("error", "step", wrong.text, wrong.remedy) for wrong in error.problems]
             return
         if step is not None:
             what = "steps inside by" if kind.steps_inside else "cannot vary its step of"

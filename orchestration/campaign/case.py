@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, hint
+from ..errors import InputError, Problem, hint
 from ..expectations import metrics
 from ..expectations.span import numeric
 from ..paths import located
@@ -114,14 +114,10 @@ def _scenario(source: Source) -> Source | None:
     """The scenario's own source; None where the file names none. Raises InputError."""
     given = source.data.get("scenario") if isinstance(source.data, dict) else None
     if isinstance(given, str) and given:
-        try:
+        with source.naming(("scenario",)):
             path = located(given, source.folder)
             here = Path.cwd()
             return read(path.relative_to(here) if path.is_absolute() and path.is_relative_to(here) else path)
-        except InputError as error:
-            raise InputError(
-                *(m if ":" in m.split(" ")[0][-12:-1] else source.error(("scenario",), m) for m in error.messages)
-            ) from None
     if not isinstance(given, dict):
         return None
     lines = {key[1:]: line for key, line in source.lines.items() if key[:1] == ("scenario",)}
@@ -161,7 +157,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     """A campaign held against its scenario. Raises InputError."""
     opened = open_scenario(scenario)
     plan = opened.plan
-    errors: list[str] = []
+    errors: list[Problem] = []
     measures: list[metrics.Measure] = []
     codes: dict[str, Code] = {}
     broken: set[str] = set()
@@ -172,7 +168,7 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
             if metric.python and metric.python.partition(":")[0] not in broken:
                 codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
             if isinstance(error, NotLoaded):  # of a module that several metrics name, once
                 broken.add(error.module)
     try:
@@ -180,14 +176,14 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
         _resolved(campaign, source, plan.scenario, draws, plan.models)
         errors += [source.error((key,), text) for key, text in analysis.problems(campaign, draws.dimension)]
     except InputError as error:
-        errors += error.messages
+        errors += error.problems
     if errors:
         raise InputError(*errors)
     requirements = _requirements(campaign, source, measures, [check.expectation.name for check in plan.checks])
     try:
         made = design(campaign.sampling, campaign.seed, campaign.runs, draws)
     except InputError as error:
-        raise InputError(*(source.error((), message) for message in error.messages)) from None
+        raise InputError(*(problem.at(source.place(())) for problem in error.problems)) from None
     job = Job(opened, draws, made, tuple(measures), tuple(requirements), codes)
     names = [name for name, _ in job.columns]
     if twice := next((name for name in names if names.count(name) > 1), None):

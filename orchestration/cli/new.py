@@ -197,7 +197,7 @@ def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None
             if new:
                 folder.rmdir()
         if isinstance(error, InputError):
-            raise InputError(*(found.told(message, folder) for message in error.messages)) from None
+            raise InputError(*(found.told(problem, folder) for problem in error.problems)) from None
         raise
     say(f"{folder}: {found.about}")
     for path in files:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Model
 from ..quantities import ONE, QuantityError
 from ..scenario.expectations import Bound, Expectation
@@ -40,7 +40,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
     it is left out with a remark.
     """
     checks: list[Check] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     notes: list[str] = []
     known = phases(scenario, models)
     shortened = ("duration",) in scenario.source.options
@@ -57,7 +57,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
         try:
             checks.append(_check(scenario, ("expect", number), expectation, models, known))
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     return checks, notes

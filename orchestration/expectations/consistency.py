@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Floats, Model, Variable
 from ..quantities import ONE, QuantityError, parse, real
 from ..scenario.consistency import Consistency
@@ -44,12 +44,12 @@ class Relation:
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Relation]:
     """Checks the consistency checks against the blocks. Raises InputError with every error."""
     relations: list[Relation] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     for name, entry in scenario.consistency.items():
         try:
             relations.append(_relation(scenario, name, entry, models))
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     return relations

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Floats, Model
 from ..scenario.expectations import HoldEntry
 from ..scenario.references import Reference
@@ -90,7 +90,7 @@ class HoldCheck:
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[HoldCheck]:
     """Checks the scenario's holds against the blocks. Raises InputError with every error."""
     held: list[HoldCheck] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     for number, entry in enumerate(scenario.holds):
         key: Key = ("holds", number)
         try:
@@ -104,7 +104,7 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[HoldCheck]:
                 limit: _flag(scenario, (*key, "limits", limit), name, models) for limit, name in entry.limits.items()
             }
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
         else:
             held.append(HoldCheck(entry, flag, kept, limits))
     if errors:

@@ -19,7 +19,7 @@ from fmus import places
 from fmus.kept import code, kept
 from fmus.versions import version_of
 
-from ..errors import InputError, file_hint
+from ..errors import InputError, Problem, file_hint
 from . import zipped
 from .aliases import aliases, set_together
 from .co_simulation import CoSimulation
@@ -247,4 +247,5 @@ def _unreadable(path: Path, problems: list[str], error: Exception) -> InputError
 def _not_valid(path: Path, problems: list[str]) -> InputError:
     some = [f"  {problem}" for problem in problems[:5]]
     more = [f"  and {len(problems) - 5} more"] if len(problems) > 5 else []
-    return InputError("\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more]))
+    text = "\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more])
+    return InputError(Problem(text, kind="not valid"))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from ..errors import InputError, Problem
 from .platforms import PLATFORM, PLATFORM_3, SUFFIX
 
 
@@ -59,7 +60,7 @@ class CoSimulation:
     def sample_time(self) -> Fraction | None:
         """The step that it insists on, or into which it divides all steps, s; None where it has none or does not say.
 
-        Raises ValueError.
+        Raises InputError.
         """
         name, step = "stepSize", self.step
         if self.steps_inside:
@@ -71,8 +72,6 @@ class CoSimulation:
         number = float(step)
         if not 0.0 < number < math.inf:
             where = name if name != "stepSize" else "DefaultExperiment.stepSize"
-            raise ValueError(
-                f"its FMU cannot vary its step, and its {name} is {step}, expected a finite number above 0; "
-                f"remedy: declare {where} in the FMU"
-            )
+            text = f"its FMU cannot vary its step, and its {name} is {step}, expected a finite number above 0"
+            raise InputError(Problem(text, remedy=f"declare {where} in the FMU"))
         return Fraction(repr(number))

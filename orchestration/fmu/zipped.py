@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import InputError, NoRoom, reason
+from ..errors import InputError, NoRoom, Problem, reason
 
 ARCHIVE_MAX, UNPACKED_MAX = 10**9, 2 * 10**9
 """Bytes of the file, and of what it unpacks to."""
@@ -52,7 +52,7 @@ def reading(path: Path, what: str) -> Iterator[zipfile.ZipFile]:
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {reason(error)}") from None
     except _DAMAGED as error:
-        raise InputError(f"{shown(path)} is a damaged zip archive: {error}") from None
+        raise InputError(Problem(f"{shown(path)} is a damaged zip archive: {error}", kind="damaged")) from None
 
 
 def names(path: Path, what: str) -> set[str]:
@@ -87,10 +87,9 @@ def _check_file(path: Path, what: str) -> None:
         file.seek(max(0, status.st_size - 2**16 - 200))
         directory = _directory_size(file.read())
     if directory is None:
-        truncated = begins == b"PK"
-        article = _a(what)
-        no = f"is no {what}: {article} is a zip archive"
-        raise InputError(f"{shown(path)} {'is a damaged or truncated zip archive' if truncated else no}")
+        if begins == b"PK":
+            raise InputError(Problem(f"{shown(path)} is a damaged or truncated zip archive", kind="damaged"))
+        raise InputError(f"{shown(path)} is no {what}: {_a(what)} is a zip archive")
     if directory > _DIRECTORY_MAX:
         raise InputError(
             f"{shown(path)} lists its entries in {size_text(directory)}; expected at most {size_text(_DIRECTORY_MAX)}"

@@ -130,9 +130,8 @@ class IsolatedBlock:
             raise self._lost()
         self._watchdog.deadline = inf
         self._listener.wait()
-        raise BlockError(
-            self.name, str(answer.get("call")), str(answer.get("problem")), log=tuple(self._listener.lines)
-        )
+        call, problem, status = (answer.get(name) for name in ("call", "problem", "status"))
+        raise BlockError(self.name, str(call), str(problem), log=tuple(self._listener.lines), status=status)
 
     # ------------------------------------------------------------ steps
 

@@ -221,7 +221,7 @@ class Slave:
             self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
         known = _STATUS[:-1] if self.version.three else _STATUS  # FMI 3.0 has no pending
-        return self._error(call, f"gave status {known[status] if status < len(known) else status}")
+        return self._error(call, f"gave status {known[status] if status < len(known) else status}", status)
 
     def _first_beyond(self, call: str) -> str:
         for setter in (setter for setter in self.setters if setter.name == call):
@@ -236,5 +236,5 @@ class Slave:
         last = beyond - 1 if native.whole else -low
         return f"was given {value:.10g} for {label}; {native.function} holds {low:.10g} to {last:.10g}"
 
-    def _error(self, call: str, problem: str) -> BlockError:
-        return BlockError(self.name, call, problem, log=self.log)
+    def _error(self, call: str, problem: str, status: int | None = None) -> BlockError:
+        return BlockError(self.name, call, problem, log=self.log, status=status)

@@ -102,7 +102,7 @@ class Worker:
 
     def _refuse(self, error: BlockError) -> None:
         self._do_mark()
-        self._answer({"call": error.call, "problem": error.problem})
+        self._answer({"call": error.call, "problem": error.problem, "status": error.status})
 
     # ------------------------------------------------------------ what may be asked
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import InputError, hint
+from ..errors import InputError, Problem, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..quantities import ONE, QuantityError, parse_unit, value_in, with_unit
 from ..rotation import about
@@ -41,7 +41,7 @@ class Control:
 def controls(scenario: Scenario, plan: Plan) -> list[Control]:
     """The sliders of a scenario. Raises InputError with everything that is wrong."""
     made: list[Control] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     for number, slider in enumerate(scenario.live.sliders if scenario.live else ()):
         try:
             made.append(_control(slider, scenario, plan))

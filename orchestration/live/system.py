@@ -10,7 +10,7 @@ from fmus.block import Block
 from fmus.native.toolchain import CompilerError
 from fmus.native.wasm import module
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.interfaces import is_path
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
@@ -70,16 +70,16 @@ def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[F
         entry = {key: value for key, value in data.items() if key != "name"}
         source = source.with_item("faults", entry, source.where(("live", "faults", number)))
     both = load(source) if own else scenario
-    errors: list[str] = []
+    errors: list[Problem] = []
     opened = made = None
     try:
         opened = open_scenario(both)
     except InputError as error:
-        errors += error.messages
+        errors += error.problems
     try:
         made = controls(scenario, open_scenario(scenario).plan)
     except InputError as error:
-        errors += error.messages
+        errors += error.problems
     if opened is None or made is None:
         raise InputError(*dict.fromkeys(errors))
     plan = opened.plan

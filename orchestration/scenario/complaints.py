@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import InputError, as_written, nearest, suggestion
+from ..errors import InputError, Problem, as_written, nearest, suggestion
 from .descriptions import descriptions
 from .source import Key, Source
 
@@ -28,10 +29,10 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
         meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
         # A misspelt key is not missing as well.
         details = [d for d in details if d["type"] != "missing" or _key(d) not in meant]
-        messages = [
-            text for key, group in _grouped(source.data, details) for text in _together(model, source, key, group)
+        problems = [
+            each for key, group in _grouped(source.data, details) for each in _together(model, source, key, group)
         ]
-        raise InputError(*dict.fromkeys(messages)) from None
+        raise InputError(*dict.fromkeys(problems)) from None
 
 
 def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]]:
@@ -59,20 +60,23 @@ def _of_union(data: Any, detail: Any) -> Key | None:
     return None
 
 
-def _together(model: type[BaseModel], source: Source, key: Key | None, group: list[Any]) -> list[str]:
-    """The messages of a group: of a place that may have several kinds of value, those of the kind that it nearly has, or one of all."""
+def _together(model: type[BaseModel], source: Source, key: Key | None, group: list[Any]) -> list[Problem]:
+    """Returns the errors of a group.
+
+    Of a place that may have several kinds of value, those of the kind that it nearly has, or one of all kinds.
+    """
     if key is None:
-        return [_message(model, source, detail) for detail in group]
+        return [_problem(model, source, detail) for detail in group]
     # Location: the place, the kind, then the way to what is wrong inside a value of this kind.
     inside = [{**d, "loc": (*key, *d["loc"][len(key) + 1 :])} for d in group if len(d["loc"]) > len(key) + 1]
     if inside:
-        return [_message(model, source, detail) for detail in inside]
+        return [_problem(model, source, detail) for detail in inside]
     beyond = [detail for detail in group if detail["type"] in _LIMITS]  # it is of the right kind
-    texts = [_text(detail) for detail in beyond or group]
-    expected = [text.removeprefix("expected ").partition(", found ")[0] for text in texts]
-    if not all(text.startswith("expected ") and ", found " in text for text in texts):
-        return [source.error(key, text) for text in texts]
-    return [source.error(key, f"expected {' or '.join(expected)}, found {as_written(group[0]['input'])}")]
+    each = [_wrong(detail) for detail in beyond or group]
+    if not all(wrong.expected and wrong.found for wrong in each):
+        return [wrong.at(source.place(key)) for wrong in each]
+    expected = " or ".join(wrong.expected for wrong in each)
+    return [source.error(key, expected=expected, found=as_written(group[0]["input"]))]
 
 
 _FIRST = {"Mapping": ("ports", "ignore"), "Campaign": ("scenario", "metrics")}
@@ -101,16 +105,19 @@ def _match(model: type[BaseModel], detail: Any) -> str | None:
     return nearest(str(key[-1]), _model_at(model, key[:-1]).model_fields)
 
 
-def _message(model: type[BaseModel], source: Source, detail: Any) -> str:
+def _problem(model: type[BaseModel], source: Source, detail: Any) -> Problem:
     key, kind = _key(detail), detail["type"]
     if kind == "extra_forbidden":
         known = ", ".join(_model_at(model, key[:-1]).model_fields)
         ending = suggestion(_match(model, detail)) or f"; expected one of {known}"
-        return _at(source, key, key[:-1], f"unknown key {key[-1]!r}{ending}")
+        # It stands in the line of the key, under the name of the part that holds it.
+        own, part = source.place(key), source.place(key[:-1])
+        place = replace(own, name=part.name) if own.line else part
+        return Problem(f"unknown key {key[-1]!r}{ending}", place=place)
     if kind == "missing":
         about = descriptions(_model_at(model, key[:-1])).get(str(key[-1]), "")
         return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
-    return source.error(key, _text(detail))
+    return _wrong(detail).at(source.place(key))
 
 
 _LIMITS = {
@@ -121,37 +128,31 @@ _LIMITS = {
 }
 
 
-def _text(detail: Any) -> str:
-    """What was expected and what was found."""
+def _wrong(detail: Any) -> Problem:
+    """Returns what was expected and what was found, without a place."""
     kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "value_error":
-        return str(context["error"])
+        error = context["error"]
+        return error.problems[0] if isinstance(error, InputError) else Problem(str(error))
     if kind in _EXPECTED:
-        return f"expected {_EXPECTED[kind]}, found {as_written(value)}"
+        return Problem(expected=_EXPECTED[kind], found=as_written(value))
     if kind == "literal_error":
-        return f"expected {context['expected']}, found {as_written(value)}{_item(value, context['expected'])}"
+        found = f"{as_written(value)}{_item(value, context['expected'])}"
+        return Problem(expected=context["expected"], found=found)
     if kind in _LIMITS:
         name, words = _LIMITS[kind]
-        return f"expected {words.format(f'{context[name]:g}')}, found {value}"
+        return Problem(expected=words.format(f"{context[name]:g}"), found=str(value))
     if kind == "string_too_short" or (kind == "too_short" and context["min_length"] == 1):
-        return "must not be empty"
+        return Problem("must not be empty")
     if kind in ("too_short", "too_long"):
         least, most = context.get("min_length"), context.get("max_length")
-        return f"expected {f'at least {least}' if most is None else f'at most {most}'} elements, found {len(value)}"
+        count = f"at least {least}" if most is None else f"at most {most}"
+        return Problem(expected=f"{count} elements", found=str(len(value)))
     if kind == "string_pattern_mismatch":
         dashes = " . -" if ".-]" in context["pattern"] else ""
         dashes += ", and spaces within" if " .-]" in context["pattern"] else ""
-        return f"expected a name of letters, digits and _{dashes}, found {as_written(value)}"
-    return f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}"
-
-
-def _at(source: Source, key: Key, shown: Key, text: str) -> str:
-    """The message at the line of `key`, under the name of `shown`, the part that holds it."""
-    line = source.lines.get(key)
-    if not line:
-        return source.error(shown, text)
-    file = source.files.get(key, source.file)
-    return Source(None, file, lines={shown: line}, options=source.options).error(shown, text)
+        return Problem(expected=f"a name of letters, digits and _{dashes}", found=as_written(value))
+    return Problem(f"{detail['msg'][0].lower()}{detail['msg'][1:]}, found {as_written(value)}")
 
 
 def _model_at(model: type[BaseModel], key: Key) -> type[BaseModel]:

@@ -68,17 +68,13 @@ def extended(source: Source, within: tuple[Path, ...] = (), files: list[Path] | 
 
 
 def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], files: list[Path]) -> Source:
-    try:
+    with source.naming(key):
         path = located(name, Path(source.file).parent if source.file else source.folder)
-    except InputError as error:
-        raise InputError(source.error(key, str(error))) from None
     if path.resolve() in within:
         through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
         raise InputError(source.error(key, f"the files extend each other in a circle: {through}"))
-    try:
+    with source.naming(key):
         part = read_text(path)
-    except InputError as error:
-        raise InputError(*(m if m.startswith(f"{path}:1") else source.error(key, m) for m in error.messages)) from None
     if not isinstance(part.data, dict):
         raise InputError(part.error((), f"expected keys such as 'shared' or 'blocks', found {as_written(part.data)}"))
     files.append(path)

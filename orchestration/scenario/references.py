@@ -9,6 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from ..errors import InputError, Problem
 from .text import parse
 
 _KEPT_MAX = 1000
@@ -50,7 +51,7 @@ class Reference(_Text):
     def __new__(cls, text: str, example: str = "block.variable") -> Self:
         match = _REFERENCE.fullmatch(text.strip())
         if match is None or not _NAME.fullmatch(match[2]):
-            raise ValueError(f"expected {example}, found {text.strip()!r}")
+            raise InputError(Problem(expected=example, found=repr(text.strip())))
         reference = super().__new__(cls, text.strip())
         name = Name(match[2])
         reference.block, reference.variable, reference.indices = match[1], name.variable, name.indices
@@ -90,7 +91,7 @@ class Assignment(_Text):
     def __new__(cls, text: str) -> Self:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise ValueError(f"expected block.parameter = value, found {text!r}")
+            raise InputError(Problem(expected="block.parameter = value", found=repr(text)))
         assignment = super().__new__(cls, text)
         assignment.target, assignment.value = Reference(name), parse(value).data
         return assignment

@@ -5,10 +5,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Unpack
 
 from pydantic import Field, PrivateAttr, field_validator
 
+from ..errors import Fields, Problem
 from .consistency import Consistency
 from .expectations import Expectation, HoldEntry
 from .faults import Fault
@@ -143,6 +144,10 @@ class Scenario(Extending):
         shared: dict[str, Key] = {name.variable: ("shared", name) for name in self.shared}
         return shared | {name.variable: ("blocks", block, "start", name) for name in self.blocks[block].start}
 
-    def error(self, key: Key, message: str) -> str:
-        """The message with the place in the file that it is about."""
-        return self._source.error(key, message)
+    def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
+        """Returns an error at the place of a key in the file."""
+        return self._source.error(key, text, **fields)
+
+    def note(self, key: Key, text: str) -> str:
+        """Returns a note on what stands at a key in the file."""
+        return self._source.note(key, text)

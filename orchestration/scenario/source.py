@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
-from ..errors import InputError, hint
+from ..errors import Fields, InputError, Place, Problem, hint
 
 Key = tuple[str | int, ...]
 
@@ -30,19 +31,35 @@ class Source:
     files: dict[Key, str] = field(default_factory=dict)
     """The file of what stands in none of its own, but in one that it extends."""
 
-    def where(self, key: Key) -> str:
-        """`file.yaml:14: blocks.plant.start`, or `--set plant.x=1`, of the innermost part that is known."""
+    def place(self, key: Key) -> Place:
+        """Returns the place of the innermost part of a key that is known: a line of a file, or an option."""
         for end in range(len(key), -1, -1):
             if other := self.options.get(key[:end]) or self.origins.get(key[:end]):
-                return other
+                return Place(other)
         name = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in key).lstrip(".")
         known = next((key[:end] for end in range(len(key), -1, -1) if key[:end] in self.lines), ())
-        file, line = self.files.get(known, self.file), self.lines.get(known)
-        place = file if line is None or file is None else f"{file}:{line}"
-        return ": ".join(filter(None, (place, name))) or "scenario"
+        return Place(self.files.get(known, self.file), self.lines.get(known), name)
 
-    def error(self, key: Key, message: str) -> str:
-        return f"{self.where(key)}: {message}"
+    def where(self, key: Key) -> str:
+        """Returns `file.yaml:14: blocks.plant.start`, or `--set plant.x=1`."""
+        return str(self.place(key))
+
+    def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
+        """Returns an error at the place of a key."""
+        return Problem(text, place=self.place(key), **fields)
+
+    def note(self, key: Key, text: str) -> str:
+        """Returns a note on what stands at a key."""
+        return f"{self.where(key)}: {text}"
+
+    @contextmanager
+    def naming(self, key: Key) -> Iterator[None]:
+        """Places at a key the errors of the file that is named there; those in a line of that file stay there."""
+        try:
+            yield
+        except InputError as error:
+            place = self.place(key)
+            raise InputError(*(p if p.place and p.place.line else p.at(place) for p in error.problems)) from None
 
     def copy(self) -> Source:
         """The same data and places anew, to be changed."""

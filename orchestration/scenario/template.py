@@ -8,13 +8,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from fmus import places
 
-from ..errors import InputError, hint
+from ..errors import InputError, Place, Problem, hint
 from .text import parse
 
 VALUES = "values.yaml"
@@ -58,15 +58,18 @@ class Template:
         follows = (other for other in given if re.search(rf"\b{name}\b", self.values[other].get("expression", "")))
         return next(follows, None)
 
-    def told(self, message: str, folder: Path) -> str:
-        """A message about a file made in a folder, of which nothing stays: with `--set NAME` in the place of a line that was left
-        open, or with that of the template."""
-        for path in self.folder.glob("*.yaml"):
-            if place := re.match(rf"{re.escape(str(folder / path.name))}:(\d+): ", message):
-                left_open = re.search(r"@(\w+)@", path.read_text("utf-8").splitlines()[int(place[1]) - 1])
-                said = f"--set {left_open[1]}" if left_open else f"{path}:{place[1]}"
-                return f"{said}: {message[place.end() :]}"
-        return message
+    def told(self, problem: Problem, folder: Path) -> Problem:
+        """Returns an error of a file that was made in a folder, of which nothing stays, at a place that stays.
+
+        That is `--set NAME` for a line that was left open, else the line of the template.
+        """
+        place = problem.place
+        path = next((p for p in self.folder.glob("*.yaml") if place and place.source == str(folder / p.name)), None)
+        if place is None or path is None or place.line is None:
+            return problem
+        left_open = re.search(r"@(\w+)@", path.read_text("utf-8").splitlines()[place.line - 1])
+        option = Place(f"--set {left_open[1]}", name=place.name) if left_open else replace(place, source=str(path))
+        return replace(problem, place=option)
 
 
 def _flow(value: Any) -> str:

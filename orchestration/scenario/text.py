@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from ..errors import InputError, file_hint, reason
+from ..errors import InputError, Place, Problem, file_hint, reason
 from .source import Key, Source
 
 _NODES_MAX, _DEPTH_MAX = 100_000, 50
@@ -54,11 +54,11 @@ def _parsed(text: str, file: str | None) -> Source:
         node = _composed(text, source)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        line = f":{mark.line + 1}" if mark and "\n" in text.rstrip("\n") else ""
+        line = mark.line + 1 if mark and "\n" in text.rstrip("\n") else None
         what = " ".join(filter(None, (error.context, error.problem)))
         if error.context_mark and mark and error.context_mark.line != mark.line:
             what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
-        raise InputError(f"{file or 'text'}{line}: no valid YAML: {what}") from None
+        raise InputError(Problem(f"no valid YAML: {what}", place=Place(file or "text", line))) from None
     except (yaml.YAMLError, RecursionError) as error:
         raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None
     if node is None:
@@ -126,27 +126,28 @@ class _Reader:
             return [self._value(item, (*key, i)) for i, item in enumerate(node.value)]
         if node.id == "mapping":
             return self._mapping(node, key)
-        _refuse_surrogates(node.value, self.source.where(key))
+        _refuse_surrogates(node.value, self.source.place(key))
         try:
             return _scalar(node)
         except ValueError:
-            place = self.source.error(key, "")
-            raise InputError(f"{place}expected a number, found {_shortened(node.value)}") from None
+            problem = self.source.error(key, expected="a number", found=_shortened(node.value))
+            raise InputError(problem) from None
 
     def _mapping(self, node: Any, key: Key) -> dict[str, Any]:
         data: dict[str, Any] = {}
         for name_node, value_node in node.value:
             line = name_node.start_mark.line + 1
-            place = f"{self.source.file or 'text'}:{line}"
+            place = Place(self.source.file or "text", line)
             if name_node.id != "scalar":
-                raise InputError(f"{place}: expected a name before the colon")
+                raise InputError(Problem(expected="a name before the colon", place=place))
             name = str(name_node.value)
             _refuse_surrogates(name, place)
             if name == "<<" and not name_node.style:
-                raise InputError(f"{place}: merging by '<<' is not supported; remedy: write the entries out")
+                remedy = "write the entries out"
+                raise InputError(Problem("merging by '<<' is not supported", remedy=remedy, place=place))
             if name in data:
                 first = self.source.lines[(*key, name)]
-                raise InputError(f"{place}: {name!r} is given twice; first in line {first}")
+                raise InputError(Problem(f"{name!r} is given twice; first in line {first}", place=place))
             self.source.lines[(*key, name)] = line
             data[name] = self._value(value_node, (*key, name))
         return data
@@ -155,9 +156,10 @@ class _Reader:
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
-def _refuse_surrogates(text: str, place: str) -> None:
+def _refuse_surrogates(text: str, place: Place) -> None:
     if _SURROGATE.search(text):
-        raise InputError(f"{place}: expected text, found half a character (a surrogate) in {text!r}")
+        found = f"half a character (a surrogate) in {text!r}"
+        raise InputError(Problem(expected="text", found=found, place=place))
 
 
 _DIGITS_MAX = 300

@@ -81,7 +81,7 @@ class Flight:
             self.close()
             raise Stopped(recording.interrupted)
         if recording.failure is not None:
-            reason = refusal(scenario, plan.models, recording.failure) or str(recording.failure)
+            reason = str(refusal(scenario, plan.models, recording.failure) or recording.failure)
             self.close()  # FMI allows little after a failure
             return Flown(reason, [one.outcome(True) for one in observers], recording.wall)
         return Flown(None, [one.outcome() for one in observers], recording.wall)

@@ -17,7 +17,7 @@ from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, ensure_all
 from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
-from ..errors import BlockError, InputError, NoRoom, hint, reason
+from ..errors import BlockError, InputError, Kind, NoRoom, Problem, hint, reason
 from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
@@ -87,8 +87,7 @@ class Opened:
         except NoRoom:
             raise
         except InputError as error:
-            message = f"{error}{_remedy(str(error), scenario, name)}"
-            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
+            raise InputError(*_with_remedies(error, scenario, name)) from None
         except BlockError as error:
             message = f"{shown(self.fmus[name].path)}: {error}"
             raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
@@ -162,7 +161,7 @@ _latest: tuple[Scenario, Opened] | None = None
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
-    errors: list[str] = []
+    errors: list[Problem] = []
     known: dict[tuple[Path, bool], Fmu] = {}
     _build(scenario)
     for name, entry in scenario.blocks.items():
@@ -174,8 +173,7 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
             lenient = entry.validation == "lenient"
             fmus[name] = known[path, lenient] = known.get((path, lenient)) or open_fmu(path, lenient)
         except InputError as error:
-            key = ("blocks", name, "fmu")
-            errors += [scenario.error(key, message + _remedy(message, scenario, name)) for message in error.messages]
+            errors += _with_remedies(error, scenario, name)
     if errors:
         raise InputError(*errors)
     return fmus
@@ -208,7 +206,7 @@ def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
 def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
     """What is not valid in the descriptions of FMUs that run all the same, by `validation: lenient`."""
     return [
-        scenario.error(
+        scenario.note(
             ("blocks", name, "validation"), f"{shown(fmu.path)}: modelDescription.xml is not valid: {problem}"
         )
         for name, fmu in fmus.items()
@@ -236,13 +234,15 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         raise InputError(f"the block {fmu!r} cannot be built: {where}: {reason(error)}") from None
 
 
-def _remedy(message: str, scenario: Scenario, name: str) -> str:
-    """What helps where a description is not valid, or where a file of this project's own has been spoilt."""
+def _with_remedies(error: InputError, scenario: Scenario, name: str) -> list[Problem]:
+    """Returns the errors of a block's FMU at its place, with what helps where its description is not valid, or where a file
+    of this project's own has been spoilt."""
     entry = scenario.blocks[name]
-    if "modelDescription.xml is not valid" in message:
-        there = f"'validation: lenient' in the entry of {name} under blocks in the scenario"
-        return f"\n  remedy: correct it in the exporting tool, or write {there}, to run it all the same"
-    if "damaged" not in message or is_path(entry.fmu):
-        return ""
-    option = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
-    return f"; remedy: orchestrate build {entry.fmu}{option}"
+    flavour = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
+    there = f"'validation: lenient' in the entry of {name} under blocks in the scenario"
+    remedies: dict[Kind, str] = {
+        "not valid": f"correct it in the exporting tool, or write {there}, to run it all the same",
+        "damaged": "" if is_path(entry.fmu) else f"orchestrate build {entry.fmu}{flavour}",
+    }
+    place = scenario.source.place(("blocks", name, "fmu"))
+    return [replace(problem, remedy=remedies.get(problem.kind, problem.remedy)).at(place) for problem in error.problems]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..expectations import checks, holds
 from ..expectations.checks import Check
 from ..expectations.holds import HoldCheck
@@ -87,12 +87,12 @@ def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | 
 def _together(*checks: Callable[[], Any]) -> list[Any]:
     """What the checks return. Raises InputError with the errors of all of them."""
     returned: list[Any] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     for check in checks:
         try:
             returned.append(check())
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     return returned

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Mapping
 
-from ..errors import BlockError
+from ..errors import BlockError, Problem
 from ..fmu.model import Model
 from ..scenario.scenario import Scenario
 
@@ -16,9 +16,9 @@ _MARK = re.compile(r"\[(?:error|fatal|discard)\] (\S.*)")
 """A line of a message; those of a traceback that show code are indented."""
 
 
-def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError) -> str | None:
-    """The message for a failure in initialization where the block's log names a start value; else None."""
-    if failure.time is not None or not failure.problem.startswith("gave status"):
+def refusal(scenario: Scenario, models: Mapping[str, Model], failure: BlockError) -> Problem | None:
+    """Returns the error for a failure in initialization where the block's log names a start value; else None."""
+    if failure.time is not None or failure.status is None:
         return None
     block = failure.block
     given = scenario.given(block)

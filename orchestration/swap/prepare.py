@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.archive import Fmu, shown
 from ..fmu.interfaces import Interface, is_path, own, place, reference, with_inputs
 from ..fmu.model import Element
@@ -21,7 +21,7 @@ from ..scenario.scenario import BlockEntry, Scenario
 from ..scenario.source import Key, Source
 from ..system.order import Hook
 from .as_ours import held
-from .findings import Fit, unfed
+from .findings import Finding, Fit, unfed
 from .fit import fit
 from .prepared import Prepared
 from .settle import settle
@@ -43,7 +43,7 @@ def interface_of(scenario: Scenario, name: str, model_name: str) -> str | None:
 def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     """Fits every swapped block to its interface. Raises InputError with everything that does not fit."""
     prepared = Prepared(scenario, {name: with_inputs(fmu, scenario.blocks[name].fmu) for name, fmu in fmus.items()})
-    errors: list[str] = []
+    errors: list[Problem] = []
     interfaces: dict[str, Interface] = {}
     for name, entry in scenario.blocks.items():
         asked = interface_of(scenario, name, fmus[name].model.name)
@@ -56,7 +56,7 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
             interfaces[name] = _reference(scenario, name, asked)
             _fit(prepared, name, entry, interfaces[name], fmus[name])
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     if interfaces:
@@ -67,10 +67,8 @@ def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
 
 
 def _reference(scenario: Scenario, name: str, asked: str) -> Interface:
-    try:
+    with scenario.source.naming(("blocks", name, "interface")):
         return reference(asked, scenario.source.folder)
-    except InputError as error:
-        raise InputError(*(scenario.error(("blocks", name, "interface"), m) for m in error.messages)) from None
 
 
 def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface, fmu: Fmu) -> None:
@@ -78,12 +76,13 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface,
     mapping, source = read_mapping(scenario, name, entry)
     fitted = fit(interface, fmu.model, mapping)
 
-    def where(key: Key, message: str) -> str:
-        if not key:
-            return scenario.error(("blocks", name, "fmu"), message)
-        return source.error(key, message) if source else scenario.error(("blocks", name, "map", *key), message)
+    def where(finding: Finding) -> Problem:
+        if not finding.key:
+            return scenario.error(("blocks", name, "fmu"), finding.text, remedy=finding.remedy)
+        holder, key = (source, finding.key) if source else (scenario, ("blocks", name, "map", *finding.key))
+        return holder.error(key, finding.text, remedy=finding.remedy)
 
-    errors = [where(finding.key, str(finding)) for finding in fitted.errors if not unfed(finding)]
+    errors = [where(finding) for finding in fitted.errors if not unfed(finding)]
     errors += _starts_without(prepared, name, entry, fitted, fmu)
     if errors:
         raise InputError(*errors)
@@ -110,19 +109,11 @@ def read_mapping(scenario: Scenario, name: str, entry: BlockEntry) -> tuple[mapp
     """A block's mapping, and its own file where it has one."""
     if entry.map is None or entry.map.file is None:
         return entry.map, None
-    key = ("blocks", name, "map")
-    try:
-        path = located(entry.map.file, scenario.source.folder)
-    except InputError as error:
-        raise InputError(scenario.error(key, str(error))) from None
-    try:
-        return mappings.load(path)
-    except InputError as error:
-        missing = all("there is no such file" in message for message in error.messages)
-        raise InputError(*(scenario.error(key, m) if missing else m for m in error.messages)) from None
+    with scenario.source.naming(("blocks", name, "map")):
+        return mappings.load(located(entry.map.file, scenario.source.folder))
 
 
-def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, fitted: Fit, fmu: Fmu) -> list[str]:
+def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, fitted: Fit, fmu: Fmu) -> list[Problem]:
     """Errors: values of the scenario for parameters of ours that theirs lacks."""
     errors = []
     for key in entry.start:

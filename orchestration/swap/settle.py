@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..scenario.load import load
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -19,7 +19,7 @@ def settle(prepared: Prepared) -> None:
     Raises InputError with all that cannot be taken out.
     """
     scenario = prepared.scenario
-    errors: list[str] = []
+    errors: list[Problem] = []
     gone = _left_out(prepared, errors)
     unconnected = _unconnected(prepared)
     gone |= dict.fromkeys(unconnected)
@@ -50,7 +50,7 @@ def settle(prepared: Prepared) -> None:
         prepared.scenario = load(source)
 
 
-def _left_out(prepared: Prepared, errors: list[str]) -> dict[Key, None]:
+def _left_out(prepared: Prepared, errors: list[Problem]) -> dict[Key, None]:
     """What of records, expectations, holds and figures refers to outputs that are not there."""
     scenario = prepared.scenario
     gone: dict[Key, None] = {}

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Element, Model, NameUnknown
 from ..quantities import QuantityError
 from ..scenario.faults import Fault, sentence
@@ -54,7 +54,7 @@ class Faults:
 def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> Faults:
     """The faults of the scenario, checked against its blocks. Raises InputError with everything that is wrong."""
     faults = Faults()
-    errors: list[str] = []
+    errors: list[Problem] = []
     for number, fault in enumerate(scenario.faults):
         key: Key = ("faults", number)
         try:
@@ -70,7 +70,7 @@ def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> 
         except (QuantityError, NameUnknown) as error:
             errors.append(scenario.error((*key, fault.kind), str(error)))
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     return faults
@@ -94,7 +94,7 @@ def count_of(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int
     if not exact:
         taken = float(count * Fraction(repr(scenario.step)))
         message = f"{time:.10g} s is no multiple of the step, {scenario.step:.10g} s; taken as {taken:.10g} s"
-        notes.append(scenario.error(key, message))
+        notes.append(scenario.note(key, message))
     return count
 
 

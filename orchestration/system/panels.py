@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from ..scenario.figures import Panel
@@ -18,7 +18,7 @@ from .wiring import Node
 def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
     needed: dict[Node, None] = {}
-    errors: list[str] = []
+    errors: list[Problem] = []
     first: dict[str, int] = {}
     for i, entry in enumerate(scenario.figures):
         if (same := first.setdefault(entry.name, i)) != i:
@@ -45,7 +45,7 @@ def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
             try:
                 needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
             except InputError as error:
-                errors += error.messages
+                errors += error.problems
     if errors:
         raise InputError(*errors)
     return list(needed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.interfaces import in_steps
 from ..fmu.model import Element, Model
 from ..scenario.scenario import Scenario
@@ -18,7 +18,7 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
 
     An FMU other than of the project's own blocks does not say which of its parameters are such times.
     """
-    warnings, errors = list[str](), list[str]()
+    warnings, errors = list[str](), list[Problem]()
     for block, model in models.items():
         values = {**model.starts, **{start.element: start.value for start in starts[block]}}
         every = scenario.blocks[block].every

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, hint
+from ..errors import InputError, Problem, hint
 from ..fmu.model import Floats, Model
 from ..quantities import QuantityError
 from ..scenario.scenario import Scenario
@@ -51,7 +51,7 @@ def phases(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, Phase]:
     if len(nodes) != 1 or variable.type == "real":
         message = f"expected one boolean, whole number or enumeration, but {scenario.phases.signal} is {variable.kind}"
         raise InputError(scenario.error(key, message))
-    errors: list[str] = []
+    errors: list[Problem] = []
     for name, value in scenario.phases.names.items():
         place: Key = ("phases", "names", name)
         if name in found:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.archive import Fmu
 from ..fmu.co_simulation import CoSimulation
 from ..instances.substeps import Substeps
@@ -30,12 +30,12 @@ class Rates:
 def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
     """Finds how often each block is stepped. Raises InputError with every step that does not divide."""
     found = Rates(scenario)
-    source, errors = scenario.source, list[str]()
+    source, errors = scenario.source, list[Problem]()
     for name, fmu in fmus.items():
         try:
             source = _timed(found, source, name, fmu.kind)
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
     if errors:
         raise InputError(*errors)
     if source is not scenario.source:
@@ -45,10 +45,8 @@ def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
 
 def _timed(found: Rates, source: Source, name: str, kind: CoSimulation) -> Source:
     scenario = found.scenario
-    try:
+    with scenario.source.naming(("blocks", name, "fmu")):
         own_step = kind.sample_time()
-    except ValueError as error:
-        raise InputError(scenario.error(("blocks", name, "fmu"), str(error))) from None
     if own_step is None:
         return source
     entry, base = scenario.blocks[name], Fraction(repr(scenario.step))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
-from typing import Protocol
+from typing import Protocol, Unpack
 
-from ..errors import InputError, hint
+from ..errors import Fields, InputError, Problem, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
 from ..fmu.names import escaped
 from ..scenario.references import Reference
@@ -19,8 +19,8 @@ from .wiring import Node
 class Places(Protocol):
     """What knows where each part of a file stands: a scenario, or the source of another file."""
 
-    def error(self, key: Key, message: str) -> str:
-        """The message with the place that it is about."""
+    def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
+        """Returns an error at the place of a key."""
 
 
 def find(places: Places, key: Key, reference: Reference, models: Mapping[str, Model]) -> tuple[Variable, list[Node]]:
@@ -46,7 +46,7 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     elif not scenario.record.signals and scenario.source.file is not None:
         message = "must not be empty; without it all outputs of all blocks are recorded"
         raise InputError(scenario.error(("record", "signals"), message))
-    errors: list[str] = []
+    errors: list[Problem] = []
     for number, reference in enumerate(scenario.record.signals or ()):
         key: Key = ("record", "signals", number)
         try:
@@ -56,7 +56,7 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
                 else find(scenario, key, reference, models)[1]
             )
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
         else:
             nodes.update(dict.fromkeys(matches))
     if errors:

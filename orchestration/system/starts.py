@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..errors import InputError, hint
+from ..errors import InputError, Place, Problem, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..quantities import QuantityError
 from ..scenario.references import Name
@@ -49,7 +49,7 @@ def taken(model: Model, name: Name) -> Name | None:
     return Name(variable.name + name[len(name.variable) :])
 
 
-def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[str]:
+def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[Problem]:
     """Errors: shared values that no block takes."""
     known = {v.quantity or v.name for model in models.values() for v in model.of("parameter")}
     known |= {name for model in models.values() for name in model.helpers}
@@ -77,7 +77,7 @@ class _Given:
 
     def __init__(self, scenario: Scenario, block: str, model: Model) -> None:
         self.scenario, self.block, self.model = scenario, block, model
-        self.errors: list[str] = []
+        self.errors: list[Problem] = []
         self.layers = (_Layer(), _Layer())
         own: Key = ("blocks", block, "start")
         shared = [(name, ("shared", name), v) for name, v in scenario.shared.items() if taken(model, name)]
@@ -115,19 +115,18 @@ class _Given:
             layer.values |= kept
             layer.keys |= dict.fromkeys(kept, key)
         except (QuantityError, NameUnknown) as error:
-            self.errors.append(self._at(key, str(error)))
+            self.errors.append(Problem(str(error), place=self._place(key)))
 
     def _line(self, first: Key, key: Key) -> str:
         source = self.scenario.source
         line, file = source.lines.get(first), source.files.get(first)
         return f", in line {line}{'' if file == source.files.get(key) else f' of {file}'}" if line else ""
 
-    def _at(self, key: Key, text: str) -> str:
-        """The error at its place, which ends with the variable's name only where the variable is known."""
-        place = self.scenario.source.where(key)
-        name = Name(str(key[-1])).variable
+    def _place(self, key: Key) -> Place:
+        """Returns the place of a value, which ends with the variable's name only where the variable is known."""
+        place, name = self.scenario.source.place(key), Name(str(key[-1])).variable
         known = name in self.model.variables or name in self.model.helpers
-        return f"{place if known else place.removesuffix(f'.{key[-1]}')}: {text}"
+        return place if known else Place(str(place).removesuffix(f".{key[-1]}"))
 
     def _plain(self, name: Name, value: Any) -> dict[Element, Scalar]:
         return values_of(self.block, self.model, name, value)

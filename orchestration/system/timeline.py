@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Model, NameUnknown
 from ..quantities import QuantityError
 from ..scenario.scenario import Scenario
@@ -21,7 +21,7 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
     """The values of the timeline, and notes. Raises InputError with everything that is wrong."""
     found: list[Setting] = []
     notes: list[str] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     entries = scenario.timeline
     taken: dict[tuple[int, Node], str] = {}
     named: dict[int, str] = {}
@@ -51,7 +51,7 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
                 errors.append(scenario.error(place, str(error)))
                 continue
             except InputError as error:
-                errors += error.messages
+                errors += error.problems
                 continue
             nodes = [(first, Node(made.block, element)) for element, _ in made.values]
             if twice := [node for node in nodes if node in taken]:
@@ -61,7 +61,7 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
             found.append(made)
     if scenario.phases is not None and any(entry.phase is not None for entry in entries):
         notes.append(
-            scenario.error(
+            scenario.note(
                 ("timeline",), "its phases are not drawn, since 'phases' is given; expectations may name both"
             )
         )
@@ -70,7 +70,7 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
     return found, notes
 
 
-def _is_late(scenario: Scenario, key: Key, entry: TimelineEntry, errors: list[str], notes: list[str]) -> bool:
+def _is_late(scenario: Scenario, key: Key, entry: TimelineEntry, errors: list[Problem], notes: list[str]) -> bool:
     """Whether the run is over before a step could see the entry: an error, or a note where an option shortened the run."""
     if entry.at < scenario.duration:
         return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from ..errors import InputError
+from ..errors import InputError, Problem
 from ..fmu.model import Model, Variable
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -19,12 +19,12 @@ Shapes = tuple[tuple[int, ...], ...]
 def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the view needs. Raises InputError, which names the place in the scenario."""
     needed: list[Node] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     for key, reference, shapes in _signals(scenario.view) if scenario.view else ():
         try:
             variable, nodes = signals.find(scenario, key, reference, models)
         except InputError as error:
-            errors += error.messages
+            errors += error.problems
             continue
         shape = () if reference.indices else variable.shape
         if shapes and shape not in shapes:

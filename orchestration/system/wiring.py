@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ..errors import InputError, hint
+from ..errors import InputError, Problem, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..scenario.references import Connection, Reference
 from ..scenario.scenario import Scenario
@@ -72,7 +72,7 @@ class _End(NamedTuple):
 def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     """All connections of the scenario. Raises InputError with everything that is wrong."""
     wiring = Wiring()
-    errors: list[str] = []
+    errors: list[Problem] = []
     taken: dict[Node, str] = {}
     delays = _delays(scenario, models, errors)
     for number, text in enumerate(scenario.connections):
@@ -88,7 +88,7 @@ def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
             errors.append(scenario.error(key, f"{text}: {error}"))
             continue
         wiring.links += made
-        wiring.warnings += [scenario.error(key, warning) for warning in warnings]
+        wiring.warnings += [scenario.note(key, warning) for warning in warnings]
     if not errors:
         errors += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
         wiring.warnings += _unused_starts(scenario, models, taken, delays)
@@ -184,7 +184,7 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
     return *given.conversion(wanted), ""
 
 
-def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[str]) -> dict[Node, int]:
+def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[Problem]) -> dict[Node, int]:
     """Every input that is to be fed with a delay, with its place in the list."""
     delayed: dict[Node, int] = {}
     for number, text in enumerate(scenario.delays):
@@ -195,7 +195,7 @@ def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[str]) 
     return delayed
 
 
-def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[Node, str]) -> list[str]:
+def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[Node, str]) -> list[Problem]:
     idle = {number for node, number in delays.items() if node not in taken}
     return [
         scenario.error(("delays", n), f"{scenario.delays[n]} is fed by no connection that could be delayed")
@@ -203,7 +203,7 @@ def _undelayed(scenario: Scenario, delays: Mapping[Node, int], taken: Mapping[No
     ]
 
 
-def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping[Node, str]) -> list[str]:
+def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping[Node, str]) -> list[Problem]:
     errors = []
     for block, model in models.items():
         started = {name for key in scenario.blocks[block].start for name in (key, key.variable)}
@@ -232,7 +232,7 @@ def _unused_starts(
             nodes = [Node(block, element) for element in variable.elements] if variable else []
             if nodes and all(node in taken and node not in delays for node in nodes):
                 message = f"this value is never seen, since the input is connected: {taken[nodes[0]]}"
-                warnings.append(scenario.error(("blocks", block, "start", name), message))
+                warnings.append(scenario.note(("blocks", block, "start", name), message))
     return warnings
 
 

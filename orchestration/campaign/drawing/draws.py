@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ... import rotation
-from ...errors import InputError
+from ...errors import InputError, Problem
 from ...fmu.model import Model, NameUnknown, Variable
 from ...quantities import BASES, ONE, QuantityError, Unit, parse_unit
 from ...scenario.references import Name
@@ -130,7 +130,7 @@ class Draws:
 def prepare(campaign: Campaign, source: Source, models: Mapping[str, Model]) -> Draws:
     """Holds what varies against the blocks. Raises InputError with every error."""
     draws: list[Draw] = []
-    errors: list[str] = []
+    errors: list[Problem] = []
     helpers: list[str] = []
     for key, entries in (("draw", campaign.draw), ("vary", campaign.vary)):
         for name, entry in entries.items():

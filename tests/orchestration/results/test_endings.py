@@ -128,7 +128,7 @@ def _refusing(said):
         block.model.variables[name] = Variable(name, "parameter")
 
     def leave():
-        raise BlockError("a", "fmi2ExitInitializationMode", "gave status error", log=[said])
+        raise BlockError("a", "fmi2ExitInitializationMode", "gave status error", log=[said], status=3)
 
     block.leave = leave
     return block

@@ -56,10 +56,9 @@ def test_set_works_on_shared_values_with_and_without_their_prefix():
 
 def test_a_shared_value_that_one_block_refuses_is_told_with_the_block():
     log = ["[error] dipole_max: expected less than 1, found 25"]
-    failure = BlockError("allocator", "fmi2ExitInitializationMode", "gave status error", log=log)
+    failure = BlockError("allocator", "fmi2ExitInitializationMode", "gave status error", log=log, status=3)
     told = refusal(load(FLIGHT), {}, failure)
-    assert told is not None
-    assert told.endswith(": shared.dipole_max: allocator refuses it: expected less than 1, found 25")
+    assert str(told).endswith(": shared.dipole_max: allocator refuses it: expected less than 1, found 25")
 
 
 def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_and_manifest(tmp_path):
