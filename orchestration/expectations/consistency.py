@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import InputError, Problem
+from ..expressions import ExpressionError
 from ..fmu.model import Floats, Model, Variable
 from ..quantities import ONE, QuantityError, parse, real
 from ..scenario.consistency import Consistency
@@ -19,7 +21,8 @@ from ..system import signals
 from ..system.clock import slack
 from ..system.wiring import Node
 from .expressions import parse as parse_expression
-from .functions import MEMORY, Expression, ExpressionError, Samples, written
+from .expressions import references
+from .functions import MEMORY, Expression, Samples, written
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,15 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Relation]:
     return relations
 
 
+def reads(entry: Consistency) -> list[Reference]:
+    """Returns the signals that a check reads, as far as its sides are expressions."""
+    found = [entry.when] if entry.when is not None else []
+    with suppress(ExpressionError):
+        for side in (entry.left, entry.right):
+            found += references(side)
+    return found
+
+
 def _relation(scenario: Scenario, name: str, entry: Consistency, models: Mapping[str, Model]) -> Relation:
     key: Key = ("consistency", name)
 
@@ -64,9 +76,7 @@ def _relation(scenario: Scenario, name: str, entry: Consistency, models: Mapping
 
         try:
             return parse_expression(getattr(entry, side), find)
-        except (ExpressionError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
+        except QuantityError as error:
             raise InputError(scenario.error((*key, side), str(error))) from None
 
     left, right = expression("left"), expression("right")

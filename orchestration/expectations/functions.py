@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..expressions import ExpressionError
 from ..fmu.model import Floats
 from ..system.wiring import Node
 
@@ -20,10 +21,6 @@ PLAIN: Exponents = (0,) * 7
 _SECOND: Exponents = (0, 0, 1, 0, 0, 0, 0)
 MEMORY = 3
 """Instants before the first that is looked at that an expression may reach back to."""
-
-
-class ExpressionError(ValueError):
-    """The text is no expression, or its parts do not fit."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +40,13 @@ class Expression:
     value: Callable[[Samples], Floats]
     nodes: tuple[Node, ...] = ()
     """The elements that it reads."""
+    number: float | None = None
+    """As it is written, where it is a number."""
+
+    @property
+    def dimensions(self) -> str:
+        """The lengths of its shape, for messages."""
+        return str(list(self.shape))
 
 
 def wide(value: Floats, own: tuple[int, ...], shape: tuple[int, ...]) -> Floats:
@@ -74,8 +78,18 @@ def times(left: Expression, right: Expression, sign: int = 1) -> Exponents:
     return tuple(a + sign * b for a, b in zip(left.unit, right.unit, strict=True))
 
 
-def negative(part: Expression) -> Expression:
-    return Expression(part.shape, part.unit, lambda s: -part.value(s), part.nodes)
+def elementwise(
+    function: Callable[..., Floats], left: Expression, right: Expression, unit: Exponents, misfit: str
+) -> Expression:
+    """Returns a function of two values of one shape, or of a scalar and a value of any. Raises ExpressionError, a misfit."""
+    if left.shape != right.shape and left.shape and right.shape:
+        raise ExpressionError(misfit)
+    shape = left.shape or right.shape
+
+    def value(samples: Samples) -> Floats:
+        return np.asarray(function(*(wide(part.value(samples), part.shape, shape) for part in (left, right))))
+
+    return Expression(shape, unit, value, nodes_of(left, right))
 
 
 def _shift(values: Floats) -> Floats:
@@ -156,15 +170,7 @@ def _det(x: Expression) -> Expression:
 def _least(function: Callable[..., Floats]) -> Callable[[Expression, Expression], Expression]:
     def make(a: Expression, b: Expression) -> Expression:
         unit = common_unit((a, b), "both arguments")
-        shape = a.shape or b.shape
-        if a.shape != b.shape and a.shape and b.shape:
-            raise ExpressionError("both arguments have one shape, or one is a scalar")
-        return Expression(
-            shape,
-            unit,
-            lambda s: function(*(wide(part.value(s), part.shape, shape) for part in (a, b))),
-            nodes_of(a, b),
-        )
+        return elementwise(function, a, b, unit, "both arguments have one shape, or one is a scalar")
 
     return make
 

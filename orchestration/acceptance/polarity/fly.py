@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import BlockError, InputError
 from ...expectations.checks import Check
-from ...expectations.consistency import ConsistencyObserver, Relation, prepare
+from ...expectations.consistency import ConsistencyObserver, Relation, prepare, reads
 from ...expectations.outcomes import ExpectationObserver
 from ...fmu.model import Floats
 from ...instances.block import Block
@@ -66,9 +66,8 @@ class Loop:
         lacking: dict[str, str] = {}
         for check, entry in scenario.consistency.items():
             for name, fit in self.opened.prepared.fits.items():
-                text = f"{entry.left} {entry.right} {entry.when or ''}"
-                gone = [v for v in (*fit.ignored, *fit.missing, *fit.without) if v not in models[name].variables]
-                if any(f"{name}.{v}" in text for v in gone):
+                gone = {v for v in (*fit.ignored, *fit.missing, *fit.without) if v not in models[name].variables}
+                if any(r.block == name and r.variable in gone for r in reads(entry)):
                     lacking[check] = f"the consistency check '{check}' is left out: {name} lacks what it reads"
         self.notes += lacking.values()
         if lacking:

@@ -23,6 +23,8 @@ from orchestration.swap.option import swapped as with_swap
 from orchestration.system.wiring import Wiring
 from tests.commands import orchestrate
 
+from .. import fmus
+from ..swapped import swapped
 from ..wrong_inputs import SCENARIO
 from . import teams
 
@@ -145,6 +147,32 @@ def test_a_loop_that_does_not_meet_its_expectations_as_wired_is_told_apart(loop)
         "the loop as it is wired does not pass at 0 s (the motor stops), so wrong wirings cannot be distinguished"
         in result.stderr
     )
+
+
+def test_a_check_is_left_out_only_where_it_reads_the_very_port_that_a_swapped_block_lacks(tmp_path, monkeypatch):
+    """The name of the output that is missing, `raw`, is how that of another one begins."""
+    names = ('name="samples[1]"', 'name="raw"'), ('name="samples[2]"', 'name="raw_measured"')
+    mapped = "    interface: regulator.fmu\n    map: mapping.yaml\n    start: {gain: -1, enabled: true}"
+    checks = "".join(
+        f"  {n}: {{left: regulator.{n}, right: regulator.{n}, within: 1}}\n" for n in ("raw", "raw_measured")
+    )
+    path = swapped(
+        tmp_path,
+        monkeypatch,
+        ('name="samples[1]"', 'name="other"'),
+        names[1],
+        scenario=SCENARIO.replace(
+            "fmu: regulator.fmu\n    start: {gain: -1, enabled: true}", f"fmu: vendor.fmu\n{mapped}"
+        )
+        + f"consistency:\n{checks}",
+    )
+    xml = fmus.description("regulator")
+    for old, new in names:
+        xml = xml.replace(old, new)
+    fmus.write(tmp_path / "regulator.fmu", xml, fmus.library())
+    loop = Loop(read(path))
+    assert [relation.name for relation in loop.relations] == ["raw_measured"]
+    assert "the consistency check 'raw' is left out: regulator lacks what it reads" in loop.notes
 
 
 # ---------------------------------------------------------------- the paper's loop
