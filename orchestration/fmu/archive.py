@@ -245,7 +245,6 @@ def _unreadable(path: Path, problems: list[str], error: Exception) -> InputError
 
 
 def _not_valid(path: Path, problems: list[str]) -> InputError:
-    some = [f"  {problem}" for problem in problems[:5]]
-    more = [f"  and {len(problems) - 5} more"] if len(problems) > 5 else []
-    text = "\n".join([f"{shown(path)}: modelDescription.xml is not valid:", *some, *more])
+    more = [f"and {len(problems) - 5} more"] if len(problems) > 5 else []
+    text = "\n  ".join([f"{shown(path)}: modelDescription.xml is not valid:", *problems[:5], *more])
     return InputError(Problem(text, kind="not valid"))
