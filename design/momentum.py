@@ -25,9 +25,9 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
-from scipy.optimize import minimize
 
 import plant
 from controller import Parameters as Law
@@ -201,6 +201,8 @@ class MomentumBalance:
             {"type": "ineq", "fun": lambda x: x[3] + x[:3] @ a, "jac": lambda x: np.append(a, 1.0)},
             {"type": "ineq", "fun": lambda x: 1.0 - x[:3] @ x[:3], "jac": lambda x: np.append(-2.0 * x[:3], 0.0)},
         ]
+        from scipy.optimize import minimize  # optional, for this command alone  # noqa: PLC0415
+
         found = minimize(
             cost,
             np.append(start, abs(start @ a)),
@@ -239,6 +241,8 @@ class MomentumBalance:
 def balance(setup: Setup, dipole_max: float | None = None, horizon: float = 6000.0) -> MomentumBalance:
     """The balance of a scenario. Raises InputError, with the place, for what gives no bound."""
     p = setup.loop.plant
+    if find_spec("scipy") is None:
+        raise InputError("momentum-bound needs the package scipy: pip install scipy")
     if not horizon > 0.0 or not math.isfinite(horizon):
         raise InputError(f"horizon: expected a time above zero, found {horizon:g} s")
     if dipole_max is not None and not 0.0 < dipole_max < math.inf:

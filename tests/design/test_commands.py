@@ -122,3 +122,9 @@ def test_wrong_input_is_told_with_its_place_and_without_a_traceback(ask, argumen
     assert found.exit_code == 2
     assert message in found.stderr
     assert "Traceback" not in found.output
+
+
+def test_without_scipy_the_bound_says_what_it_needs(monkeypatch):
+    monkeypatch.setattr("design.momentum.find_spec", lambda name: None)
+    done = bound(SCENARIO)
+    assert (done.exit_code, done.stderr) == (2, "momentum-bound needs the package scipy: pip install scipy\n")
