@@ -15,10 +15,6 @@ Array = NDArray[Any]
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "evidence"
 """Where the runs of studies are kept."""
-PAPER = ("plant", "controller", "allocator")
-"""The blocks of the paper's loop."""
-JUDGE = "plant_judge"
-"""The block outside the loop by which runs are judged."""
 SCENARIOS = {
     "V.B": ROOT / "scenarios" / "paper_no_singularity.yaml",
     "V.C": ROOT / "scenarios" / "paper_singularity.yaml",

@@ -192,7 +192,6 @@ _FIGURES = {
     "momentum": momentum,
     "nodes": maps.nodes,
     "gains": maps.gains,
-    "steps": maps.steps,
     "latch": latch,
     "convergence": convergence,
     "robustness": robustness,

@@ -71,19 +71,3 @@ def gains(done: dict[str, Any]) -> Any:
         ("scale of K₀, N m (before /50)", "scale of L₀, N m s (before /50)"),
         (0.65, 0.9),
     )
-
-
-def steps(done: dict[str, Any]) -> Any:
-    """Node longitude against control step."""
-    figure, axes = panels(1, 2, 5.6, 3.4, sharey=True)
-    rows = np.arange(len(sweep.STEPS))
-    shown = []
-    for ax, which in zip(axes[0], CLAIMS, strict=True):
-        code = np.array([outcome(which, done[f"{which}: step {s:g} s"]) for s in sweep.STEPS])
-        shown.append(code)
-        draw(ax, code, sweep.NODES, rows, _OUTCOME_COLOURS)
-        ax.set_yticks(rows, [f"{s:g}" for s in sweep.STEPS])
-        ax.plot(158.0, sweep.STEPS.index(0.1), marker="+", color="black", markersize=10, markeredgewidth=1.5)
-        name_axes(ax, "node longitude, °E", "control step, s" if which == "V.B" else "", TITLES[which])
-    legend_below(figure, patches(OUTCOMES, _OUTCOME_COLOURS, np.array(shown)))
-    return figure

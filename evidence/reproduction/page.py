@@ -11,7 +11,7 @@ import numpy as np
 from .. import markdown
 from ..paper import LIMITS, READINGS, constants
 from . import findings, sweep
-from .claims import CLAIMS, OUTCOMES, Claim, all_hold, hold_outcome, outcome
+from .claims import CLAIMS, Claim, all_hold, hold_outcome
 from .seen import Seen
 
 
@@ -29,10 +29,7 @@ def text(done: dict[str, Any]) -> str:
         findings.orbit,
     ):
         fields |= part(done)
-    counts = np.bincount(outcome("V.C", done["latch 0.65 0.9"]), minlength=len(OUTCOMES)).tolist()
-    return markdown.render(
-        Path(__file__).parent, **fields, outcomes="; ".join(OUTCOMES), outcome_counts=", ".join(map(str, counts))
-    )
+    return markdown.render(Path(__file__).parent, **fields)
 
 
 def _head(done: dict[str, Any]) -> dict[str, Any]:
@@ -146,12 +143,7 @@ def _open(done: dict[str, Any]) -> dict[str, Any]:
     for key, of in (("node and K0", "node longitude and K₀'s scale"), ("K0 and L0", "K₀'s and L₀'s scale")):
         b, c = (all_hold(w, done[f"{w}: {key}"]) for w in CLAIMS)
         shares.append({"of": of} | {k: f"{100.0 * m.mean():.1f}%" for k, m in (("vb", b), ("vc", c), ("both", b & c))})
-    at = int(np.flatnonzero(np.isclose(sweep.NODES, 160.0))[0])
-    kept = {w: [f"{s:g}" for s in sweep.STEPS if all_hold(w, done[f"{w}: step {s:g} s"])[at]] for w in CLAIMS}
     return {
         "open": rows,
         "shares": shares,
-        "steps_kept": "; ".join(
-            f"{w} at {', '.join(steps)} s" if steps else f"{w} at none" for w, steps in kept.items()
-        ),
     }

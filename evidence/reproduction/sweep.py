@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,6 @@ from .seen import Seen
 NODES = np.arange(0.0, 360.0, 5.0)
 K_SCALES = np.round(np.arange(0.20, 1.5001, 0.05), 3)
 L_SCALES = np.round(np.arange(0.40, 1.6001, 0.05), 3)
-STEPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -34,44 +33,55 @@ class Constant:
     unit: str
     nominal: float
     values: Array
-
-    def change(self, value: float) -> dict[str, Any]:
-        """Start values for one of them."""
-        if self.name == "node longitude":
-            return node(value)
-        if self.name == "K₀'s scale":
-            return constants(k=value)
-        if self.name == "L₀'s scale":
-            return constants(l=value)
-        if self.name == "spread of K₀":
-            return constants(spread=value)
-        if self.name == "mass that divides":
-            return constants(mass=value)
-        if self.name == "orbit radius":
-            return {"plant.orbit_radius": 1e3 * value}
-        if self.name == "bend of Φ":
-            return {"controller.phi": "logarithm", "controller.phi_scale": value}
-        if self.name == "year (10 August)":
-            return {"plant.epoch": f"{int(value)}-08-10T00:00:00Z"}
-        if self.name == "factor on drag":
-            return {"plant.drag_factor": 0.02 * value}
-        raise KeyError(self.name)
+    change: Callable[[float], dict[str, Any]]
+    """Start values for one of them."""
 
 
-ONE_BY_ONE = (
-    Constant("node longitude", "158° E (Earth-fixed, at t = 0)", "°", 158.0, np.arange(0.0, 360.0)),
-    Constant(
-        "K₀'s scale", "0.65 N m (before the division by 50)", "N m", 0.65, np.round(np.arange(0.20, 1.505, 0.01), 3)
-    ),
-    Constant("spread of K₀", "K₀ = 0.65 diag(1 − 0.1, 1, 1 + 0.1)", "", 0.1, np.round(np.arange(0.01, 0.5, 0.01), 3)),
-    Constant(
-        "L₀'s scale", "0.9 N m s (before the division by 50)", "N m s", 0.9, np.round(np.arange(0.40, 1.605, 0.01), 3)
-    ),
-    Constant("mass that divides", "50 kg (“about 50 kg”)", "kg", 50.0, np.arange(20.0, 101.0)),
-    Constant("orbit radius", "6971 km (6371 + 600)", "km", 6971.0, np.arange(6940.0, 7002.0, 1.0)),
-    Constant("year (10 August)", "2009", "", 2009.0, np.arange(2005.0, 2016.0)),
-    Constant("bend of Φ", "Φ(x) = x; here s ln(1 + x/s) with s in J", "J", math.inf, np.logspace(-4.0, 0.0, 41)),
-    Constant("factor on drag", "1 (C_d 2.2, F10.7 = 70)", "", 1.0, np.logspace(-1.0, 4.0, 51)),
+def _bend(value: float) -> dict[str, Any]:
+    return {"controller.phi": "logarithm", "controller.phi_scale": value}
+
+
+def _scales(low: float, high: float) -> Array:
+    return np.round(np.arange(low, high + 0.005, 0.01), 3)
+
+
+DRAG = 1.0 / MASS
+"""The factor on drag that is taken, per unit of mass."""
+ONE_BY_ONE = tuple(
+    Constant(*row)
+    for row in (
+        ("node longitude", "158° E (Earth-fixed, at t = 0)", "°", 158.0, np.arange(0.0, 360.0), node),
+        (
+            "K₀'s scale",
+            "0.65 N m (before the division by 50)",
+            "N m",
+            0.65,
+            _scales(0.2, 1.5),
+            lambda v: constants(k=v),
+        ),
+        (
+            *("spread of K₀", "K₀ = 0.65 diag(1 − 0.1, 1, 1 + 0.1)", "", 0.1, _scales(0.01, 0.49)),
+            lambda v: constants(spread=v),
+        ),
+        (
+            *("L₀'s scale", "0.9 N m s (before the division by 50)", "N m s", 0.9, _scales(0.4, 1.6)),
+            lambda v: constants(l=v),
+        ),
+        ("mass that divides", "50 kg (“about 50 kg”)", "kg", 50.0, np.arange(20.0, 101.0), lambda v: constants(mass=v)),
+        (
+            *("orbit radius", "6971 km (6371 + 600)", "km", 6971.0, np.arange(6940.0, 7002.0)),
+            lambda v: {"plant.orbit_radius": 1e3 * v},
+        ),
+        (
+            *("year (10 August)", "2009", "", 2009.0, np.arange(2005.0, 2016.0)),
+            lambda v: {"plant.epoch": f"{int(v)}-08-10T00:00:00Z"},
+        ),
+        ("bend of Φ", "Φ(x) = x; here s ln(1 + x/s) with s in J", "J", math.inf, np.logspace(-4.0, 0.0, 41), _bend),
+        (
+            *("factor on drag", "1 (C_d 2.2, F10.7 = 70)", "", 1.0, np.logspace(-1.0, 4.0, 51)),
+            lambda v: {"plant.drag_factor": DRAG * v},
+        ),
+    )
 )
 
 
@@ -92,11 +102,6 @@ def node_and_gain(hands: Crew) -> dict[str, Seen]:
 def gains(hands: Crew) -> dict[str, Seen]:
     """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
     return _both(hands, "K0_and_L0", [constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
-
-
-def node_and_step(hands: Crew, step: float) -> dict[str, Seen]:
-    """Every node longitude with one control step."""
-    return _both(hands, f"step_{step:g}", [node(x) for x in NODES], step)
 
 
 def si_for_an_orbit(hands: Crew) -> dict[str, Seen]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ctypes import byref, c_char_p, c_double
 from typing import Any, Literal
 
-from evidence.structures import filled, record
 from fmus.interface import Interface, load
+from tests.structures import filled, record
 
 from . import driver
 

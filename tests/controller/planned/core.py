@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimator.native import tables
-from evidence.structures import filled, record
 from fmus.interface import load
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.once import built
+from tests.structures import filled, record
 
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
