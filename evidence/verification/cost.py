@@ -1,6 +1,6 @@
 """The variational integrator of the plant beside RK4: error against cost, and what each keeps.
 
-Tests: tests/evidence/test_verification.py.
+Tests: tests/evidence/verification/test_cost.py.
 """
 
 from __future__ import annotations
