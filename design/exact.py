@@ -22,7 +22,8 @@ ATTITUDE_TOLERANCE, RATE_TOLERANCE = math.radians(2.0), 1e-3
 
 
 class Law:
-    """The law [8] with the gains [10], holding LVLH on a circular orbit of rate n, for many cases; remembers their start."""
+    """The law [8] with the gains [10], holding LVLH on a circular orbit of rate n, for many cases; remembers their
+    start."""
 
     def __init__(self, p: Parameters, n: float) -> None:
         """Raises ValueError for a bend of the attitude's error function, which is not written here."""
@@ -102,7 +103,7 @@ class Flown:
     largest_rise: Array
     """Largest rise of V above its least value so far, over V(0)."""
     rate_error: float
-    """Largest |dV/dt + omega.L omega|, W, over the largest omega.L omega, for constant gains; by central differences."""
+    """Largest |dV/dt + omega.L omega|, W, over the largest omega.L omega, for constant gains; central differences."""
 
 
 def fly(

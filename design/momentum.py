@@ -7,7 +7,8 @@ and a dipole m in the field B gives m x B only. Over [0, T]
 
 where the ball of radius rho contains every rotation of the rods' polytope, so nothing need be known of the attitude
 on the way. At the end the motion is the desired one (to a tolerance), so that H_N(T) = R_d (J Omega_d + l e_w) for some
-|l| <= l_max. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if for some p
+|l| <= l_max. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if
+for some p
 
     g(p, T) = p.D - l_max |p.a| - rho (integral of |B_N x p| dt) - slack |p| > 0,
     D = R_d J Omega_d - H_N(0),  a = R_d e_w,  slack: disturbances over T and the tolerances.
@@ -16,8 +17,8 @@ The end states and the reachable momenta are convex compact sets, so such a p ex
 concave in p, and its maximum over the unit ball is a convex problem. Whatever p the optimiser returns is a proof by
 itself: it need only be inserted. The integral is bounded from above (impulse.py).
 
-As T grows by dT, g falls by at most `_fall` dT, so that every time in [T, T + g/_fall) is impossible too: from T = 0 on,
-such steps end where g vanishes, and all times before are excluded, not only those that were looked at.
+As T grows by dT, g falls by at most `_fall` dT, so that every time in [T, T + g/_fall) is impossible too: from T = 0
+on, such steps end where g vanishes, and all times before are excluded, not only those that were looked at.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ class Bound:
 
 
 def farthest(rod_axes: Array) -> float:
-    """Norm of the farthest vertex of {sum mu_i u_i, |mu_i| <= 1}: the radius of the least ball about 0 that holds it."""
+    """Norm of the farthest vertex of {sum mu_i u_i, |mu_i| <= 1}: radius of the least ball about 0 that holds it."""
     axes = rod_axes / np.linalg.norm(rod_axes, axis=1)[:, None]
     return max(float(np.linalg.norm(np.array(signs) @ axes)) for signs in itertools.product((-1.0, 1.0), repeat=3))
 
@@ -116,7 +117,7 @@ class MomentumBalance:
         self._disturbance = self._disturbances(spread, times)
         self._J = p.body.J
         self._fall = rate * (float(moments[2]) * rate + self.l_max) + self.rho * self.field.B_max + self._disturbance
-        # An Omega_d that changes (an eccentric orbit) moves D as well: |J dOmega_d|, taken at its largest sampled value.
+        # An Omega_d that changes (an eccentric orbit) moves D as well: |J dOmega_d|, at its largest sampled value.
         change = max(float(np.linalg.norm(self._reference(t).dOmega_d)) for t in times[:: max(1, len(times) // 50)])
         self._fall += 1.1 * float(moments[2]) * change
 

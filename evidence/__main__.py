@@ -114,7 +114,10 @@ def flight(jobs: int, cases: int, page: bool) -> None:
     "--runs", default=200, show_default=True, type=click.IntRange(2, 10000), help="Tumbles for the consistency."
 )
 def estimator(jobs: int, runs: int) -> None:
-    """The tables of docs/evidence/estimation.md, and its figures; half a minute. Needs the package ahrs (pip install ahrs)."""
+    """The tables of docs/evidence/estimation.md, and its figures; half a minute.
+
+    Needs the package ahrs (pip install ahrs).
+    """
     for shown in estimates.make(runs, jobs):
         Console().print(shown)
 
@@ -126,7 +129,8 @@ def estimator(jobs: int, runs: int) -> None:
 @click.option("--flown", is_flag=True, help="Fly the tumbles of docs/evidence/optimum.csv anew; their best times stay.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/optimum.csv, without searching.")
 def optimum(cases: int, flown: bool, page: bool) -> None:
-    """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about half a minute each, one process.
+    """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about half a minute each,
+    one process.
 
     What is in docs/evidence/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
     """
@@ -145,7 +149,8 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
 @_jobs
 @click.option("--cases", default=10, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles.")
 def rival(jobs: int, cases: int) -> None:
-    """Fly a controller from the literature on tumbles of docs/evidence/flight.md beside ours, and print the table of docs/evidence/rival.md."""
+    """Fly a controller from the literature on tumbles of docs/evidence/flight.md beside ours, and print the table of
+    docs/evidence/rival.md."""
     for line in compare(cases, jobs):
         say(line)
 
@@ -186,7 +191,8 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
 )
 @click.option("--page", is_flag=True, help="Write the page from docs/evidence/failures.csv, without flying.")
 def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None:
-    """Fly tumbles with rods, sensors and wheels that fail, and make docs/evidence/failures.md; one that was interrupted goes on.
+    """Fly tumbles with rods, sensors and wheels that fail, and make docs/evidence/failures.md; one that was
+    interrupted goes on.
 
     A flight takes about two seconds of a core, one with a stuck wheel 36.
     """

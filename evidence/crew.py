@@ -22,7 +22,10 @@ AT_ONCE = 8
 
 
 def case(campaign: Mapping[str, Any], folder: Path) -> Case:
-    """A campaign given as data; its Python metrics and relative paths are looked for in the folder. Raises InputError."""
+    """A campaign given as data; its Python metrics and relative paths are looked for in the folder.
+
+    Raises InputError.
+    """
     return read_campaign(Source(dict(campaign), str(campaign["name"]), folder))
 
 
@@ -97,7 +100,8 @@ def in_parts(
     found: list[Any],
     save: Callable[[list[Any]], None],
 ) -> Iterator[str]:
-    """Appends the results of a function to those found, in their order, saves them after each AT_ONCE, and tells of it."""
+    """Appends the results of a function to those found, in their order, saves them after each AT_ONCE, and tells of
+    it."""
     save(found)
     if not wanted:
         return

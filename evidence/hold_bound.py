@@ -1,48 +1,50 @@
 """What no controller can hold: a proof by the angular momentum along the field.
 
-Rods give no torque along the field, however strong they are. With h = Q (J Omega + l a), the angular momentum in LVLH axes of a
-satellite whose attitude to LVLH is Q, b the field's direction and c its rate of change in N,
+Rods give no torque along the field, however strong they are. With h = Q (J Omega + l a), the angular momentum in LVLH
+axes of a satellite whose attitude to LVLH is Q, b the field's direction and c its rate of change in N,
 
     q = b.h,    dq/dt = b.(Q tau_d + M_gg + M_drag) + c.h,
 
-whatever rods and wheel do: the wheel only moves momentum between the body and its rotor, and its l is within l_max. Where the
-error stays within an angle, and the rate within a limit, h and the torques are nearly known: with the rotation vector theta and
-the rate nu of the body relative to LVLH, both in LVLH axes, and [theta, J] = theta^ J - J theta^,
+whatever rods and wheel do: the wheel only moves momentum between the body and its rotor, and its l is within l_max.
+Where the error stays within an angle, and the rate within a limit, h and the torques are nearly known: with the
+rotation vector theta and the rate nu of the body relative to LVLH, both in LVLH axes, and [theta, J] = theta^ J - J
+theta^,
 
     h    = J Omega_d + J nu + [theta, J] Omega_d + l a + l theta x a + rest,
-    M_gg = 3 n^2 e3 x (J e3 + [theta, J] e3) + rest,    Q tau_d = tau_d + theta x tau_d + rest,    dtheta/dt = nu + rest,
+    M_gg = 3 n^2 e3 x (J e3 + [theta, J] e3) + rest,
+    Q tau_d = tau_d + theta x tau_d + rest,    dtheta/dt = nu + rest,
 
-and of drag, with the velocity v relative to the air, its density, and the matrix S of the plates that face the flow (_drag),
+and of drag, with the velocity v relative to the air, its density, and the matrix S of the plates that face the flow
+(hold_course.py),
 
     M_drag = density v x (S v + [theta, S] v) + rest.
 
-Each rest has a bound. With the means of theta, nu, l and l theta over short intervals as variables (the last within McCormick's
-envelope of the product), all this is a linear programme. Its least violation of the balance of q is torque along the field that
-is missing: where it is not zero, no motion at all stays within these limits, and so no controller keeps the satellite there. What
-is returned is the value of the dual solution, which is a proof by itself, to rounding and to differences over 10 s. The motion need not end as it began, and
-may begin with any attitude, rate and wheel momentum within the limits. Orbits are circular. Decision 25 has the other side: the
-motion of the least largest error that was found.
+Each rest has a bound. With the means of theta, nu, l and l theta over short intervals as variables (the last within
+McCormick's envelope of the product), all this is a linear programme. Its least violation of the balance of q is
+torque along the field that is missing: where it is not zero, no motion at all stays within these limits, and so no
+controller keeps the satellite there. What is returned is the value of the dual solution, which is a proof by itself,
+to rounding and to differences over 10 s. The motion need not end as it began, and may begin with any attitude, rate
+and wheel momentum within the limits. Orbits are circular. Decision 25 has the other side: the motion of the least
+largest error that was found.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.optimize import linprog
 
-import controller.reference
 import plant
 from controller.so3 import hat
 from orchestration import InputError
 
+from .hold_course import Course, by_turn, second, uneven
+from .hold_course import drag as of_air
 from .paper import Array
 
-INTERVAL = 20.0
-"""s, over which the means are taken, at most."""
 E3 = np.array([0.0, 0.0, 1.0])
 ENDS, MEANS = 4, 10
 """Variables at an end of an interval, q and theta (3,); and means over it, theta (3,), nu (3,), l, l theta (3,)."""
@@ -53,68 +55,9 @@ OF_THETA, OF_NU, OF_L, OF_PRODUCT = np.split(ONE[ENDS : ENDS + MEANS], [3, 6, 7]
 MISSING = ONE[-1]
 
 
-def by_turn(J: Array, w: Array) -> Array:
-    """The matrix (3,3) that takes theta to [theta, J] w."""
-    return np.array([hat(e) @ J @ w - J @ hat(e) @ w for e in np.eye(3)]).T
-
-
-def uneven(J: Array) -> float:
-    """Norm of what J differs by from a multiple of the unit matrix, which no turn changes."""
-    return float(np.linalg.norm(J - np.trace(J) / 3.0 * np.eye(3), 2))
-
-
-@dataclass(frozen=True)
-class Course:
-    """At the ends and in the middle of n intervals the direction of the field and its rate of change in N, in LVLH axes (2n+1, 3).
-
-    There too `times` (2n+1,), s, the velocity `v` relative to the air, m/s in LVLH axes (2n+1, 3), and its `density`, kg/m3 (2n+1,), zero
-    without drag.
-    """
-
-    times: Array
-    b: Array
-    c: Array
-    v: Array
-    density: Array
-    Omega_d: Array
-
-    @property
-    def interval(self) -> float:
-        """s."""
-        return float(self.times[2] - self.times[0])
-
-    @property
-    def count(self) -> int:
-        """Number of intervals."""
-        return len(self.times) // 2
-
-    @classmethod
-    def of(cls, p: plant.Parameters, begin: float, end: float, interval: float = INTERVAL, more: int = 0) -> Course:
-        """Along the plant's orbit between two of its times, s, in intervals of at most so many s, and so many intervals more.
-
-        Raises InputError for an orbit that is not circular.
-        """
-        if p.orbit.eccentricity > 0.0:
-            raise InputError(f"expected a circular orbit, found an eccentricity of {p.orbit.eccentricity:g}")
-        count = math.ceil((end - begin) / interval)
-        times = begin + (end - begin) * np.arange(2 * (count + more) + 1) / (2 * count)
-        lvlh = [controller.reference.lvlh(*p.orbit.position_velocity(t)) for t in times]
-        to_N = np.array([frame.R_d for frame in lvlh])
-        B = np.array([p.field.at(t) for t in times])
-        b_N = B / np.linalg.norm(B, axis=1)[:, None]
-        c_N = np.gradient(b_N, times[1] - times[0], axis=0, edge_order=2)
-        flows = [p.air.flow(t) if p.drag else (np.zeros(3), 0.0) for t in times]
-        v_N, density = np.array([v for v, _ in flows]), np.array([density for _, density in flows])
-        b, c, v = (np.einsum("kji,kj->ki", to_N, x) for x in (b_N, c_N, v_N))
-        return cls(times, b, c, v, density, np.array(lvlh[0].Omega_d))
-
-    def mean(self, values: Array) -> Array:
-        """Of values at ends and middles (2n+1,), over each interval (n,), by Simpson's rule."""
-        return np.asarray(values[:-1:2] + 4.0 * values[1::2] + values[2::2]) / 6.0
-
-
 def missing(p: plant.Parameters, begin: float, end: float, angle: float, rate: float) -> float:
-    """Torque along the field, N m, without which no motion between these times, s, keeps within angle, rad, and rate, rad/s.
+    """Torque along the field, N m, without which no motion between these times, s, keeps within angle, rad, and rate,
+    rad/s.
 
     Zero: nothing is proven. Raises InputError for an orbit that is not circular.
     """
@@ -128,11 +71,11 @@ def programme(p: plant.Parameters, course: Course, angle: float, rate: float) ->
     l_max, n2 = p.wheel_momentum_max, float(Omega_d @ Omega_d)
     G0, h0 = tau + 3.0 * n2 * np.cross(E3, J @ E3), J @ Omega_d
     G_theta, h_theta = -hat(tau) + 3.0 * n2 * hat(E3) @ by_turn(J, E3), by_turn(J, Omega_d)
-    drag, drag_theta, of_drag = _drag(p, course, angle)
+    drag, drag_theta, of_drag = of_air(p, course, angle)
     # Bounds of what is left out: of h, of the torque, of dtheta/dt; and of what h and the torque vary by.
-    second = _second(angle) * uneven(J)
-    of_h = second * (math.sqrt(n2) + rate) + 2.0 * angle * uneven(J) * rate + 0.5 * angle**2 * l_max
-    of_torque = 0.5 * angle**2 * float(np.linalg.norm(tau)) + 3.0 * n2 * second + of_drag
+    turned = second(angle) * uneven(J)
+    of_h = turned * (math.sqrt(n2) + rate) + 2.0 * angle * uneven(J) * rate + 0.5 * angle**2 * l_max
+    of_torque = 0.5 * angle**2 * float(np.linalg.norm(tau)) + 3.0 * n2 * turned + of_drag
     of_theta = 0.5 * angle * (1.0 + angle) * rate
     h_varies = np.linalg.norm(J, 2) * rate + np.linalg.norm(h_theta, 2) * angle + l_max * (1.0 + angle) + of_h
     torque_varies = (np.linalg.norm(G_theta, 2) + _largest(drag_theta)) * angle + of_torque
@@ -164,43 +107,10 @@ def programme(p: plant.Parameters, course: Course, angle: float, rate: float) ->
     return found
 
 
-def _second(angle: float) -> float:
-    """Of Q S Q^T - S - [theta, S], over the norm of S: an upper bound."""
-    return 2.0 * angle**2 * math.exp(2.0 * angle)
-
-
 def _largest(values: Array) -> float:
-    """Of the vectors or matrices along the first axis, the largest 2-norm; of a matrix the Frobenius norm, which is no smaller."""
+    """Of the vectors or matrices along the first axis, the largest 2-norm; of a matrix the Frobenius norm, which is
+    no smaller."""
     return float(np.linalg.norm(values.reshape(len(values), -1), axis=1).max())
-
-
-def _facing(along: Array, angle: float) -> tuple[Array, Array]:
-    """Of plates with n.v/|v| = x the share s of max(n.v, 0) that is linear, s n.v, and the most that is left of it over |v|.
-
-    That is for a v that turns by up to an angle. What is left is between zero and (angle^2 - x^2)/(2 angle), for a plate that stands along
-    the flow to the angle; other plates face the flow, s = 1, or do not.
-    """
-    return np.clip(0.5 + 0.5 * along / angle, 0.0, 1.0), np.maximum(angle**2 - along**2, 0.0) / (2.0 * angle)
-
-
-def _drag(p: plant.Parameters, course: Course, angle: float) -> tuple[Array, Array, float]:
-    """The moment of drag, N m in LVLH axes, at the target (2n+1, 3); its change with theta (2n+1, 3, 3); and a bound of the rest.
-
-    The half of what may be left of the flow on a plate (_facing) counts as known. It is the same for a plate and the one on the other side.
-    """
-    if not p.drag:
-        return np.zeros_like(course.v), np.zeros((len(course.v), 3, 3)), 0.0
-    normals, arms = p.surface.normals, p.surface.arms
-    pairs = arms + arms[np.argmin(normals @ normals.T, axis=1)]
-    speed = np.linalg.norm(course.v, axis=1)
-    shares, edges = _facing(course.v @ normals.T / speed[:, None], angle)
-    known, unknown = 0.5 * edges @ arms, 0.25 * edges @ np.linalg.norm(pairs, axis=1)
-    S = np.einsum("kp,pi,pj->kij", shares, arms, normals)
-    faced = np.einsum("kij,kj->ki", S, course.v) + speed[:, None] * known
-    moment = course.density[:, None] * np.cross(course.v, faced)
-    change = np.array([rho * hat(v) @ by_turn(s, v) for rho, v, s in zip(course.density, course.v, S, strict=True)])
-    rest = _second(angle) * np.array([uneven(s) for s in S]) + angle * np.linalg.norm(known, axis=1) + unknown
-    return moment, change, float((course.density * speed**2 * rest).max())
 
 
 def _of_h(of_theta: Array, along: Array, J: Array, a: Array) -> Array:
@@ -209,7 +119,8 @@ def _of_h(of_theta: Array, along: Array, J: Array, a: Array) -> Array:
 
 
 class Programme:
-    """Rows A x <= high on |x| <= 1: q and theta at the ends of n intervals, the means within them, and the missing torque, |x| >= 0."""
+    """Rows A x <= high on |x| <= 1: q and theta at the ends of n intervals, the means within them, and the missing
+    torque, |x| >= 0."""
 
     def __init__(self, n: int, ends: Array, means: Array, torque: float) -> None:
         self.n, self.torque = n, torque
@@ -234,7 +145,10 @@ class Programme:
         return np.asarray(sp.vstack(self._parts) @ x - np.concatenate(self._highs))
 
     def least(self) -> float:
-        """A lower bound of the missing torque, N m: the value of the dual solution. Raises InputError where none is found."""
+        """A lower bound of the missing torque, N m: the value of the dual solution.
+
+        Raises InputError where none is found.
+        """
         A = sp.vstack(self._parts) @ sp.diags(self.limits)
         size = sp.diags(1.0 / abs(A[:, :-1]).max(axis=1).toarray().ravel())
         A, high = (size @ A).tocsr(), size @ np.concatenate(self._highs)

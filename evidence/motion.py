@@ -1,7 +1,8 @@
 """The satellite's motion relative to LVLH in CasADi, from the plant's parameters, for the studies that optimise it.
 
-x = (q, 50 s Omega, 50 s l / kg m2): attitude as a quaternion, scalar first, body rate and wheel momentum; u: the rods' dipoles and
-the wheel's torque as shares of their limits. Gravity gradient and the constant disturbance act, drag does not.
+x = (q, 50 s Omega, 50 s l / kg m2): attitude as a quaternion, scalar first, body rate and wheel momentum; u: the
+rods' dipoles and the wheel's torque as shares of their limits. Gravity gradient and the constant disturbance act,
+drag does not.
 """
 
 from __future__ import annotations

@@ -17,7 +17,8 @@ def random_rotations(rng: np.random.Generator, n: int) -> Array:
 def wrong_inertias(J: Array, n: int, seed: int, size: float) -> Array:
     """Inertias (n, 3, 3), kg m2, of real bodies near J (3, 3): J' = S (1 + size E) S with S = J^(1/2).
 
-    E is symmetric with eigenvalues uniform in [-1, 1] and axes uniform on SO(3), so that products of inertia come with it.
+    E is symmetric with eigenvalues uniform in [-1, 1] and axes uniform on SO(3), so that products of inertia come
+    with it.
     """
     rng = np.random.default_rng(seed)
     w, v = np.linalg.eigh(J)

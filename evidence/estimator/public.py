@@ -1,6 +1,7 @@
 """The estimator beside a public filter, the extended Kalman filter of the package ahrs, on the same measurements.
 
-That filter takes a gyro and two unit vectors and knows no biases: quaternion, first order in the rate. Both get slow turns.
+That filter takes a gyro and two unit vectors and knows no biases: quaternion, first order in the rate. Both get slow
+turns.
 """
 
 from __future__ import annotations

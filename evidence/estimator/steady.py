@@ -1,7 +1,9 @@
-"""The steady state of attitude and gyro bias under a star tracker: the filter's covariance and Farrenkopf's closed form.
+"""The steady state of attitude and gyro bias under a star tracker: the filter's covariance and Farrenkopf's closed
+form.
 
-Farrenkopf, Analytic steady-state accuracy solutions for two common spacecraft attitude estimators, JGC 1 (1978); in the form of
-Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 6.4: for one axis, gyro and star tracker.
+Farrenkopf, Analytic steady-state accuracy solutions for two common spacecraft attitude estimators, JGC 1 (1978); in
+the form of Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 6.4: for one axis,
+gyro and star tracker.
 """
 
 from __future__ import annotations

@@ -19,7 +19,8 @@ FILE = "failures.csv"
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight: times in s, infinite for never; all but `settled_s`, which counts from the start, from the failure on.
+    """One flight: times in s, infinite for never; all but `settled_s`, which counts from the start, from the failure
+    on.
 
     `given_up_s`: since when less than `rows.ASKED` is asked of the wheel for good.
     """

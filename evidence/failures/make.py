@@ -1,4 +1,5 @@
-"""Flies the rows in turn, so that those of a table have about as many flights at any time, and writes docs/evidence/failures.md."""
+"""Flies the rows in turn, so that those of a table have about as many flights at any time, and writes
+docs/evidence/failures.md."""
 
 from __future__ import annotations
 
@@ -25,7 +26,8 @@ def parts(cases: int, tables: Collection[str]) -> Iterator[tuple[Row, int]]:
 
 
 def make(cases: int, tables: Collection[str], jobs: int) -> Path:
-    """Flies what is left of so many flights of each row; then writes docs/evidence/failures.csv and the page, and returns it."""
+    """Flies what is left of so many flights of each row; then writes docs/evidence/failures.csv and the page, and
+    returns it."""
     with crew(jobs) as hands:
         for row, most in parts(cases, tables):
             rows = flown(row)

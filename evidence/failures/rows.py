@@ -1,4 +1,5 @@
-"""The rows of docs/evidence/failures.md as campaigns: the tumbles of docs/evidence/flight.md under all errors, with a failure that nobody tells of."""
+"""The rows of docs/evidence/failures.md as campaigns: the tumbles of docs/evidence/flight.md under all errors, with a
+failure that nobody tells of."""
 
 from __future__ import annotations
 
@@ -53,7 +54,8 @@ class Row:
 
     @property
     def since(self) -> float:
-        """From when on the hold counts, s: of rods alone over the third orbit; else from a failure in the hold, or from EARLY."""
+        """From when on the hold counts, s: of rods alone over the third orbit; else from a failure in the hold, or
+        from EARLY."""
         if self.table == WHEEL:
             return self.at + 2.0 * ORBIT
         if self.satellite:

@@ -1,6 +1,8 @@
-"""What docs/evidence/flight.md flies, as campaigns: tumbles drawn at random, V.B and V.C from every node, long holds, each pairing.
+"""What docs/evidence/flight.md flies, as campaigns: tumbles drawn at random, V.B and V.C from every node, long holds,
+each pairing.
 
-All are scenarios/flight_*.yaml with other start values, or with other blocks in the same places. Each lasts three orbits.
+All are scenarios/flight_*.yaml with other start values, or with other blocks in the same places. Each lasts three
+orbits.
 """
 
 from __future__ import annotations
@@ -118,7 +120,7 @@ DRAWN: Data = {
     "field": {"sphere": 200e-9},
     "noise": {"integers": [1, 2**31 - 1]},
 }
-"""What every random tumble draws, in this order: what a group draws beside it comes after, and so changes none of it."""
+"""What every random tumble draws, in this order: what a group draws beside it comes after, so it changes none of it."""
 
 
 def tumbles(
@@ -127,8 +129,8 @@ def tumbles(
     """Random tumbles by one of SCHEMES.
 
     Attitude uniform on SO(3), direction of the rate uniform, its size uniform in 0 to 6 deg/s, node uniform. Nominal: a
-    disturbance of 1e-6 N m. Errors, all together: J 5 to 10% off in each axis, rods that give 0.9, a disturbance of 1e-5 N m,
-    noise of 0.01 deg, 1e-5 rad/s and 50 nT, an onboard field 200 nT off in its first three coefficients.
+    disturbance of 1e-6 N m. Errors, all together: J 5 to 10% off in each axis, rods that give 0.9, a disturbance of
+    1e-5 N m, noise of 0.01 deg, 1e-5 rad/s and 50 nT, an onboard field 200 nT off in its first three coefficients.
     """
     given = base() if data is None else data
     if not errors:

@@ -1,4 +1,5 @@
-"""docs/evidence/flight.csv: a line for each flight, from the datasets of the campaigns; docs/evidence/flight.md and its figures are made from it."""
+"""docs/evidence/flight.csv: a line for each flight, from the datasets of the campaigns; docs/evidence/flight.md and
+its figures are made from it."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from ..paper import ORBIT, Array
 from .cases import ALARMS, HOLD, Group
 
 COLUMNS = (
-    "group run node_deg duration_s settled_5deg_s settled_1deg_s early_5deg_s momentum_bound_s initial_rate_deg_s hold_rms_deg "
-    "wheel_max_mNms later_rms_deg later_max_deg later_wheel_mNms told told_s remark"
+    "group run node_deg duration_s settled_5deg_s settled_1deg_s early_5deg_s momentum_bound_s initial_rate_deg_s "
+    "hold_rms_deg wheel_max_mNms later_rms_deg later_max_deg later_wheel_mNms told told_s remark"
 ).split()
 
 

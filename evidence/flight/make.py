@@ -1,4 +1,5 @@
-"""Flies the campaigns of docs/evidence/flight.md, writes docs/evidence/flight.csv from their datasets, and makes page and figures from it."""
+"""Flies the campaigns of docs/evidence/flight.md, writes docs/evidence/flight.csv from their datasets, and makes page
+and figures from it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The scenarios of docs/evidence/flight.md as data: scenarios/flight_*.yaml with other start values, and other blocks in the same places."""
+"""The scenarios of docs/evidence/flight.md as data: scenarios/flight_*.yaml with other start values, and other blocks
+in the same places."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ from ..paper import ROOT, constants
 Data = dict[str, Any]
 
 TUNED = {"K0": [5.53e-3, 6.14e-3, 6.75e-3], "L0": (0.273 * np.eye(3)).tolist()}
-"""Gains of law [8] in SI units with the bounded allocator: the best of 60 drawn at random, by tumbles that nothing else flies."""
+"""Gains of law [8] in SI units with the bounded allocator: the best of 60 drawn at random, by tumbles that nothing
+else flies."""
 RIVAL = {"slow": 0.035, "K": 6.1e-4, "L": 0.069, "detumble_gain": 280.0, "look_ahead": 118.0}
 """Of evidence/flight/rival: the best of a random search on tumbles that nothing else flies (docs/evidence/rival.md)."""
 
@@ -102,7 +104,8 @@ def tuned(data: Data, gains: Mapping[str, Any] = TUNED) -> Data:
 
 
 def literature(data: Data, gains: Mapping[str, Any] = RIVAL) -> Data:
-    """Detumbling of arXiv 2407.02724 and a proportional-derivative law (evidence/flight/rival), with the bounded allocator."""
+    """Detumbling of arXiv 2407.02724 and a proportional-derivative law (evidence/flight/rival), with the bounded
+    allocator."""
     folder = Path(__file__).parent / "rival"
     block = Block(parse((folder / "interface.toml").read_text("utf-8"), "interface.toml"), folder)
     fit(data, "controller", str(ensure(block, "python")), interface=block.interface)

@@ -86,8 +86,8 @@ TURNS: Data = {f"turn{i}": {"sphere": 1.0} for i in (1, 2, 3)}
 def body(most: float) -> str:
     """The inertia of a body near J as an expression of BODY: J' = S (1 + most E) S with S = J^(1/2).
 
-    E is symmetric with eigenvalues uniform in [-1, 1] and axes uniform on SO(3), so (1 - most) J <= J' <= (1 + most) J: up to 0.25
-    the greatest moment of J' stays below the sum of the others, as a body's does.
+    E is symmetric with eigenvalues uniform in [-1, 1] and axes uniform on SO(3), so (1 - most) J <= J' <= (1 + most)
+    J: up to 0.25 the greatest moment of J' stays below the sum of the others, as a body's does.
     """
     root = f"diag(sqrt({list(INERTIA)}))"
     return f"{root} @ (diag([1, 1, 1]) + {most} * axes @ diag(size) @ transpose(axes)) @ {root}"
@@ -108,7 +108,8 @@ def scenario_loop() -> Loop:
 
 
 def _perigee(e: float) -> dict[str, str]:
-    """Position and velocity as expressions: at the perigee of an orbit of the same semi-major axis, at `along` from its node."""
+    """Position and velocity as expressions: at the perigee of an orbit of the same semi-major axis, at `along` from
+    its node."""
     orbit = scenario_loop().change({"plant.node_longitude": 0.0, "plant.argument_of_latitude": 0.0}).plant.orbit
     r, v = (np.asarray(x) for x in orbit.position_velocity(0.0))
     normal = np.cross(r, v)

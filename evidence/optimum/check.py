@@ -1,4 +1,5 @@
-"""What the optimiser found, flown: its commands by the plant open-loop, then the planned controller from where they end."""
+"""What the optimiser found, flown: its commands by the plant open-loop, then the planned controller from where they
+end."""
 
 from __future__ import annotations
 
@@ -33,7 +34,8 @@ class Check:
     gap: float
     """Between plant and course at T, rad."""
     held_on: bool
-    """Whether both are within the tolerance, and the planned controller, from T + HOLD on, keeps the angle for an orbit."""
+    """Whether both are within the tolerance, and the planned controller, from T + HOLD on, keeps the angle for an
+    orbit."""
 
 
 def check(p: plant.Parameters, course: Course, group: Group) -> Check:
@@ -55,7 +57,8 @@ def check(p: plant.Parameters, course: Course, group: Group) -> Check:
 
 
 def _holds_on(p: plant.Parameters, x: plant.State, group: Group) -> bool:
-    """Whether the planned controller, started here, keeps the angle for an orbit, and ends it with a rate error below RATE."""
+    """Whether the planned controller, started here, keeps the angle for an orbit, and ends it with a rate error below
+    RATE."""
     r, v = p.orbit.position_velocity(x.t)
     data = copy.deepcopy(group.scenario)
     later = datetime.fromisoformat(p.epoch).astimezone(UTC) + timedelta(seconds=x.t)

@@ -52,7 +52,8 @@ class Course:
         return self._along(self.attitudes * Rotation.from_rotvec((2.0 * math.pi * _smooth(s))[:, None] * axis), turn)
 
     def straight(self, turn: Array, turns: int = 0) -> Course:
-        """From its start about one axis to LVLH: the short way, or with 1 the other way round; turn: Omega_d (3,), rad/s."""
+        """From its start about one axis to LVLH: the short way, or with 1 the other way round; turn: Omega_d (3,),
+        rad/s."""
         rotation = self.attitudes[0].as_rotvec()
         angle = float(np.linalg.norm(rotation)) + 1e-12
         s = np.clip(self.times / max(self.end, 1.0), 0.0, 1.0)

@@ -1,4 +1,5 @@
-"""Searches the least time of tumbles of docs/evidence/flight.md, each saved as it ends, and writes docs/evidence/optimum.csv from them."""
+"""Searches the least time of tumbles of docs/evidence/flight.md, each saved as it ends, and writes
+docs/evidence/optimum.csv from them."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ def group(runs: int) -> Group:
 
 
 def make(runs: int, file: Path) -> Iterator[str]:
-    """Writes a line for each of the first so many tumbles to `file`, and tells of each; then searches again from the best of each.
+    """Writes a line for each of the first so many tumbles to `file`, and tells of each; then searches again from the
+    best of each.
 
     What is there already is kept. A tumble without a motion that the plant confirms has no line.
     """
@@ -54,7 +56,8 @@ def make(runs: int, file: Path) -> Iterator[str]:
 
 
 def fly_again(file: Path) -> Iterator[str]:
-    """Flies the tumbles of `file` anew, as the controller is now, and searches from each hand-over; the best times stay."""
+    """Flies the tumbles of `file` anew, as the controller is now, and searches from each hand-over; the best times
+    stay."""
     lines = load(file)
     wanted = group(max(line.run for line in lines) + 1)
     for i, line in enumerate(lines):

@@ -1,7 +1,8 @@
-"""The satellite's motion relative to LVLH as a step of CasADi (evidence/motion.py), under the field of an orbit, and its task.
+"""The satellite's motion relative to LVLH as a step of CasADi (evidence/motion.py), under the field of an orbit, and
+its task.
 
-The field along the orbit is the plant's, as Chebyshev series of time. Gravity gradient and the constant disturbance act; drag, of
-some 1e-7 N m, is left to the check by the plant (check.py).
+The field along the orbit is the plant's, as Chebyshev series of time. Gravity gradient and the constant disturbance
+act; drag, of some 1e-7 N m, is left to the check by the plant (check.py).
 """
 
 from __future__ import annotations

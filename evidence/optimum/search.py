@@ -51,7 +51,8 @@ class Optimum:
 def search(flight: Flight) -> Optimum | None:
     """The best found; None without a feasible motion.
 
-    After a hand-over the short problem from there is solved first. Its best, after the flown steering, is one of the starts.
+    After a hand-over the short problem from there is solved first. Its best, after the flown steering, is one of the
+    starts.
     """
     began = time.process_time()
     flown, handed_over = flight.course, flight.handed_over
@@ -72,7 +73,8 @@ def search(flight: Flight) -> Optimum | None:
 
 
 def search_after(flight: Flight) -> Found | None:
-    """The best found from the flown motion at the hand-over; None where the plan has it from the start, or nothing is feasible."""
+    """The best found from the flown motion at the hand-over; None where the plan has it from the start, or nothing is
+    feasible."""
     if not flight.handed_over > 0.0:
         return None
     motion = Motion(flight.plant, SLACK * (flight.course.end - flight.handed_over), flight.handed_over)

@@ -17,7 +17,8 @@ from orchestration import InputError
 from .firmware import MACHINE, tool
 
 TICK = 40
-"""Instructions in a tick of the board's counter: it counts at 25 MHz, and an instruction takes 1 ns of the board's time."""
+"""Instructions in a tick of the board's counter: it counts at 25 MHz, and an instruction takes 1 ns of the board's
+time."""
 _START = 1 << 31
 _PATIENCE = 10.0  # s, for QEMU to open its ports
 
@@ -26,7 +27,8 @@ class Emulator:
     """A running board, until the end of the `with` block.
 
     address      HOST:PORT of its line, for the parameter link_address
-    calls        (n, 3) of the calls so far: instructions, to 40; bytes of stack used since power-up; 1 at the start of a run
+    calls        (n, 3) of the calls so far: instructions, to 40; bytes of stack used since power-up; 1 at the start
+    of a run
     """
 
     def __init__(self, elf: Path) -> None:

@@ -1,4 +1,5 @@
-"""A block as firmware for the emulated Cortex-M7: the flight code as it stands, the link's device, and the board's start-up.
+"""A block as firmware for the emulated Cortex-M7: the flight code as it stands, the link's device, and the board's
+start-up.
 
 Needs arm-none-eabi-gcc and qemu-system-arm (Debian: gcc-arm-none-eabi qemu-system-arm).
 """

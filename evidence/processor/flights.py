@@ -1,4 +1,5 @@
-"""The loop with one block on the emulated processor, in lock-step, held against the native FMU's run sample by sample."""
+"""The loop with one block on the emulated processor, in lock-step, held against the native FMU's run sample by
+sample."""
 
 from __future__ import annotations
 
@@ -42,7 +43,10 @@ class Flight:
 
 
 def fly(path: Path, place: str, folder: Path, native: Result) -> Flight:
-    """Flies a scenario with the block at `place` on the processor. Raises InputError, and BlockError where a call fails."""
+    """Flies a scenario with the block at `place` on the processor.
+
+    Raises InputError, and BlockError where a call fails.
+    """
     name = str(read(path).data["blocks"][place]["fmu"])
     firmware = build(name, folder / name)
     fmu = folder / f"{name}_link.fmu"

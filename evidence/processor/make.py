@@ -1,4 +1,5 @@
-"""docs/evidence/processor.md: what the flight code costs on a Cortex-M7, from flights with each block on the emulated processor."""
+"""docs/evidence/processor.md: what the flight code costs on a Cortex-M7, from flights with each block on the emulated
+processor."""
 
 from __future__ import annotations
 

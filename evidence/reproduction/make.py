@@ -48,7 +48,10 @@ Part = tuple[str, Callable[..., Any], tuple[Any, ...]]
 
 
 def campaigns() -> list[Part]:
-    """What is flown as campaigns, whose first argument is the crew. One that returns a dictionary has a result for each manoeuvre."""
+    """What is flown as campaigns, whose first argument is the crew.
+
+    One that returns a dictionary has a result for each manoeuvre.
+    """
     made: list[Part] = [("node and K0", sweep.node_and_gain, ()), ("one by one", sweep.one_by_one, ())]
     made += [("K0 and L0", sweep.gains, ()), ("SI for an orbit", sweep.si_for_an_orbit, ())]
     made += [(f"latch {k:g} {d:g}", sweep.latch, (k, d)) for k, d in ((0.65, 0.9), (0.4, 1.0))]

@@ -21,7 +21,7 @@ from .searched import Missing, load_bounds, save_bounds
 
 
 def make(jobs: int, flights: Flights, file: Path) -> Iterator[str]:
-    """Finds what the file does not have of those that are not settled, and tells of each part when it has been saved."""
+    """Finds what the file does not have of those that are not settled, and tells of each part when it is saved."""
     wanted = set(not_settled(flights))
     found = [bound for bound in load_bounds(file) if bound.tumble in wanted]
     yield from in_parts(jobs, "bounds of holds", _of_tumble, _left(flights, found), found, partial(save_bounds, file))

@@ -1,4 +1,5 @@
-"""The satellites of docs/evidence/satellites.md, and their tumbles as campaigns: inertia, actuators and size of each, and nothing tuned."""
+"""The satellites of docs/evidence/satellites.md, and their tumbles as campaigns: inertia, actuators and size of each,
+and nothing tuned."""
 
 from __future__ import annotations
 
@@ -26,8 +27,8 @@ ACROSS = (1.0 - np.eye(3)).tolist()
 
 @dataclass(frozen=True)
 class Satellite:
-    """moments (3,) kg m2, A m2, N m, N m s, width and length in m, the wheel's axis (3,), the largest rate drawn, deg/s, and the body
-    axis along the length."""
+    """moments (3,) kg m2, A m2, N m, N m s, width and length in m, the wheel's axis (3,), the largest rate drawn,
+    deg/s, and the body axis along the length."""
 
     moments: tuple[float, float, float]
     dipole_max: float
@@ -93,13 +94,14 @@ ALL = CLASSES | VARIANTS
 
 
 def tumbles(name: str, runs: int, errors: bool = False, data: Data | None = None) -> Group:
-    """Random tumbles of a satellite: attitude, rate to its `rate_max`, node, inclination 0 to 98 deg, height 350 to 1200 km.
+    """Random tumbles of a satellite: attitude, rate to its `rate_max`, node, inclination 0 to 98 deg, height 350 to
+    1200 km.
 
     `data`: the scenario, of the paper's satellite with errors; flight_tumble without it.
 
-    Errors are those of docs/evidence/flight.md, but for the disturbance and for the inertia: errors of each moment for itself would make no
-    body of a flat or a long one. The second moments of mass are off, by sqrt(2) of 5 to 10% each, so that the moments of inertia are
-    off as much in the mean square.
+    Errors are those of docs/evidence/flight.md, but for the disturbance and for the inertia: errors of each moment
+    for itself would make no body of a flat or a long one. The second moments of mass are off, by sqrt(2) of 5 to 10%
+    each, so that the moments of inertia are off as much in the mean square.
     """
     it = ALL[name]
     data = base() if data is None else data

@@ -25,8 +25,8 @@ STEEP = 30.0
 RADIUS = 6371.0
 """km, from which heights count."""
 COLUMNS = (
-    "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg hold_rms_deg "
-    "wheel_share told remark"
+    "satellite condition run inclination_deg height_km rate_deg_s settled_5deg_s settled_1deg_s early_s later_max_deg "
+    "hold_rms_deg wheel_share told remark"
 ).split()
 
 

@@ -1,4 +1,5 @@
-"""Flies the satellites in turn, so that each has about as many flights at any time, and writes docs/evidence/satellites.md."""
+"""Flies the satellites in turn, so that each has about as many flights at any time, and writes
+docs/evidence/satellites.md."""
 
 from __future__ import annotations
 
@@ -29,7 +30,8 @@ def parts(cases: int) -> Iterator[tuple[str, str, int]]:
 
 
 def make(cases: int, jobs: int) -> Path:
-    """Flies what is left of so many tumbles each; then writes docs/evidence/satellites.csv and the page, and returns it."""
+    """Flies what is left of so many tumbles each; then writes docs/evidence/satellites.csv and the page, and returns
+    it."""
     with crew(jobs) as hands:
         for satellite, condition, most in parts(cases):
             rows = flown(satellite, condition)

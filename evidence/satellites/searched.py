@@ -1,4 +1,5 @@
-"""What is known of tumbles that do not settle, beside their flights: what no controller can do, and what no search found."""
+"""What is known of tumbles that do not settle, beside their flights: what no controller can do, and what no search
+found."""
 
 from __future__ import annotations
 
@@ -37,7 +38,8 @@ class Searched:
 
 @dataclass(frozen=True)
 class Missing(Searched):
-    """Torque along the field without which LOST is exceeded from EARLY on, as a share of the disturbance; 0: not proven."""
+    """Torque along the field without which LOST is exceeded from EARLY on, as a share of the disturbance; 0: not
+    proven."""
 
     share: float
 
@@ -49,7 +51,8 @@ class Missing(Searched):
 
 @dataclass(frozen=True)
 class Closest(Searched):
-    """Least largest errors, deg, of motions that a search found: from EARLY to the end, and of those that repeat each orbit.
+    """Least largest errors, deg, of motions that a search found: from EARLY to the end, and of those that repeat each
+    orbit.
 
     The motions that repeat are those of the orbit from EARLY on and of the last one. NaN: none found, or not sought.
     Decision 25 describes the search, whose code version 0.2.0 has.

@@ -105,7 +105,7 @@ def test_no_history_of_admissible_dipoles_gives_more_than_the_bound_along_its_di
 
 @pytest.mark.parametrize("which", ["no_singularity", "singularity"])
 def test_a_linear_program_does_it_shortly_after_the_least_time_and_cannot_before(which):
-    """Dipoles within a polyhedron inside the ball reach the end; within one that holds the ball they do not, earlier."""
+    """Dipoles within a polyhedron inside the ball reach the end; within one that holds the ball they cannot earlier."""
     b = balance(which, 25.0)
     least = b.least_time().least
     rng = np.random.default_rng(2)
@@ -198,7 +198,8 @@ def test_a_steady_torque_counts_with_its_size_over_the_whole_time():
 
 
 def test_what_a_wheel_keeps_is_along_its_own_axis(monkeypatch):
-    """Momentum along a steady field stays: with a wheel along it that can carry it all nothing is short, with one across it all is."""
+    """Momentum along a steady field stays: with a wheel along it that can carry it all nothing is short, with one
+    across it all is."""
     probe = in_field([0.0, 0.0, 3e-5], monkeypatch)
     R_d = probe.law.desired_attitude_0
     direction = probe.H0 / np.linalg.norm(probe.H0)

@@ -11,9 +11,10 @@ from scipy.spatial.transform import Rotation
 
 import controller.reference
 from controller.so3 import hat
-from evidence import hold_bound
+from evidence import hold_course
 from evidence.flight.bound import loop, starts
-from evidence.hold_bound import Course, missing, programme
+from evidence.hold_bound import missing, programme
+from evidence.hold_course import Course
 from evidence.satellites.classes import tumbles
 from orchestration import InputError
 
@@ -59,8 +60,9 @@ def low():
 
 @pytest.mark.parametrize("l_max", [1e-9, 1e-3], ids=["no wheel", "a wheel along pitch"])
 def test_along_a_steady_field_the_torque_that_is_missing_is_that_of_the_closed_form(low, l_max):
-    """A sphere of 1 kg m2 with the field along pitch. Under a steady torque tau it stays within an angle for T at most along a
-    parabola, whose height tau T^2/(8 J) is twice the angle; a wheel along pitch takes up 2 l_max of momentum."""
+    """A sphere of 1 kg m2 with the field along pitch. Under a steady torque tau it stays within an angle for T at
+    most along a parabola, whose height tau T^2/(8 J) is twice the angle; a wheel along pitch takes up 2 l_max of
+    momentum."""
     r, v = low.orbit.position_velocity(0.0)
     normal = np.cross(r, v) / np.linalg.norm(np.cross(r, v))
     p = like(low, lambda t: 3e-5 * normal, np.eye(3), np.array([0.0, 1e-5, 0.0]), np.array([0.0, 1.0, 0.0]), l_max)
@@ -81,8 +83,8 @@ def test_nothing_is_missing_where_the_field_turns_and_the_hold_is_known():
 @pytest.mark.fly
 @pytest.mark.parametrize("seed", range(3))
 def test_a_motion_by_the_exact_equations_is_never_excluded(low, seed):
-    """Attitudes are drawn as sines of time, and the wheel's momentum is integrated so that the momentum along the field balances;
-    with the largest angle, rate and momentum of this very motion as limits nothing may be missing."""
+    """Attitudes are drawn as sines of time, and the wheel's momentum is integrated so that the momentum along the
+    field balances; with the largest angle, rate and momentum of this very motion as limits nothing may be missing."""
     rng = np.random.default_rng(seed)
     size, speed, phase = rng.uniform(0.01, 0.03, 3), rng.uniform(2e-3, 6e-3, 3), rng.uniform(0.0, 6.0, 3)
     J, tau, axis = np.asarray(low.body.J), np.asarray(low.disturbance_torque_B), np.array([0.2, 0.9, 0.38])
@@ -128,8 +130,8 @@ def test_a_motion_by_the_exact_equations_is_never_excluded(low, seed):
 @pytest.mark.parametrize("drag", [False, True], ids=["no drag", "drag"])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_needs_is_taken_off(seed, drag):
-    """Attitudes at the full angle, any wheel momentum, and drag as large as the disturbance; the torque is that of the exact law
-    d(h)/dt + Omega x h, without b or c."""
+    """Attitudes at the full angle, any wheel momentum, and drag as large as the disturbance; the torque is that of
+    the exact law d(h)/dt + Omega x h, without b or c."""
     p = plant_of("50 kg, wheel along (1, 2, 2)/3", lambda tilt: 15.0 * seed < tilt < 15.0 * seed + 40.0)
     p = replace(like_disturbance(p), drag=drag)
     rng, fine = np.random.default_rng(seed), 80
@@ -183,7 +185,7 @@ def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_ne
 def test_the_moment_of_drag_is_what_the_rows_take_it_for_to_the_bound_of_the_rest(satellite):
     p = like_disturbance(plant_of(satellite, lambda tilt: tilt > 20.0))
     course, rng = Course.of(p, BEGIN, BEGIN + 200.0), np.random.default_rng(0)
-    moment, change, rest = hold_bound._drag(p, course, ANGLE)
+    moment, change, rest = hold_course.drag(p, course, ANGLE)
     of_place = [np.array(controller.reference.lvlh(*p.orbit.position_velocity(t)).R_d) for t in course.times]
     left, without = [], []
     for k, L in enumerate(of_place):
@@ -198,11 +200,12 @@ def test_the_moment_of_drag_is_what_the_rows_take_it_for_to_the_bound_of_the_res
 
 
 def test_what_is_left_of_the_flow_on_a_plate_is_within_its_bound_and_reaches_both_ends():
-    """max(x + y, 0) of a plate that stands at x to the flow, |y| <= a, less its linear part: from 0 to (a^2 - x^2)/2a."""
+    """max(x + y, 0) of a plate that stands at x to the flow, |y| <= a, less its linear part: from 0 to (a^2 -
+    x^2)/2a."""
     a = ANGLE
     for x in np.linspace(-1.5 * a, 1.5 * a, 13):
         y = np.linspace(-a, a, 2001)
-        (share, opposite), (bound, _) = hold_bound._facing(np.array([x, -x]), a)
+        (share, opposite), (bound, _) = hold_course.facing(np.array([x, -x]), a)
         left = np.maximum(x + y, 0.0) - share * (x + y)
         assert left.min() == pytest.approx(0.0, abs=1e-4 * a)
         assert left.max() == pytest.approx(bound, abs=1e-4 * a)
@@ -217,7 +220,7 @@ def test_the_rest_of_a_turned_matrix_is_within_its_bound():
         Q = Rotation.from_rotvec(theta).as_matrix()
         linear = S + hat(theta) @ S - S @ hat(theta)
         rest = np.linalg.norm(Q @ S @ Q.T - linear, 2)
-        assert rest <= hold_bound._second(ANGLE) * hold_bound.uneven(S)
+        assert rest <= hold_course.second(ANGLE) * hold_course.uneven(S)
 
 
 def test_drag_alone_can_be_what_no_controller_holds():

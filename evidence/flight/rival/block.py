@@ -1,12 +1,15 @@
-"""Non-monotonic detumbling (Willis, Fisch, Seletskiy and Manchester, arXiv 2407.02724), then a proportional-derivative law.
+"""Non-monotonic detumbling (Willis, Fisch, Seletskiy and Manchester, arXiv 2407.02724), then a
+proportional-derivative law.
 
 Detumbling: with dipoles m1 now and m2 after `look_ahead` the momentum h = J Omega becomes h1 = h - b1 x m1, and then
-h2 = h1 - b2 x m2 (b1, b2: directions of the field, momentum in units of the product). Of all dipoles those are sought for which
+h2 = h1 - b2 x m2 (b1, b2: directions of the field, momentum in units of the product). Of all dipoles those are sought
+for which
 
     |h1|^2 + alpha |h2|^2 + |m1|^2 + |m2|^2
 
-is least; m1, within the limit, is applied. So h1 may grow where h2 falls the more. The field b2 is the measured one plus the
-change of a dipole field along the orbit. Not in that paper: the wheel is at rest while the rods detumble, and the second law.
+is least; m1, within the limit, is applied. So h1 may grow where h2 falls the more. The field b2 is the measured one
+plus the change of a dipole field along the orbit. Not in that paper: the wheel is at rest while the rods detumble,
+and the second law.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The rows of docs/evidence/failures.md: scenarios in which the part fails that the row names, and what of a flight is kept."""
+"""The rows of docs/evidence/failures.md: scenarios in which the part fails that the row names, and what of a flight
+is kept."""
 
 import math
 

@@ -1,4 +1,5 @@
-"""docs/evidence/flight.md and docs/evidence/flight.csv: that they agree, and that the blocks as they are fly what is written there."""
+"""docs/evidence/flight.md and docs/evidence/flight.csv: that they agree, and that the blocks as they are fly what is
+written there."""
 
 import math
 from dataclasses import replace

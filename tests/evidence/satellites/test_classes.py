@@ -39,7 +39,8 @@ def test_settled_is_the_later_of_both_and_not_at_the_end():
 
 @pytest.mark.parametrize("name", ["1U", "50 kg, flat", "50 kg, elongated"])
 def test_the_errors_drawn_leave_a_body_and_are_as_large_as_those_of_flight_md(name):
-    """A body's moments obey the triangle inequality; in docs/evidence/flight.md each moment is 5 to 10% off, 7.6% in the mean square."""
+    """A body's moments obey the triangle inequality; in docs/evidence/flight.md each moment is 5 to 10% off, 7.6% in
+    the mean square."""
     J = np.array(ALL[name].moments)
     off = np.array([np.diag(run["plant.J_error_B"]) for run in tumbles(name, 200, True).drawn()])
     bodies = np.sort(J + off, axis=1)

@@ -1,4 +1,5 @@
-"""The integrators that docs/evidence/verification.md compares: each flies the same motion, and the page is that of its file."""
+"""The integrators that docs/evidence/verification.md compares: each flies the same motion, and the page is that of
+its file."""
 
 import numpy as np
 import pytest
