@@ -43,7 +43,7 @@ _BY_NAME = {"import_module", "__import__", "find_spec", "files", "run_module"}
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """What hatchling needs, and the project's own requirements that build FMUs."""
+    """Returns the requirements of hatchling, and those of the project that build FMUs."""
     import tomllib  # here, so that an older Python comes as far as pip's line that it is too old  # noqa: PLC0415
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]

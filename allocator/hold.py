@@ -20,7 +20,7 @@ class Commands(NamedTuple):
 
 
 NONE = Commands(np.zeros(3), 0.0)
-"""What is held before anything has been commanded."""
+"""The commands that are held before any other has been given."""
 NONE.dipole.flags.writeable = False
 
 

@@ -92,7 +92,7 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
-    """What the gains [10] have latched, and what a missing attitude means."""
+    """The errors that the gains [10] have latched, and whether the controller has flown with an attitude."""
 
     t: float
     attitude_error_0: float

@@ -1,4 +1,4 @@
-"""What parameters the law can work with."""
+"""Checks of the parameters: the law works with those that pass."""
 
 from __future__ import annotations
 

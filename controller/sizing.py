@@ -27,7 +27,7 @@ A1, A2, C1, C2 = 3.5, 35.0, 2.1, 21.0
 
 @dataclass(frozen=True)
 class Wish:
-    """What the gains are for: every start with errors up to these settles within the wished time."""
+    """The requirement: every start with errors up to these settles within the wished time."""
 
     J_B: Array
     """(3,3) kg m2."""
@@ -97,7 +97,7 @@ class Sizing:
     torque_max: float
     """Guaranteed: |tau(t)| never above this, N m."""
     feedforward: float
-    """What the terms of the reference and of gravity add to both torques, at most, N m; counted in them."""
+    """The largest part of both torques that the reference and gravity have in them, N m."""
 
     @property
     def converges(self) -> bool:

@@ -123,7 +123,7 @@ def _given(actuators: Array) -> Given:
 
 
 def _measured(u: Inputs, fresh: Array) -> Measured:
-    """What is new. Raises ValueError for an input that cannot be."""
+    """Returns the measurements that are new. Raises ValueError for an input that cannot be."""
     for name in ("omega_B_measured", "b_B_measured", "r_N_measured", "v_N_measured", "sun_B_measured", "R_NB_measured"):
         _require_finite(name, getattr(u, name))
     if (b := norm(u.b_B_measured)) > FIELD_MAX:

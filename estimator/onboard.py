@@ -1,4 +1,4 @@
-"""What the estimator knows of the world: date, Sun, Earth's shadow and orbit, by models of its own, so that they may be wrong."""
+"""The estimator's own models of date, Sun, Earth's shadow and orbit; they may differ from the plant's."""
 
 from __future__ import annotations
 

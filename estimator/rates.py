@@ -15,7 +15,7 @@ STEP = 0.5
 
 @dataclass(frozen=True)
 class Torques:
-    """What turns a satellite of inertia J (3,3), kg m2, over a step."""
+    """The torques on a satellite of inertia J (3,3), kg m2, over a step."""
 
     J: Array
     J_inverse: Array

@@ -1,4 +1,4 @@
-"""What the estimator knows at a time, and what it is told over a step."""
+"""The estimator's state at a time, and its inputs over a step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ZERO, NO_MATRIX = np.zeros(3), np.zeros((3, 3))
 
 
 class Measured(NamedTuple):
-    """What is new at the end of a step; None where there is none."""
+    """The measurements that are new at the end of a step; None where there is none."""
 
     omega_B: Array | None
     b_B: Array | None
@@ -25,7 +25,7 @@ class Measured(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What the actuators did over a step: dipoles along the rods, A m2, dl/dt, N m, wheel momentum at its end, N m s."""
+    """The actuators over a step: dipoles along the rods, A m2, dl/dt, N m, wheel momentum at its end, N m s."""
 
     dipole: Array
     wheel_torque: float | None

@@ -24,7 +24,7 @@ class BuildError(RuntimeError):
 
 @dataclass(frozen=True)
 class Block:
-    """What an FMU is made of: an interface, and the folder of the package that implements it."""
+    """The sources of an FMU: an interface, and the folder of the package that implements it."""
 
     interface: Interface
     folder: Path

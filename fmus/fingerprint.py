@@ -1,4 +1,4 @@
-"""What an FMU is made of, as one hash: an FMU is built again when it has changed."""
+"""One hash of all sources of an FMU: an FMU is built again when it has changed."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def fingerprint(block: Block, flavour: str) -> str:
 
 
 def _remembered(made_of: object, kind: type[T], make: Callable[[], T]) -> T:
-    """What `make` gives of the same, from this process or from disk."""
+    """Returns what `make` gives for the same sources, from this process or from disk."""
     if made_of not in _known:
         _known[made_of] = kept(kind, made_of, make)
     return cast(T, _known[made_of])

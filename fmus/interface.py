@@ -42,7 +42,7 @@ SOURCE = (
     "Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
     "Orbit (AIAA 2009-5902)."
 )
-"""What a page says that shows citations such as [8]."""
+"""The sentence of a page that shows citations such as [8]."""
 
 
 def cites(text: str) -> bool:
@@ -58,7 +58,7 @@ def citations(interface: Interface) -> str:
 
 
 def optional_text(variable: Variable) -> str:
-    """What the pages say of an optional input: which value means that it is not connected."""
+    """Returns the pages' words on an optional input: the value that means that it is not connected."""
     return f"optional; {'-1' if variable.type == 'integer' else '1e9'} means not connected"
 
 

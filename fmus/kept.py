@@ -1,4 +1,4 @@
-"""What takes long to read is kept on disk, so that the next process need not read it again.
+"""Keeps on disk what takes long to read, so that the next process need not read it again.
 
 Each file is named by a hash of all that it is made of, the code that makes it included, and is never out of date. It is a
 pickle beside the libraries that are built: who can write there can run code here anyway.
@@ -25,7 +25,7 @@ _FILES_MAX = 200
 
 
 def kept(kind: type[T], made_of: object, make: Callable[[], T], folder: str = "kept") -> T:
-    """What `make` gives, of this type, from disk where an earlier process made it of the same.
+    """Returns what `make` gives, of this type, from disk where an earlier process made it of the same.
 
     `made_of` shows by its repr all that the result depends on. What cannot be read is made, and what cannot be written is
     made again by the next process.

@@ -27,7 +27,7 @@ def shared(name: str) -> Path:
 
 
 def ready(name: str) -> Path | None:
-    """What a wheel brings ready-made, such as `native/plant.fmu`; None in the repository."""
+    """Returns the folder of a wheel's ready-made files, such as `native/plant.fmu`; None in the repository."""
     path = READY / name
     return path if path.exists() else None
 

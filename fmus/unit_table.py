@@ -63,7 +63,7 @@ UNITS = {
     "degC": _unit("K", 1.0, 273.15),
 }
 NO_UNIT = ("-", "[-]", "n/a", "none", "unitless")
-"""What stands in the place of a unit where there is none."""
+"""The text in the place of a unit where there is none."""
 OTHER_NAMES = {
     "Gauss": "gauss",
     "milligauss": "mgauss",

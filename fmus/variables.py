@@ -1,4 +1,4 @@
-"""What a block's interface is: ports and parameters, element by element as FMI sees them."""
+"""Ports and parameters of a block's interface, element by element as FMI sees them."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Interface:
     helpers: dict[str, Variable] = field(default_factory=dict)
     """Inputs of scenarios that stand for start values; no FMU has them."""
     view: dict[str, Any] = field(default_factory=dict)
-    """What a three-dimensional view of a loop takes of this block, as the file has it."""
+    """The part of this block in a three-dimensional view of a loop, as the file has it."""
 
     def of(self, causality: Causality) -> list[Variable]:
         return [v for v in self.variables.values() if v.causality == causality]

@@ -48,7 +48,7 @@ COMPOSITIONS: dict[int, tuple[float, ...]] = {2: (1.0,), 4: _suzuki4(), 6: _yosh
 
 @dataclass(frozen=True)
 class Body:
-    """What the integrator knows of the satellite: its inertia J (3,3), kg m2, with the wheel locked, and the wheel's unit axis (3,)."""
+    """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheel locked, and the wheel's unit axis (3,)."""
 
     J: Array
     J_inverse: Array

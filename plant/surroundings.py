@@ -1,4 +1,4 @@
-"""What acts on the satellite whatever is commanded: functions of its attitude and of time alone, in body axes."""
+"""The moments on the satellite that no command changes: functions of its attitude and of time alone, in body axes."""
 
 from __future__ import annotations
 

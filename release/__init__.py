@@ -1,1 +1,1 @@
-"""What a release carries besides its files: tested versions, software bills of materials, hashes. Not part of the wheel."""
+"""Additions to a release's files: tested versions, software bills of materials, hashes. Not part of the wheel."""

@@ -12,7 +12,7 @@ from . import constraints
 
 @click.group()
 def main() -> None:
-    """What a release carries besides its files; `make release` calls it."""
+    """Writes the additions to a release's files; `make release` calls it."""
 
 
 @main.command("constraints")

@@ -12,7 +12,7 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[1]
 FILE = ROOT / "constraints.txt"
 IN_BYTES = ("pygeomag", "ppigrf", "pythonfmu", "ziglang")
-"""What has a say in the bytes of the FMUs: the compiler, PythonFMU's libraries, the tables of the field."""
+"""The packages that determine the bytes of the FMUs: the compiler, PythonFMU's libraries, the tables of the field."""
 _HEAD = """\
 # Versions of dependencies with which the tests passed; made by `python -m release constraints`. To install these:
 # PIP_CONSTRAINT=constraints.txt make test, or pip install -c constraints.txt ...
@@ -61,7 +61,7 @@ def pinned() -> dict[str, str]:
 
 
 def differing() -> list[str]:
-    """What has a say in the FMUs' bytes and is not installed in the pinned version, as sentences."""
+    """Returns a sentence for each package that determines the FMUs' bytes and is not installed in the pinned version."""
     here, wanted = installed(), pinned()
     return [
         f"{name}: expected {wanted.get(name)}, as in constraints.txt, found {here.get(name)}"

@@ -1,4 +1,4 @@
-"""What the supervisor is given, remembers and gives. Units, frames and limits are those of fmus/interfaces/supervisor.toml."""
+"""Parameters, inputs, state and outputs of the supervisor. Units, frames and limits are those of fmus/interfaces/supervisor.toml."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class State:
     destination: int = SAFE
     """The mode that acquisition or slew leads to; the mode itself otherwise."""
     aim: Array = field(default_factory=lambda: np.zeros(9))
-    """What the destination points at: R_goal, row by row, or latitude, longitude and height; zeros for the others."""
+    """The target of the destination: R_goal, row by row, or latitude, longitude and height; zeros for the others."""
     kept: Array = field(default_factory=lambda: np.eye(3))
     """The attitude of a destination whose turn about its axis is free, at t."""
     calm: float = 0.0

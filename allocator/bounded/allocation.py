@@ -15,7 +15,7 @@ from .box import Array, least_squares
 
 
 class Limits(NamedTuple):
-    """What may be commanded: |m_i| <= dipole_i, (3,) A m2; wheel_low <= dl_w/dt <= wheel_high, N m."""
+    """Limits of the commands: |m_i| <= dipole_i, (3,) A m2; wheel_low <= dl_w/dt <= wheel_high, N m."""
 
     dipole: Array
     wheel_low: float
@@ -25,7 +25,7 @@ class Limits(NamedTuple):
 
 
 class Preference(NamedTuple):
-    """What is preferred where the demand leaves a choice, and how much torque it may cost."""
+    """The commands that are preferred where the demand leaves a choice, with weights that bound their cost in torque."""
 
     dipole: Array
     """(3,) A m2 along the rods."""

@@ -11,13 +11,13 @@ typedef struct {
     double m[ERROR_STATES][ERROR_STATES];
 } Covariance;
 
-/* What drives the errors over a step: each is a square of what 1 s gives. */
+/* Process noise: variances that the errors gain in 1 s. */
 typedef struct {
     double angle, bias; /* rad2, T2 */
     Matrix rate;        /* rad2/s2 */
 } Walks;
 
-/* What a measurement says beside its prediction: y = H_attitude delta (+ mu where it is biased) + noise of variances r. */
+/* A measurement against its prediction: y = H_attitude delta (+ mu where it is biased) + noise of variances r. */
 typedef struct {
     Vector y;
     Matrix H_attitude;

@@ -1,4 +1,4 @@
-/* What the estimator knows of Sun, Earth's shadow and orbit: models of its own, so that they may be wrong. */
+/* The estimator's own models of Sun, Earth's shadow and orbit; they may differ from the plant's. */
 #ifndef ESTIMATOR_ONBOARD_H
 #define ESTIMATOR_ONBOARD_H
 

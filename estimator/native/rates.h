@@ -4,7 +4,7 @@
 
 #include "rotation.h"
 
-/* What turns a satellite of inertia J, kg m2, over a step. */
+/* The torques on a satellite of inertia J, kg m2, over a step. */
 typedef struct {
     Matrix J, J_inverse;
     Vector wheel_axis;

@@ -1,4 +1,4 @@
-/* What the estimator remembers, and what follows from its parameters. */
+/* The estimator's state, and the constants that follow from its parameters. */
 #ifndef ESTIMATOR_STATE_H
 #define ESTIMATOR_STATE_H
 
@@ -10,12 +10,12 @@
 
 enum { GATED_FIELD, GATED_SUN, GATED_TRACKER, GATED };
 
-/* What is new at the end of a step. */
+/* The measurements that are new at the end of a step. */
 typedef struct {
     bool rate, field, orbit, attitude, sun;
 } Fresh;
 
-/* What the actuators did over a step. */
+/* The actuators over a step. */
 typedef struct {
     Vector dipole; /* along the rods, A m2 */
     double wheel_torque, h_w;
@@ -63,7 +63,7 @@ typedef struct {
     Matrix tracker_axes; /* rows: two across the boresight, and that */
 } EstimatorLaw;
 
-/* What is measured and usable. */
+/* The measurements that are usable. */
 typedef struct {
     bool has_tracker, has_sun, has_field;
     Matrix R_NB;

@@ -1,4 +1,4 @@
-"""What every FMU of a block holds beside its description and its code, whatever its flavour; and its archive."""
+"""The files of an FMU beside its description and its code, whatever its flavour; and its archive."""
 
 from __future__ import annotations
 

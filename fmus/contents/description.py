@@ -33,7 +33,7 @@ _TAGS = {
 
 @dataclass(frozen=True)
 class Capabilities:
-    """What a flavour's FMU can do, by the names of FMI's attributes."""
+    """The capabilities of a flavour's FMU, by the names of FMI's attributes."""
 
     needsExecutionTool: bool
     canHandleVariableCommunicationStepSize: bool = True

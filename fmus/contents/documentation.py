@@ -34,7 +34,7 @@ def index_html(interface: Interface, host: str) -> bytes:
 
 
 def content(interface: Interface, host: str, licence: str) -> str:
-    """What the page has below its heading, for the documentation site too. `licence`: the link to it."""
+    """Returns the page below its heading, for the documentation site too. `licence`: the link to it."""
     parts = [
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "

@@ -75,7 +75,7 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
 
 
 def generated(interface: Interface) -> dict[str, str]:
-    """What is made from the interface: the XML, and the C that the shell includes."""
+    """Returns the files that are made from the interface: the XML, and the C that the shell includes."""
     guid = guid_from(hashlib.sha256(f"{_TOOL}\n{interface.source}".encode()).hexdigest())
     capabilities = Capabilities(needsExecutionTool=False, canNotUseMemoryManagementFunctions=False)
     header = "/* Generated from interface.toml; do not edit. */\n"

@@ -140,7 +140,7 @@ static FILE *open_table(const char *folder, const char *name)
     return in;
 }
 
-/* What is compared of each column. */
+/* The comparison of each column. */
 static char line[LINE_SIZE];
 static char *cells[COLUMNS_MAX];
 static fmi2ValueReference references[COLUMNS_MAX];

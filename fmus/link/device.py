@@ -26,7 +26,7 @@ _CODES = {"real": "d", "integer": "i", "enumeration": "i", "boolean": "?"}
 
 
 class Refused(Exception):
-    """What the block does not accept: its text goes to the other end, which stops the run."""
+    """A value that the block does not accept: its text goes to the other end, which stops the run."""
 
 
 @dataclass(frozen=True)

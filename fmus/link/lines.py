@@ -64,7 +64,7 @@ class Line:
         _write(self._target, data)
 
     def receive(self, wait: float) -> bytes:
-        """What comes within the time; nothing where nothing does."""
+        """Returns the bytes that come within the time; none where none come."""
         if not select.select([self._source], [], [], max(wait, 0.0))[0]:
             return b""
         try:

@@ -1,4 +1,4 @@
-"""What of an interface goes over the line, in which order, and the hash by which both ends know that they mean the same."""
+"""The values of an interface that go over the line, their order, and the hash by which both ends compare them."""
 
 from __future__ import annotations
 

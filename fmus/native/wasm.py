@@ -47,7 +47,7 @@ def _compiled(sources: Sequence[Path], includes: Sequence[Path], more: Sequence[
 
 
 def names(block: str) -> dict[str, str]:
-    """What the shell's functions and tables are called in the module, for a block."""
+    """Returns the names of the shell's functions and tables in the module, for a block."""
     headers = "".join((SHELL / header).read_text("utf-8") for header in ("instance.h", "fmi2.h"))
     declared = _DECLARED.findall(re.sub(r"/\*.*?\*/", "", headers, flags=re.DOTALL))
     return {name: f"{block}_{name}" if name.startswith("fmi2") else f"{block}_shell_{name}" for name in declared}

@@ -14,7 +14,7 @@ Values = list[Any]
 
 @dataclass(frozen=True)
 class Asked:
-    """What is to be known of a list of value references before its values are read or set."""
+    """The variables of a list of value references, looked up before their values are read or set."""
 
     known: bool
     """Whether all are of the type that is asked for,"""

@@ -17,7 +17,7 @@ class Refused(Exception):
 
 
 class CallError(Exception):
-    """What leaves a call towards PythonFMU, whose C++ side logs its `repr`."""
+    """The exception that leaves a call towards PythonFMU, whose C++ side logs its `repr`."""
 
     def __repr__(self) -> str:
         text = str(self).encode("utf-8", "backslashreplace").decode()

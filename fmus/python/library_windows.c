@@ -2,7 +2,7 @@
 #include "library.h"
 #include "text.h"
 
-/* What is needed of <windows.h>, so that a build needs no Windows headers. */
+/* The part of <windows.h> that is needed, so that a build needs no Windows headers. */
 typedef struct Module *Library;
 typedef unsigned long Dword;
 #define FROM(library) __declspec(dllimport) library __stdcall
@@ -22,7 +22,7 @@ enum {
     ZERO_MEMORY = 0x8                              /* of HeapAlloc */
 };
 
-/* What Windows calls when it loads and unloads the library, in place of a C runtime's. */
+/* The function that Windows calls when it loads and unloads the library, in place of a C runtime's. */
 int __stdcall DllMainCRTStartup(void *library, Dword why, void *reserved)
 {
     (void)library;

@@ -1,4 +1,4 @@
-"""What makes the elements of a variable, as FMI sees them, of a block's value.
+"""Functions that make the elements of a variable, as FMI sees them, from a block's value.
 
 Carried by every Python FMU, so it needs the standard library and numpy only.
 """
@@ -37,7 +37,7 @@ SCALARS: dict[str, Writer] = {
 
 
 def writer(variable: Variable) -> Writer:
-    """What makes the elements of a variable of its value, a list of an array's."""
+    """Returns the function that makes a variable's elements from its value: a list from an array."""
     if len(variable.shape) == 1:
         return np.ndarray.tolist
     if variable.shape:

@@ -1,4 +1,4 @@
-/* What surrounds the satellite as a function of time alone: gravity, field and air along its orbit.
+/* The satellite's surroundings as a function of time alone: gravity, field and air along its orbit.
  *
  * All are evaluated at nodes 10 s apart and interpolated by degree 5 through the six nearest, which errs by less than
  * 1e-3 nT. Nodes and polynomials follow from the parameters alone, so keeping some of them is no memory of the block. */
@@ -15,7 +15,7 @@
 
 enum { NODES = 16 };
 
-/* What is interpolated. */
+/* The quantities that are interpolated. */
 typedef struct {
     Vector b_N;    /* T */
     Vector pull_N; /* sqrt(3 mu/r^3) r_hat, 1/s: the gravity gradient's moment is pull x J pull [2] */

@@ -6,7 +6,7 @@
 
 static const double INTERNAL_STEPS_MAX = 1e6; /* in one communication step */
 
-/* What acts on the satellite over a step. */
+/* The torques on the satellite over a step. */
 typedef struct {
     PlantLaw *plant;
     Vector dipole_B;

@@ -28,7 +28,7 @@ typedef struct {
     Vector center_of_mass; /* from the middle, m */
 } Cylinder;
 
-/* What orbit and attitude alone make of the surroundings, in body axes. */
+/* The surroundings in body axes, which follow from orbit and attitude alone. */
 typedef struct {
     bool known;
     double t;

@@ -69,7 +69,7 @@ static inline Vector sun_at(Sun *sun, double t)
     return add(sun->start, scale(s - (double)k, sun->change));
 }
 
-/* What a disc of radius b leaves of one of radius a, their centres c apart. */
+/* The part of a disc of radius a that one of radius b leaves visible, their centres c apart. */
 static double disc_left(double a, double b, double c)
 {
     if (c >= a + b) {

@@ -63,7 +63,7 @@ static int32_t mode_wanted(const SupervisorParameters *p, const SupervisorInputs
     return wanted == SUPERVISOR_SUN && supervisor_has_sunlight(u) && u->sunlight < SUNLIT ? SUPERVISOR_NADIR : wanted;
 }
 
-/* What the mode points at, as the state keeps it. */
+/* The target of the mode, as the state keeps it. */
 static bool aim_of(int32_t wanted, const SupervisorInputs *u, double aim[9], Fault *f)
 {
     static const char *const needed = "a value, since its mode is asked for (1e9: not connected)";

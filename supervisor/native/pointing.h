@@ -1,4 +1,4 @@
-/* What a pointing mode points at: attitude (N from desired body), rate and its derivative in desired body axes. */
+/* The target of a pointing mode: attitude (N from desired body), rate and its derivative in desired body axes. */
 #ifndef SUPERVISOR_POINTING_H
 #define SUPERVISOR_POINTING_H
 

@@ -1,4 +1,4 @@
-/* What a board must give: a byte in, bytes out. */
+/* The functions that a board must give: a byte in, bytes out. */
 #ifndef BOARD_H
 #define BOARD_H
 

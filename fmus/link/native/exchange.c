@@ -11,7 +11,7 @@ static void append(char *text, size_t size, const char *more)
 {
     size_t n = strlen(text);
     for (; *more != '\0' && n + 1 < size; ++more) {
-        /* What a device says reaches a log: nothing but printable ASCII. */
+        /* A device's words reach a log: nothing but printable ASCII. */
         text[n++] = *more >= ' ' && *more <= '~' ? *more : '?';
     }
     text[n] = '\0';

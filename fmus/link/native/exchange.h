@@ -49,7 +49,7 @@ LinkEnd link_tell(Link *link, const LinkSettings *settings, uint8_t type, size_t
 /* The next frame of this session that has come until then: LINK_ANSWERED, or LINK_SILENT where there is none. */
 LinkEnd link_poll(Link *link, double until, LinkFrame *frame, Fault *f);
 
-/* What a frame of the type LINK_REFUSED says. */
+/* The text of a frame of the type LINK_REFUSED. */
 LinkEnd link_refused(Link *link, const LinkFrame *frame, Fault *f);
 
 /* That the device gave no answer in time; with what else is known. */

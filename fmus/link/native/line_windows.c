@@ -212,7 +212,7 @@ bool line_send(Line *line, const uint8_t *bytes, size_t n, double until)
     return true;
 }
 
-/* What a file has, at once; -1 where it is closed. */
+/* Reads the bytes that a file has at once; -1 where it is closed. */
 static int read_file(const Line *line, uint8_t *bytes, size_t n)
 {
     DWORD there = (DWORD)n, some = 0;

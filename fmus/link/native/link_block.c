@@ -1,4 +1,4 @@
-/* What the FMI shell calls: each step asks the device, in lock-step or for its latest sample. */
+/* The block that the FMI shell calls: each step asks the device, in lock-step or for its latest sample. */
 #include "link_block.h"
 
 #include <string.h>
@@ -141,7 +141,7 @@ bool link_start(Law *law, const Inputs *u, State *x, Fault *f)
     return end == LINK_ANSWERED;
 }
 
-/* What has come since the last step; the newest sample is kept, whatever the order in which they came. */
+/* Takes in the samples that came since the last step; keeps the newest, whatever their order. */
 static LinkEnd take_samples(Law *law, const LinkSettings *s, State *x, Fault *f)
 {
     LinkFrame frame;

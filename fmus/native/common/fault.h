@@ -1,4 +1,4 @@
-/* What is wrong with a value: names and expectation are literals, so a law formats no text. */
+/* An error of a value: names and expectation are literals, so a law formats no text. */
 #ifndef COMMON_FAULT_H
 #define COMMON_FAULT_H
 

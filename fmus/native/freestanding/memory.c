@@ -1,4 +1,4 @@
-/* What compilers call without being asked, for FMUs that are linked with no C library at all. */
+/* The functions that compilers call by themselves, for FMUs that are linked with no C library at all. */
 #include <stdint.h>
 #include <string.h>
 

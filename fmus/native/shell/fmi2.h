@@ -1,4 +1,4 @@
-/* What a co-simulation FMU needs of FMI 2.0: its types and prototypes, as in the standard's fmi2TypesPlatform.h,
+/* The part of FMI 2.0 that a co-simulation FMU needs: types and prototypes, as in the standard's fmi2TypesPlatform.h,
  * fmi2FunctionTypes.h and fmi2Functions.h. Written anew so that a build needs no download. */
 #ifndef FMI2_H
 #define FMI2_H

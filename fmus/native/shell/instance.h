@@ -78,7 +78,7 @@ void log_event(const Instance *c, const char *text);
 
 fmi2Status refuse_value(const Instance *c, const char *function, const Variable *v, double value);
 
-/* What is wrong with a reference: logs and returns false; apart from the check, which is made in every step. */
+/* Logs why a reference is wrong and returns false; apart from the check, which is made in every step. */
 bool refuse_reference(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind);
 
 /* Every function of the interface begins with this: the instance, or NULL (and *status an error) where the handle is

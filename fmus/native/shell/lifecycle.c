@@ -67,7 +67,7 @@ void restore_starts(Instance *c)
     c->law_current = false;
 }
 
-/* What a block holds outside its state goes back, where it holds something. */
+/* Gives back what a block holds outside its state, where it holds something. */
 static void give_back(Instance *c)
 {
 #ifdef block_release

@@ -6,7 +6,7 @@
 
 #include "vector.h"
 
-/* What draws noise; it keeps it apart. */
+/* The sensor that draws noise; each has a stream of its own. */
 enum {
     ATTITUDE_NOISE,
     RATE_NOISE,

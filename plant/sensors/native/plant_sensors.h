@@ -40,7 +40,7 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
 /* Measurement 0 of each sensor is taken. */
 bool plant_sensors_start(const PlantSensorsLaw *law, const PlantSensorsInputs *u, PlantSensorsState *x, Fault *f);
 
-/* What holds: the last measurements or, where there is no period, those of the inputs as they stand. */
+/* The outputs: the last measurements or, where there is no period, those of the inputs as they stand. */
 bool plant_sensors_outputs(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u,
                            PlantSensorsOutputs *y, Fault *f);
 

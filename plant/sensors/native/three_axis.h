@@ -1,4 +1,4 @@
-/* What the gyro and the magnetometer have in common: scale-factor errors, misalignments, range and resolution. */
+/* The common part of gyro and magnetometer: scale-factor errors, misalignments, range and resolution. */
 #ifndef PLANT_SENSORS_THREE_AXIS_H
 #define PLANT_SENSORS_THREE_AXIS_H
 
