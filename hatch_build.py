@@ -121,7 +121,8 @@ def _is_inside(module: str | None) -> bool:
 def _ready_made(folder: Path) -> None:
     """FMUs of both flavours, the step loop's libraries, scenarios and licence."""
     sys.path.insert(0, str(ROOT))  # the build backend runs outside the repository's packages
-    from fmus.build import FLAVOURS, blocks_of, build, is_current  # here, since it needs the path above  # noqa: PLC0415
+    # Here, since it needs the path above.
+    from fmus.build import FLAVOURS, blocks_of, build, is_current  # noqa: PLC0415
     from fmus.native import toolchain  # here, since it needs the path above  # noqa: PLC0415
 
     for flavour in FLAVOURS:

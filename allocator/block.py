@@ -21,7 +21,9 @@ INDEPENDENT_MIN = 1e-6
 
 @dataclass(frozen=True)
 class Parameters:
-    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator.toml."""
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of
+    fmus/interfaces/allocator.toml.
+    """
 
     rod_axes: Array
     dipole_max: float
@@ -43,7 +45,9 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Demand, field and rate (3,) in body axes, and the wheel's momentum. Units and frames are those of fmus/interfaces/allocator.toml."""
+    """Demand, field and rate (3,) in body axes, and the wheel's momentum. Units and frames are those of
+    fmus/interfaces/allocator.toml.
+    """
 
     tau_cmd_B: Array
     b_B: Array
@@ -66,7 +70,9 @@ class State:
 
 @dataclass  # not frozen, which takes three times as long
 class Outputs:
-    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of fmus/interfaces/allocator.toml."""
+    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of
+    fmus/interfaces/allocator.toml.
+    """
 
     dipole_cmd: Array
     wheel_torque_cmd: float
@@ -103,7 +109,8 @@ def _check_axes(rod_axes: Array, wheel_axis: Array) -> None:
         )
     if not abs((length := float(np.linalg.norm(wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
         raise ValueError(
-            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {wheel_axis.tolist()}"
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: "
+            f"{wheel_axis.tolist()}"
         )
 
 

@@ -19,8 +19,8 @@ POLE = 1e-7
 class OnboardField:
     """The field at a date, up to a degree.
 
-    g and h (degree + 1, degree + 1), T, Schmidt semi-normalised, by degree n and order m. The Schmidt functions follow by
-    recursion over n, all orders at once: P_nm = a_nm c P_(n-1)m - b_nm P_(n-2)m.
+    g and h (degree + 1, degree + 1), T, Schmidt semi-normalised, by degree n and order m. The Schmidt functions follow
+    by recursion over n, all orders at once: P_nm = a_nm c P_(n-1)m - b_nm P_(n-2)m.
     """
 
     def __init__(self, model: GaussModel, year: float, degree: int, error: Array, sidereal_angle: float) -> None:

@@ -1,7 +1,9 @@
-"""The multiplicative extended Kalman filter: an error state (attitude, rate or its bias, bias of the field), its covariance.
+"""The multiplicative extended Kalman filter: an error state (attitude, rate or its bias, bias of the field), its
+covariance.
 
-R_true = R exp(δ^); the other errors are additive. Lefferts, Markley and Shuster, Kalman filtering for spacecraft attitude
-estimation, JGCD 5 (1982); Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, chapter 6.
+R_true = R exp(δ^); the other errors are additive. Lefferts, Markley and Shuster, Kalman filtering for spacecraft
+attitude estimation, JGCD 5 (1982); Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and
+Control, chapter 6.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ ATTITUDE, RATE, BIAS = slice(0, 3), slice(3, 6), slice(6, 9)
 
 @dataclass(frozen=True)
 class Innovation:
-    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,), independent."""
+    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,),
+    independent.
+    """
 
     y: Array
     H_attitude: Array
@@ -31,8 +35,8 @@ def propagated(
 ) -> Array:
     """The covariance P (9,9) after h s, in which the body turns by `turn` (3,), rad.
 
-    The rate's error grows by F (3,3), 1/s, and by noise of `walk` (3,3), rad2/s3; it turns the attitude's error with `sign`: -1
-    for a gyro's bias, +1 for a rate. `angle_walk`, rad, and `bias_walk`, T, are standard deviations of 1 s.
+    The rate's error grows by F (3,3), 1/s, and by noise of `walk` (3,3), rad2/s3; it turns the attitude's error with
+    `sign`: -1 for a gyro's bias, +1 for a rate. `angle_walk`, rad, and `bias_walk`, T, are standard deviations of 1 s.
     """
     transition, noise = np.eye(9), np.zeros((9, 9))
     growth = h * F

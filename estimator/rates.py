@@ -43,7 +43,8 @@ class Torques:
 def turn_by_gyro(before: Array, now: Array, h: float, since: float) -> Array:
     """The turn (3,), rad, of a step of h s by the rates (3,), rad/s, of the last measurement and of this one.
 
-    They are `since` s apart, over which the rate is linear; the steps between, which had the last one alone, are made up for.
+    They are `since` s apart, over which the rate is linear; the steps between, which had the last one alone, are made
+    up for.
     """
     return h * before + 0.5 * since * (now - before) + h * h / 12.0 * cross(before, now)
 

@@ -67,7 +67,9 @@ def is_block(names: Collection[str]) -> bool:
 
 @contextlib.contextmanager
 def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
-    """A module of the package in this folder, such as `native.tables`, even if another of its name is imported already."""
+    """A module of the package in this folder, such as `native.tables`, even if another of its name is
+    imported already.
+    """
     package = package_name(folder)
     with importing_from(folder.parents[package.count(".")], package.partition(".")[0]):
         yield importlib.import_module(f"{package}.{name}")
@@ -75,7 +77,7 @@ def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
 
 @contextlib.contextmanager
 def importing_from(folder: Path, *packages: str) -> Iterator[None]:
-    """Imports these packages from this folder, even if their names are imported already; restores `sys.modules` afterwards.
+    """Imports these packages from this folder, even if imported already; restores `sys.modules` afterwards.
 
     One thread at a time: the others wait.
     """
@@ -114,7 +116,9 @@ LENT = {"gauss_models.h": "estimator"}
 
 
 def lenders(folder: Path) -> dict[str, Path]:
-    """Of the headers in LENT those that the C in a block's folder includes, with the folder of the block that writes them."""
+    """Of the headers in LENT those that the C in a block's folder includes, with the folder of the block
+    that writes them.
+    """
     if not (folder / "native").is_dir():
         return {}
     text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").rglob("*.c")))
@@ -122,7 +126,8 @@ def lenders(folder: Path) -> dict[str, Path]:
 
 
 def start_values(block: str, helper: str, value: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """The start values that a helper input of a block stands for, by the function of its name in the block's module `inputs`.
+    """The start values that a helper input of a block stands for, by the function of its name in the block's module
+    `inputs`.
 
     `parameters` are those in force, in SI units, items of enumerations by their names. Raises ValueError.
     """

@@ -38,7 +38,8 @@ _looked: dict[object, str] | None = None
 def fingerprint(block: Block, flavour: str) -> str:
     """A hash of all that an FMU is made of: files by their content, packages by their versions.
 
-    The files are read anew only where one of their names, sizes or times has changed, since this process or another read them.
+    The files are read anew only where one of their names, sizes or times has changed, since this process or another
+    read them.
     """
     license_ = places.shared("LICENSE").stat()
     license_of = license_.st_size, license_.st_mtime_ns
@@ -61,7 +62,9 @@ _known: dict[object, object] = {}
 
 
 def _state(folder: Path, flavour: str = "") -> str:
-    """A hash that changes with the files of a block's folder, or, with a flavour, of those here that make it, as `seen` has them."""
+    """A hash that changes with the files of a block's folder, or, with a flavour, of those here that make
+    it, as `seen` has them.
+    """
     looked = {} if _looked is None else _looked
     key = folder, flavour
     if key not in looked:

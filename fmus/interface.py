@@ -34,12 +34,14 @@ BLOCKS = (
 )
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 LOOP = ("plant", "controller", "allocator")
-"""Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between."""
+"""Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between.
+"""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
 
 SOURCE = (
-    "Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in Low Earth "
+    "Numbers in brackets are equations of Sanyal and Lee-Ho, Attitude Tracking Control of a Small Satellite in "
+    "Low Earth "
     "Orbit (AIAA 2009-5902)."
 )
 """The sentence of a page that shows citations such as [8]."""

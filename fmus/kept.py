@@ -1,7 +1,7 @@
 """Keeps on disk what takes long to read, so that the next process need not read it again.
 
-Each file is named by a hash of all that it is made of, the code that makes it included, and is never out of date. It is a
-pickle beside the libraries that are built: who can write there can run code here anyway.
+Each file is named by a hash of all that it is made of, the code that makes it included, and is never out of date. It is
+a pickle beside the libraries that are built: who can write there can run code here anyway.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ _FILES_MAX = 200
 def kept(kind: type[T], made_of: object, make: Callable[[], T], folder: str = "kept") -> T:
     """Returns what `make` gives, of this type, from disk where an earlier process made it of the same.
 
-    `made_of` shows by its repr all that the result depends on. What cannot be read is made, and what cannot be written is
-    made again by the next process.
+    `made_of` shows by its repr all that the result depends on. What cannot be read is made, and what cannot be written
+    is made again by the next process.
     """
     key = repr((sys.platform, sys.version, kind.__module__, kind.__qualname__, made_of))
     path = places.work() / folder / f"{hashlib.sha256(key.encode()).hexdigest()}.pickle"
@@ -78,7 +78,9 @@ def _read(path: Path) -> Any:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Writes a temporary file and renames it, so that another process never reads an incomplete one; keeps the latest files."""
+    """Writes a temporary file and renames it, so that another process never reads an incomplete one;
+    keeps the latest files.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(".tmp", dir=path.parent)
     with os.fdopen(descriptor, "wb") as file:

@@ -36,6 +36,7 @@ def work() -> Path:
     """Where to build what is missing: out/ in the repository, or the user's cache."""
     if not installed():
         return PACKAGES / "out"
-    from platformdirs import user_cache_path  # here, since it takes 10 ms and only a build from a wheel needs it  # noqa: PLC0415
+    # Here, since it takes 10 ms and only a build from a wheel needs it.
+    from platformdirs import user_cache_path  # noqa: PLC0415
 
     return user_cache_path("attitude-cosim", appauthor=False) / (version_of("attitude-cosim") or "")

@@ -1,4 +1,6 @@
-"""The units that are read without Pint: SI with its prefixes, what is usual beside it, and products written as one word."""
+"""The units that are read without Pint: SI with its prefixes, what is usual beside it, and products
+written as one word.
+"""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
     value in base units = factor * value in this unit + offset
 
 The radian counts as a base unit, as in FMI, so "rad/s" and "1/s" differ. SI units are understood here, in FMI's way of
-writing (`N.m`, `m3/s2`, `kg.m2`) and in the usual other ones (`N m`, `Nm`, `N-m`, `m^2`, `m²`); any other unit is looked
-up with Pint.
+writing (`N.m`, `m3/s2`, `kg.m2`) and in the usual other ones (`N m`, `Nm`, `N-m`, `m^2`, `m²`); any other unit is
+looked up with Pint.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ class Unit:
     offset: float = 0.0
 
     def fits(self, other: Unit) -> bool:
-        """Whether values convert into the other unit. A unit of which only the name is known fits units of that name."""
+        """Whether values convert into the other unit. A unit of which only the name is known fits units
+        of that name.
+        """
         if self.exponents is None or other.exponents is None:
             return self.name == other.name
         return self.exponents == other.exponents
@@ -79,7 +81,9 @@ _TOKEN = re.compile(
 
 
 def _is_written_as_usual(text: str) -> bool:
-    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9, without end."""
+    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9,
+    without end.
+    """
     position, powers = 0, 0
     while match := _TOKEN.match(text, position):
         position = match.end()

@@ -1,7 +1,7 @@
 """Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat.
 
-One step of length h takes the attitude R and the body momentum Pi = J Omega + l_w u [12], u the wheel's axis (the paper's e1), along
-[1] and [13]. From the discrete Lagrangian
+One step of length h takes the attitude R and the body momentum Pi = J Omega + l_w u [12], u the wheel's axis (the
+paper's e1), along [1] and [13]. From the discrete Lagrangian
 
     L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F),     R+ = R F,     J_d = 1/2 tr(J) I - J,
 
@@ -48,7 +48,9 @@ COMPOSITIONS: dict[int, tuple[float, ...]] = {2: (1.0,), 4: _suzuki4(), 6: _yosh
 
 @dataclass(frozen=True)
 class Body:
-    """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheel locked, and the wheel's unit axis (3,)."""
+    """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheel locked, and the
+    wheel's unit axis (3,).
+    """
 
     J: Array
     J_inverse: Array
@@ -89,7 +91,9 @@ def lgvi_step(
 
 
 def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
-    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method; on floats, which takes a quarter of the time."""
+    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method; on floats, which takes a
+    quarter of the time.
+    """
     (a1, a2, a3), (u1, u2, u3) = a.tolist(), body.wheel_axis.tolist()
     p1, p2, p3 = lm * u1, lm * u2, lm * u3
     d1, d2, d3 = difference = a1 - p1, a2 - p2, a3 - p3

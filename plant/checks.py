@@ -137,7 +137,8 @@ def _check_heights(p: Parameters) -> None:
         if not atmosphere.LOWEST <= height <= atmosphere.HIGHEST:
             name = "orbit_radius" if p.orbit_start == "circular" else "r_N0, v_N0"
             raise ValueError(
-                f"{name}: expected heights above the ellipsoid of {atmosphere.LOWEST / 1e3:g} to {atmosphere.HIGHEST / 1e3:g} km, "
+                f"{name}: expected heights above the ellipsoid of {atmosphere.LOWEST / 1e3:g} to "
+                f"{atmosphere.HIGHEST / 1e3:g} km, "
                 f"where the density is known, or drag false, found {height / 1e3:.1f} km, the {end} of the orbit"
             )
 

@@ -23,7 +23,9 @@ WGS84_J2 = 1.082629821313e-3
 
 @dataclass(frozen=True)
 class Orbit:
-    """An elliptic orbit. At t = 0 its plane is spanned by `towards_perigee` and `along_perigee`, (3,) unit vectors in N."""
+    """An elliptic orbit. At t = 0 its plane is spanned by `towards_perigee` and `along_perigee`, (3,)
+    unit vectors in N.
+    """
 
     semi_major_axis: float
     """m"""

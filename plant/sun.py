@@ -30,7 +30,9 @@ PERTURBATIONS = (
     (0.00179, 207.854, 445267.1142),
     (0.00178, 161.390, 20.2),
 )
-"""Of the longitude: amplitude, deg, phase, deg, and its rate, deg a century, of cosines: Venus twice, Jupiter, the Moon and a long period."""
+"""Of the longitude: amplitude, deg, phase, deg, and its rate, deg a century, of cosines: Venus twice, Jupiter, the Moon
+and a long period.
+"""
 
 
 def position(T: float) -> tuple[float, float, float]:
@@ -74,7 +76,9 @@ class Sun:
         self._start = self._change = (0.0, 0.0, 0.0)
 
     def at(self, t: float) -> tuple[float, float, float]:
-        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two is no memory."""
+        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two
+        is no memory.
+        """
         s = t / NODE_INTERVAL
         k = math.floor(s)
         if k != self._number:
@@ -90,9 +94,9 @@ class Sun:
 def seen_from(r_N: Array, sun: tuple[float, float, float]) -> tuple[Array, float]:
     """sun_N (3,), the unit vector to the Sun from r_N (3,), m, and sunlight, 0 to 1.
 
-    sunlight is the part of the Sun's disc that an Earth without air leaves visible: 1 - A/(pi a^2), A the overlap of two
-    discs (Montenbruck and Gill, Satellite Orbits, 3.4.2). A ray misses the ellipsoid of WGS 84 where it misses, with Z
-    stretched by 1/(1 - f), the sphere of its equator.
+    sunlight is the part of the Sun's disc that an Earth without air leaves visible: 1 - A/(pi a^2), A the overlap of
+    two discs (Montenbruck and Gill, Satellite Orbits, 3.4.2). A ray misses the ellipsoid of WGS 84 where it misses,
+    with Z stretched by 1/(1 - f), the sphere of its equator.
     """
     x, y, z = r_N.tolist()
     dx, dy, dz = sun[0] - x, sun[1] - y, sun[2] - z

@@ -1,4 +1,6 @@
-"""Parameters, inputs, state and outputs of the supervisor. Units, frames and limits are those of fmus/interfaces/supervisor.toml."""
+"""Parameters, inputs, state and outputs of the supervisor. Units, frames and limits are those of
+fmus/interfaces/supervisor.toml.
+"""
 
 from __future__ import annotations
 

@@ -36,7 +36,8 @@ class Direction(NamedTuple):
 
 
 def lvlh(r: Array, v: Array) -> Reference:
-    """Z to nadir, Y against the orbit's normal, on any two-body orbit: Omega = (0, -n, 0), n = |r x v|/r^2. Raises ValueError.
+    """Z to nadir, Y against the orbit's normal, on any two-body orbit: Omega = (0, -n, 0), n = |r x v|/r^2. Raises
+    ValueError.
 
     r (3,) m, v (3,) m/s.
     """
@@ -44,7 +45,8 @@ def lvlh(r: Array, v: Array) -> Reference:
     size = norm(r)
     if size < R_MIN or not norm(h) > COLLINEAR * size * norm(v):
         raise ValueError(
-            f"r_N, v_N: expected a position and a velocity that span the orbit's plane, found r_N = {r.tolist()}, v_N = {v.tolist()}"
+            f"r_N, v_N: expected a position and a velocity that span the orbit's plane, found r_N = {r.tolist()}, "
+            f"v_N = {v.tolist()}"
         )
     z, y = -r / size, -h / norm(h)
     n = norm(h) / (size * size)
@@ -116,7 +118,9 @@ def steered(z: Direction, normal: Array, yaw: float) -> Reference:
 
 
 def free(axis_B: Array, to: Direction, before: Array) -> Reference:
-    """The body axis axis_B (3,) along a direction, by the smallest turn from the attitude `before` (3,3): no rate about it."""
+    """The body axis axis_B (3,) along a direction, by the smallest turn from the attitude `before` (3,3):
+    no rate about it.
+    """
     R = shortest(before @ axis_B, to.u) @ before
     return Reference(R, R.T @ np.cross(to.u, to.du), R.T @ np.cross(to.u, to.ddu))
 

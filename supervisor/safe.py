@@ -41,14 +41,17 @@ def pointed(x: State, u: Inputs, p: Parameters, h: float) -> State:
 def _may_turn(x: State, u: Inputs, p: Parameters) -> bool:
     """Whether it turns at all: the rates are damped first.
 
-    Rods do not damp a spin about the field, so an axis that points along it would keep its spin, and a fast one upsets the pointing.
+    Rods do not damp a spin about the field, so an axis that points along it would keep its spin, and a fast one upsets
+    the pointing.
     """
     slow = x.calm >= p.rate_time and norm(u.omega_B) * p.safe_time < SLOW
     return slow or (x.calm > 0.0 and bool(x.towards.any()))
 
 
 def rate_towards(axis_B: Array, to_B: Array, time: float, rate_max: float) -> Array:
-    """The rate (3,) that turns a body axis to a unit vector, both in body axes: the angle over `time`, at most rate_max."""
+    """The rate (3,) that turns a body axis to a unit vector, both in body axes: the angle over `time`, at
+    most rate_max.
+    """
     about = np.cross(axis_B, to_B)
     s, c = norm(about), float(axis_B @ to_B)
     angle = math.atan2(s, c)

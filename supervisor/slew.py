@@ -32,7 +32,8 @@ class Slew(NamedTuple):
 def begin(now: Reference, to: Reference, J: Array, rate_max: float, torque_max: float) -> Slew:
     """The slew from a reference to another. J (3,3) kg m2, rate_max rad/s, torque_max N m.
 
-    T is the least with (10/sqrt 3) |J phi0|/T^2 + 3.94 |J dphi0|/T <= torque_max and (15/8) |phi0|/T + |dphi0| <= rate_max:
+    T is the least with (10/sqrt 3) |J phi0|/T^2 + 3.94 |J dphi0|/T <= torque_max and (15/8) |phi0|/T + |dphi0| <=
+    rate_max:
     exact for a turn from rest to rest about one axis, which is then the eigenaxis turn with a quintic profile.
     """
     phi0 = log(to.R_ref.T @ now.R_ref)

@@ -1,4 +1,5 @@
-"""Allocation of a demanded torque to a wheel and three rods within their limits: bounded least squares with a preference.
+"""Allocation of a demanded torque to a wheel and three rods within their limits: bounded least squares with a
+preference.
 
 It stands where the paper's allocator stands and has its ports, and two optional ones for a feed-forward. "[n]" in a
 docstring is an equation of Sanyal and Lee-Ho, AIAA 2009-5902; the method is not in the paper.

@@ -1,8 +1,9 @@
 """The allocation as a weighted least squares problem in the actuators' limits.
 
-minimise |R m - d a - r|^2 + w_r^2 |m - m_p|^2 + w_w^2 (d - d_p)^2 over dipoles m (3,) A m2 and wheel torque d = dl_w/dt, N m,
-a the wheel's axis, with R = [u1 x b_B, u2 x b_B, u3 x b_B], each column times the gain of its rod, and r the demand without the torque of the spinning wheel. Since R turns no
-moment along the field into torque, the preference m_p, d_p decides there, and it may cost a little torque elsewhere.
+minimise |R m - d a - r|^2 + w_r^2 |m - m_p|^2 + w_w^2 (d - d_p)^2 over dipoles m (3,) A m2 and wheel torque d =
+dl_w/dt, N m, a the wheel's axis, with R = [u1 x b_B, u2 x b_B, u3 x b_B], each column times the gain of its rod, and r
+the demand without the torque of the spinning wheel. Since R turns no moment along the field into torque, the preference
+m_p, d_p decides there, and it may cost a little torque elsewhere.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ class Limits(NamedTuple):
 
 
 class Preference(NamedTuple):
-    """The commands that are preferred where the demand leaves a choice, with weights that bound their cost in torque."""
+    """The commands that are preferred where the demand leaves a choice, with weights that bound their
+    cost in torque.
+    """
 
     dipole: Array
     """(3,) A m2 along the rods."""
@@ -52,14 +55,17 @@ def rod_matrix(b_B: Array, U: Array) -> Array:
 
 
 def spin_torque(omega_B: Array, h_w: float, axis: Array) -> Array:
-    """Torque on the turning body of a wheel that spins without torque, -l_w Omega x a, (3,) N m [14]; a: unit axis (3,)."""
+    """Torque on the turning body of a wheel that spins without torque, -l_w Omega x a, (3,) N m [14]; a:
+    unit axis (3,).
+    """
     O1, O2, O3 = omega_B.tolist()
     a1, a2, a3 = axis.tolist()
     return np.array((h_w * (O3 * a2 - O2 * a3), h_w * (O1 * a3 - O3 * a1), h_w * (O2 * a1 - O1 * a2)))
 
 
 def limits(h_w: float, period: float, dipole: Array, torque_max: float, momentum_max: float) -> Limits:
-    """The limits of a command that stands for `period` s: |h_w + period dl_w/dt| <= momentum_max too, h_w in N m s; dipole (3,) A m2.
+    """The limits of a command that stands for `period` s: |h_w + period dl_w/dt| <= momentum_max too, h_w in N m s;
+    dipole (3,) A m2.
 
     Zero is always within them. A wheel that is past its limit is not driven back by them, only not further out.
     """
@@ -69,7 +75,8 @@ def limits(h_w: float, period: float, dipole: Array, torque_max: float, momentum
 
 
 def allocate(r: Array, R: Array, axis: Array, limit: Limits, preference: Preference) -> Allocated:
-    """The commands that give r (3,) N m by R (3,3) and the wheel on its unit axis (3,), as nearly as the limits and the preference let them.
+    """The commands that give r (3,) N m by R (3,3) and the wheel on its unit axis (3,), as nearly as the limits and the
+    preference let them.
 
     A preference beyond a limit counts as the limit.
     """

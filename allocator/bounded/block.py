@@ -28,7 +28,9 @@ FRACTION_CAP = 1e6
 
 @dataclass(frozen=True)
 class Parameters:
-    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator_bounded.toml."""
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of
+    fmus/interfaces/allocator_bounded.toml.
+    """
 
     rod_axes: Array
     dipole_max: float
@@ -55,7 +57,9 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Vectors (3,), in body axes but for those along the rods. Units and frames are those of fmus/interfaces/allocator_bounded.toml."""
+    """Vectors (3,), in body axes but for those along the rods. Units and frames are those of
+    fmus/interfaces/allocator_bounded.toml.
+    """
 
     tau_cmd_B: Array
     b_B: Array
@@ -75,7 +79,9 @@ class State:
 
 @dataclass(frozen=True)
 class Outputs:
-    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of fmus/interfaces/allocator_bounded.toml."""
+    """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of
+    fmus/interfaces/allocator_bounded.toml.
+    """
 
     dipole_cmd: Array
     wheel_torque_cmd: float
@@ -115,7 +121,8 @@ def _check_axes(rod_axes: Array, wheel_axis: Array) -> None:
         )
     if not abs((length := float(np.linalg.norm(wheel_axis))) - 1.0) <= UNIT_TOLERANCE:
         raise ValueError(
-            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: {wheel_axis.tolist()}"
+            f"wheel_axis: expected a vector of unit length to {UNIT_TOLERANCE:g}, found {length:.9g}: "
+            f"{wheel_axis.tolist()}"
         )
 
 
@@ -152,7 +159,9 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 
 def _preference(u: Inputs, p: Parameters, field: bool) -> Preference:
-    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole without a field."""
+    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole
+    without a field.
+    """
     rods = field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
     wheel = abs(u.wheel_torque_ff) < ABSENT_MIN
     return Preference(

@@ -31,8 +31,8 @@ def least_squares(A: Array, y: Array, low: Array, high: Array) -> tuple[Array, A
 def _best_face(H: Array, g: Array, low: Array, high: Array) -> Array:
     """Of the minima on all faces, x (n,), the one that violates the conditions of optimality least: only by rounding.
 
-    They are: x is in the box, and the gradient H x - g of half the cost pushes no element from its bound inwards. Both are
-    counted in units of x; one element alone would move by gradient/H_ii.
+    They are: x is in the box, and the gradient H x - g of half the cost pushes no element from its bound inwards. Both
+    are counted in units of x; one element alone would move by gradient/H_ii.
     """
     side = _sides(len(g))
     fixed = side != 0

@@ -1,8 +1,8 @@
 """Gauss coefficients of the onboard field models, from the packages that maintain them; a built FMU carries them.
 
 WMM 2010 to 2025 from pygeomag (the .COF files of NOAA/NCEI and BGS), IGRF-14 from 2000 on from ppigrf (the .shc file of
-IAGA). They are the estimator's own, and not the plant's, so that they can be wrong without the plant being so. The build
-writes the header of native/tables.py from them, which the planned controller includes too.
+IAGA). They are the estimator's own, and not the plant's, so that they can be wrong without the plant being so. The
+build writes the header of native/tables.py from them, which the planned controller includes too.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ Table = dict[tuple[int, int], list[float]]
 
 @dataclass(frozen=True)
 class GaussModel:
-    """Coefficients, nT, Schmidt semi-normalised: linear in time between the epochs, by the rates, nT/year, after the last.
+    """Coefficients, nT, Schmidt semi-normalised: linear in time between the epochs, by the rates, nT/year, after the
+    last.
 
     g and h hold for each epoch, g_rate and h_rate once, the values of TERMS.
     """

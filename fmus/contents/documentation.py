@@ -9,13 +9,18 @@ from ..interface import Interface, Variable, citations, optional_text
 
 STYLE = Path(__file__).with_name("page.css")
 """The style that the pages of FMUs, runs, comparisons and campaigns share."""
-_OWN = "svg{display:block;max-width:860px;width:100%;background:#fff;color:#1b1f24;border-radius:.4rem}.icon{width:6rem;background:#fff;border-radius:.4rem}"
+_OWN = (
+    "svg{display:block;max-width:860px;width:100%;background:#fff;color:#1b1f24;border-radius:.4rem}"
+    ".icon{width:6rem;background:#fff;border-radius:.4rem}"
+)
 _SYMBOLS = "e1, e2, e3 are the unit vectors of the body axes; x^ is the matrix with x^ y = x × y."
 _DRAWING = Path(__file__).with_name("frames.svg")
 _FRAMES = (
     "N is the inertial frame: mean equator and equinox of date, with the Earth turned by GMST (not GCRS). "
-    "L (LVLH) has Z to nadir and Y against the orbital angular momentum. B is the body frame; the wheel spins about wheel_axis, by default e1, its X axis. "
-    "'rods' means components along the rod axes u1, u2, u3. 'N from B' maps components in B to components in N: x_N = R_NB x_B."
+    "L (LVLH) has Z to nadir and Y against the orbital angular momentum. B is the body frame; the wheel spins "
+    "about wheel_axis, by default e1, its X axis. "
+    "'rods' means components along the rod axes u1, u2, u3. 'N from B' maps components in B to components in N: "
+    "x_N = R_NB x_B."
 )
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
@@ -23,7 +28,8 @@ _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 def index_html(interface: Interface, host: str) -> bytes:
     """A page that lists equations, limits, terminals, and every port and parameter. `host`: what a host must have."""
     parts = [
-        '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><meta name="color-scheme" content="light dark">',
+        '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
+        '<meta name="color-scheme" content="light dark">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{escape(interface.name)}</title>\n<style>{STYLE.read_text('utf-8')}{_OWN}</style></head>",
         "<body>\n<main>\n<img class='icon' src='icon.svg' alt=''>",
@@ -39,7 +45,8 @@ def content(interface: Interface, host: str, licence: str) -> str:
         f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
         "<p>Vectors and matrices are named element by element, one-based and row by row: "
         "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
-        "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of itself "
+        "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of "
+        "itself "
         f"beyond it is refused. Licence: <a href='{licence}'>BSD-3-Clause</a>.</p>",
     ]
     if cited := citations(interface):
@@ -97,7 +104,8 @@ def _cards(columns: list[str], rows: list[list[str]]) -> str:
         "<tr>" + "".join(f'<td data-label="{c}">{cell}</td>' for c, cell in zip(columns, row, strict=True)) + "</tr>"
         for row in rows
     )
-    return f'<div class="scroll"><table class="named">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
+    table = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>"
+    return f'<div class="scroll"><table class="named">\n{table}</table></div>'
 
 
 def _unit(v: Variable) -> str:

@@ -1,4 +1,5 @@
-"""A kit for a device: the link FMU of a block, a firmware skeleton in C or a device in Python, and a bench that plays vectors at it.
+"""A kit for a device: the link FMU of a block, a firmware skeleton in C or a device in Python, and a bench that plays
+vectors at it.
 
 write(load("controller"), Path("controller_device"), "c")
 """
@@ -53,7 +54,9 @@ def is_of_device(folder: Path) -> bool:
 
 
 def regenerate(folder: Path) -> list[Path]:
-    """Writes what is generated anew from the folder's interface.toml, the link FMU too. Raises CompilerError, InterfaceError."""
+    """Writes what is generated anew from the folder's interface.toml, the link FMU too. Raises
+    CompilerError, InterfaceError.
+    """
     interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
     return write(interface, folder, "c" if (folder / "firmware").is_dir() else "python")
 
@@ -65,7 +68,9 @@ def firmware() -> list[Path]:
 
 
 def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
-    """Returns the C that a device needs of the interface. `of_block`: for a block that is written for the FMI shell, with of_block.c."""
+    """Returns the C that a device needs of the interface. `of_block`: for a block that is written for the
+    FMI shell, with of_block.c.
+    """
     name, title = interface.name, camel_case(interface.name)
     types = [*wire.RECORDS.values(), *(("State", "Law") if of_block else ("Memory",))]
     parts = [f"typedef {title}{kind} {kind};" for kind in types]
@@ -81,7 +86,9 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     body = "\n".join(parts)
     return {
         "ports.h": ports_header(interface),
-        "block.h": f'#ifndef BLOCK_H\n#define BLOCK_H\n\n#include "{name}.h"\n\n#include <stddef.h>\n\n{body}\n\n#endif\n',
+        "block.h": (
+            f'#ifndef BLOCK_H\n#define BLOCK_H\n\n#include "{name}.h"\n\n#include <stddef.h>\n\n{body}\n\n#endif\n'
+        ),
         "wire.h": wire.header(interface),
         "wire.c": wire.source(interface),
     }
@@ -113,7 +120,8 @@ def python_ports(interface: Interface) -> str:
     parts = [
         f'"""The interface {interface.name} on the line. Generated from interface.toml; do not edit."""\n# fmt: off\n',
         "from link.device import Field, Ports\n",
-        f"PORTS = Ports(\n    name={interface.name!r},\n    hash=bytes.fromhex({wire.interface_hash(interface).hex()!r}),",
+        f"PORTS = Ports(\n    name={interface.name!r},\n    "
+        f"hash=bytes.fromhex({wire.interface_hash(interface).hex()!r}),",
     ]
     for causality in wire.RECORDS:
         fields = "".join(f"        {_field(v)},\n" for v in interface.of(causality))

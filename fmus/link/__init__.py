@@ -1,6 +1,6 @@
 """The link FMU: a block's ports, and a device at the end of a line behind them.
 
-ensure(load("controller"))                      # the path of controller_link.fmu, built where it is missing or out of date
+ensure(load("controller"))                      # the path of controller_link.fmu, built where it is out of date
 package(load("controller"), platforms="host")   # its bytes, for this machine only
 """
 
@@ -35,7 +35,8 @@ CAPABILITIES = Capabilities(
 )
 _HOST = (
     "A device that answers: a board on a cable, or a program. link_transport and link_address say where it is. "
-    "The library is compiled from C for Linux, Windows and macOS (64 bits) and uses the system's sockets, serial lines and "
+    "The library is compiled from C for Linux, Windows and macOS (64 bits) and uses the system's sockets, serial "
+    "lines and "
     "pipes only. The device's memory is out of reach, so the FMU's state cannot be saved."
 )
 _FUNCTIONS = ("check", "prepare", "start", "outputs", "step", "release")
@@ -52,7 +53,8 @@ def linked(interface: Interface) -> Interface:
 
 
 def ensure(interface: Interface) -> Path:
-    """The path of an interface's link FMU for all platforms, which is built first where it is missing or its sources have changed.
+    """The path of an interface's link FMU for all platforms, which is built first where it is missing or its sources
+    have changed.
 
     Raises CompilerError, InterfaceError.
     """

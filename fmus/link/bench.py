@@ -1,4 +1,5 @@
-"""Plays a recorded vector at a device, with no FMU between, and compares its outputs. It needs nothing but Python; a kit holds a copy.
+"""Plays a recorded vector at a device, with no FMU between, and compares its outputs. It needs nothing but Python; a
+kit holds a copy.
 
 python bench.py vector run build/device              # starts a program that serves `pipe ADDRESS`, and plays it
 python bench.py vector serial /dev/ttyUSB0           # a board; also udp HOST:PORT, tcp HOST:PORT, pipe ADDRESS
@@ -146,7 +147,9 @@ def play(ports: Ports, folder: Path, line: _Line) -> Iterator[tuple[float, dict[
 
 
 def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) -> bool:
-    """Prints the largest difference of each output; whether all are within the tolerance of the output's largest value."""
+    """Prints the largest difference of each output; whether all are within the tolerance of the output's
+    largest value.
+    """
     worst: dict[str, tuple[float, float]] = {}
     peak: dict[str, float] = {}
     rows = 0

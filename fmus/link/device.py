@@ -150,7 +150,9 @@ Sample = Callable[[SimpleNamespace, SimpleNamespace, SimpleNamespace, float, flo
 
 
 class Device:
-    """Meets each request once and answers it; one that comes again has the same answer, one that comes late has none."""
+    """Meets each request once and answers it; one that comes again has the same answer, one that comes
+    late has none.
+    """
 
     def __init__(self, ports: Ports, sample: Sample) -> None:
         self._ports, self._sample = ports, sample

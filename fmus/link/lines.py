@@ -1,4 +1,6 @@
-"""Lines of the link in Python: UDP, TCP, a serial line, a pair of named pipes. It needs nothing but Python; a kit holds a copy of it."""
+"""Lines of the link in Python: UDP, TCP, a serial line, a pair of named pipes. It needs nothing but Python; a kit holds
+a copy of it.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ KINDS = ("udp", "tcp", "serial", "pipe")
 def serve(receive: Callable[[bytes], bytes], arguments: list[str]) -> None:
     """Answers for ever with what `receive` returns: `udp PORT`, `tcp PORT`, `serial PATH`, `pipe ADDRESS`.
 
-    Serial lines (115200 baud) and pipes (ADDRESS.in, ADDRESS.out) are those of Linux and macOS; on Windows take pyserial.
+    Serial lines (115200 baud) and pipes (ADDRESS.in, ADDRESS.out) are those of Linux and macOS; on Windows take
+    pyserial.
     """
     if len(arguments) != 2 or arguments[0] not in KINDS:
         sys.exit("use: udp PORT | tcp PORT | serial PATH | pipe ADDRESS")

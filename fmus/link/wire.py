@@ -17,7 +17,9 @@ SIZES = {"real": 8, "integer": 4, "enumeration": 4, "boolean": 1, "string": TEXT
 
 
 def interface_hash(interface: Interface) -> bytes:
-    """The first 8 bytes of the SHA-256 of the interface's name and, of each variable that goes over the line, all that gives its value a meaning."""
+    """The first 8 bytes of the SHA-256 of the interface's name and, of each variable that goes over the line, all that
+    gives its value a meaning.
+    """
     lines = [interface.name]
     for causality in RECORDS:
         for v in interface.of(causality):

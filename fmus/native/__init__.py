@@ -23,7 +23,8 @@ __all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
 CAPABILITIES = Capabilities(needsExecutionTool=False, canNotUseMemoryManagementFunctions=False)
 
 HOST = (
-    "Nothing: this is the native flavour, compiled from C for Linux, Windows and macOS (64 bits). It needs no other library, "
+    "Nothing: this is the native flavour, compiled from C for Linux, Windows and macOS (64 bits). It needs no "
+    "other library, "
     "interpreter or tool, keeps no globals, and several instances live side by side."
 )
 
@@ -86,7 +87,9 @@ def sources(folder: Path) -> list[Path]:
 
 
 def generated_sources(folder: Path) -> dict[str, str]:
-    """C from tables, by file name: what `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
+    """C from tables, by file name: what `generated()` of `native/tables.py` returns, of the block and of those that
+    lend to it.
+    """
     made: dict[str, str] = {}
     if (folder / "native" / "tables.py").exists():
         with module_of(folder, "native.tables") as tables:

@@ -22,7 +22,9 @@ _C_TYPES = {"real": "double", "integer": "int32_t", "enumeration": "int32_t", "b
 
 
 def ports_path(block: str) -> Path:
-    """Where a block's structures stand in the repository: `allocator/bounded/native/ports.h` for `allocator_bounded`."""
+    """Where a block's structures stand in the repository: `allocator/bounded/native/ports.h` for
+    `allocator_bounded`.
+    """
     return ROOT.joinpath(*package_of(block).split(".")) / "native" / "ports.h"
 
 
@@ -50,7 +52,8 @@ def ports_header(interface: Interface) -> str:
     if optional:
         limit = f"{name.upper()}_ABSENT_MIN"
         parts.append(
-            f"/* An optional input is not connected where an element is this large. */\n#define {limit} {ABSENT_MIN!r}\n"
+            f"/* An optional input is not connected where an element is this large. */\n#define {limit} "
+            f"{ABSENT_MIN!r}\n"
         )
         parts += [_connected(name, v, limit) for v in optional]
     return "\n".join(parts) + "\n#endif\n"
@@ -125,7 +128,9 @@ def _real_outputs(interface: Interface) -> list[int]:
 
 
 def _followers(interface: Interface) -> list[int]:
-    """Of each scalar variable, how many after it are alike: they lie side by side in the structures and one check suits all."""
+    """Of each scalar variable, how many after it are alike: they lie side by side in the structures and
+    one check suits all.
+    """
     alike = [_alike(v) for v in interface.variables.values() for _ in v.elements]
     return [i for _, group in itertools.groupby(alike) for i in reversed(range(len(list(group))))]
 

@@ -57,7 +57,9 @@ class Platform:
     system: tuple[str, ...] = ()
     """Options for what is linked with the operating system's own libraries."""
     blocks: tuple[str, ...] = ()
-    """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one, where zig's linker can."""
+    """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one,
+    where zig's linker can.
+    """
 
 
 PLATFORMS: Mapping[str, Platform] = {

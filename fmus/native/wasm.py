@@ -1,8 +1,9 @@
 """Blocks as WebAssembly: several of them in one module, with other C that calls them.
 
-In one module no two functions may have one name, so all that the shell shares between its files is called after its block:
-`fmi2DoStep` of plant is `plant_fmi2DoStep`. The sources, flags and elementary functions are those of the native FMUs, so a
-module gives their bits.
+In one module no two functions may have one name, so all that the shell shares between its files is called after its
+block:
+`fmi2DoStep` of plant is `plant_fmi2DoStep`. The sources, flags and elementary functions are those of the native FMUs,
+so a module gives their bits.
 """
 
 from __future__ import annotations

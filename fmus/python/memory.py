@@ -79,7 +79,9 @@ class Layout:
         return self._asked[key]
 
     def store(self, outputs: Any, values: Values) -> Values:
-        """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not finite, and ContractError."""
+        """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not
+        finite, and ContractError.
+        """
         values = values.copy()
         try:
             for (place, convert), value in zip(self._scalar_places, self._get_scalars(outputs), strict=True):

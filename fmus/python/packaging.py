@@ -4,9 +4,9 @@ Inside the FMU all Python code stands in one package whose name ends in the hash
 two versions of one, run their own code in one process:
 
     resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py, memory.py, slave.py, written.py
-    resources/plant_0123456789ab_code/plant/    the block, with the data that it carries in tables/
-    resources/plant_0123456789ab_code/pythonfmu/
+    resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py,
+    memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it carries
+    in tables/ resources/plant_0123456789ab_code/pythonfmu/
 """
 
 from __future__ import annotations
@@ -41,10 +41,15 @@ CAPABILITIES = Capabilities(needsExecutionTool=True)
 """It needs a process that holds Python; it has all other capabilities."""
 REQUIREMENTS = "numpy>=1.26\n"
 """For `pythonfmu deploy`; Python itself is 3.11 or later."""
-NEEDS = "Python flavour: the host's process must hold Python 3.11 or later with numpy; any other host takes the native flavour"
+NEEDS = (
+    "Python flavour: the host's process must hold Python 3.11 or later with numpy; "
+    "any other host takes the native flavour"
+)
 HOST = (
-    "A process that holds Python 3.11 or later in which numpy can be imported (resources/requirements.txt): a tool that is "
-    "itself a Python program, such as FMPy. Any other host gets no instance, and a message that says so: give it the native "
+    "A process that holds Python 3.11 or later in which numpy can be imported (resources/requirements.txt): a "
+    "tool that is "
+    "itself a Python program, such as FMPy. Any other host gets no instance, and a message that says so: give it "
+    "the native "
     "flavour of this block, which has the same ports and needs nothing."
 )
 

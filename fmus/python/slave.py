@@ -87,7 +87,8 @@ class BlockSlave(Fmi2Slave):
             raise Refused(f"setupExperiment: the start time is {start_time}; expected a finite number")
         if stop_time is not None and not start_time <= stop_time < math.inf:
             raise Refused(
-                f"setupExperiment: the stop time is {stop_time}; expected a finite number, at least the start time {start_time}"
+                f"setupExperiment: the stop time is {stop_time}; expected a finite number, at least the start "
+                f"time {start_time}"
             )
         self._time = start_time
         self._stop = math.inf if stop_time is None else stop_time
@@ -117,7 +118,8 @@ class BlockSlave(Fmi2Slave):
         end, stop = current_time + step_size, math.inf if self._stop is None else self._stop
         if end > stop + _BEYOND_STOP * step_size + _ROUNDING * abs(stop):
             raise Refused(
-                f"doStep: the step ends at {end} s; expected the stop time {stop} s or before (to a hundredth of the step)"
+                f"doStep: the step ends at {end} s; expected the stop time {stop} s or before (to a hundredth of "
+                "the step)"
             )
         p, u = self._read()
         state, outputs = self.block.step(self._state, u, p, step_size)

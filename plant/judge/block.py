@@ -120,7 +120,8 @@ def _reference(t: float, u: Inputs, p: Parameters) -> Reference:
     if attitude != rate:
         missing, present = ("Omega_d", "R_d") if attitude else ("R_d", "Omega_d")
         raise ValueError(
-            f"{missing}: expected to be connected, since {present} is: connect both or neither, found {ABSENT_MIN:g} or more"
+            f"{missing}: expected to be connected, since {present} is: connect both or neither, found "
+            f"{ABSENT_MIN:g} or more"
         )
     if attitude:
         _require_finite("Omega_d", u.Omega_d)

@@ -1,4 +1,6 @@
-"""The gyro, in the terms of IEEE Std 952: bias, angle random walk, rate random walk, Markov noise, scale factor, range, resolution."""
+"""The gyro, in the terms of IEEE Std 952: bias, angle random walk, rate random walk, Markov noise, scale
+factor, range, resolution.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def correlated(markov: Array, p: Parameters, sample: int, span: float) -> Array:
 
 
 def measured(omega_B: Array, drift: Array | None, p: Parameters, sample: int, span: float) -> Array:
-    """The rate (3,), rad/s, that is read; span: s since the last measurement, over which the angle random walk is white noise."""
+    """The rate (3,), rad/s, that is read; span: s since the last measurement, over which the angle random
+    walk is white noise.
+    """
     sigma = p.rate_noise
     if p.angle_random_walk > 0.0 and span > 0.0:
         sigma = math.sqrt(sigma * sigma + p.angle_random_walk * p.angle_random_walk / span)

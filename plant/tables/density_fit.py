@@ -93,7 +93,9 @@ _COLUMNS = (1, 2, 3, 4, 5, 6, 7, 8)
 _TEMPERATURE = 10
 
 
-def run(day, seconds, latitude, longitude, height_km, f107, f107_average, ap) -> np.ndarray:  # type: ignore[no-untyped-def]
+def run(  # type: ignore[no-untyped-def]
+    day, seconds, latitude, longitude, height_km, f107, f107_average, ap
+) -> np.ndarray:
     """pymsis's output (n, 11) for NRLMSISE-00 on whole days of 2001, 1 to 365; angles in rad.
 
     With the indices given pymsis opens no connection and reads no file of indices.
