@@ -182,9 +182,7 @@ def size(wish: Wish, damping: float | None = None) -> Sizing:
 
 
 def fastest(wish: Wish) -> Sizing | None:
-    """The sizing of the shortest time whose guaranteed torque is within the wish's, to 1%; None beyond
-    100 times its time.
-    """
+    """The sizing of least time within the wish's torque, to 1%; None beyond 100 times its time."""
     if not size(slow := replace(wish, time=100.0 * wish.time)).torque_max <= wish.torque:
         return None
     low, high = 0.01 * wish.time, slow.time

@@ -9,30 +9,26 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
 - `shape`: nothing for a scalar, `[n]` or `[rows, columns]`; elements are named in FMI's structured
   way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
-- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is
-a
+- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is a
   list of the variable's shape, with a unit for each element, and there is no `display_unit`;
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
-  0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means
-  so;
+  0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means it;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
 - `steps` (parameters in s): how many steps of its block the time has to be, "whole" (a whole number) or "at least one";
 - `depends_on` (outputs): the inputs with direct feedthrough;
 - `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
 
 `[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`,
-`unit`,
-`display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME in the
-block's module `inputs` works them out.
+`unit`, `display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME
+in the block's module `inputs` works them out.
 
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
 terminals of one name fit each other. `[view]` has what a three-dimensional view of a loop takes of this block: the keys
-of a scenario's
-`view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired attitude is LVLH.
-`[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
+of a scenario's `view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired
+attitude is LVLH. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
 
 In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
 `name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that
@@ -52,9 +48,7 @@ ABSENT = 1e9
 ABSENT_INTEGER = -1
 """The same of every optional integer input; any negative value means so."""
 ABSENT_MIN = 0.999e9
-"""The magnitude from which, in any of its elements, an optional input is not connected: a host may have
-rounded its start.
-"""
+"""An optional input with an element of this magnitude is not connected: a host may have rounded its start."""
 
 
 class InterfaceError(ValueError):
