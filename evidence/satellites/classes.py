@@ -47,7 +47,7 @@ class Satellite:
 
     @property
     def time(self) -> float:
-        """T, s: sqrt(J/(dipole_max FIELD)) with the mean moment, docs/how/planned.md."""
+        """T, s: sqrt(J/(dipole_max FIELD)) with the mean moment, docs/how/planned-scales.md."""
         return math.sqrt(sum(self.moments) / 3.0 / (self.dipole_max * FIELD))
 
     def disturbance(self, errors: bool) -> float:

@@ -1,3 +1,4 @@
+/* docs/how/planned.md, Phases. Tests: test_block.py. */
 #include "controller_planned.h"
 
 #include <string.h>
@@ -23,7 +24,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Motion now = x->estimate;
     if (!first && is_planned(x->phase)) {
-        const Model model = controller_planned_believed(law, x);
+        const Model model = controller_planned_estimated(law, x);
         x->reference = controller_planned_advanced(&model, &around, &x->reference, x->u, dt);
     }
     controller_planned_decide(law, x, &ahead, &now, dt, first);

@@ -1,4 +1,5 @@
-/* The inputs: whether the controller can work with them. */
+/* Whether the controller can work with the inputs: docs/how/planned.md, References by the ports.
+ * Tests: test_refusals.py, test_optional_inputs.py, test_reference_ports.py. */
 #include "state.h"
 
 #include "fault.h"

@@ -1,3 +1,4 @@
+/* docs/how/planned.md, Motion. Tests: test_motion.py, test_onboard.py. */
 #include "motion.h"
 
 #include "jacobian.h"

@@ -28,7 +28,7 @@ typedef struct {
     double until[PIECES], stage[PIECES];
 } Horizon;
 
-/* The satellite as the planner believes it is, and how it plans. */
+/* The satellite as it is estimated, and how it plans. */
 typedef struct {
     Matrix J, J_inverse;
     Vector rods[3];          /* dipole of each rod at its limit, body axes, A m2, with the estimated gain */

@@ -1,4 +1,5 @@
-/* The parameters: their check, and what follows from them alone. */
+/* The check of the parameters, and what follows from them alone: docs/how/planned-scales.md, Gains and periods that are refused.
+ * Tests: test_refusals.py, test_scales.py. */
 #include "controller_planned.h"
 
 #include "gauss_models.h"

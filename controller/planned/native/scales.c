@@ -1,3 +1,4 @@
+/* docs/how/planned-scales.md, Any satellite. Tests: test_scales.py. */
 #include "scales.h"
 
 #include "onboard_field.h"

@@ -96,7 +96,7 @@ static inline bool is_planned(int32_t phase)
 Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *scales);
 
 /* The satellite as it is estimated now. */
-Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
+Model controller_planned_estimated(const ControllerPlannedLaw *law, const ControllerPlannedState *x);
 
 /* Whether the stiffness, given or computed, is one that the damping makes stable: once for the parameters as they
  * stand. */
@@ -129,9 +129,6 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
 ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPlannedLaw *law,
                                                              const ControllerPlannedState *x,
                                                              const ControllerPlannedInputs *u);
-
-/* The wheel's control, -1 to 1, that brings its momentum l to rest while steering or damping. */
-double controller_planned_wheel_to_rest(const Model *model, double l);
 
 /* All outputs of the inputs as they stand and the motion `now`, on what was decided at the sample x->t; `controls`
  * are those of the feed-forward. */

@@ -213,7 +213,7 @@ PROBE void probe_box_qp(int n, const double *H, const double *g, const double *l
         double h[CONTROLS][CONTROLS];
         bool f[CONTROLS];
         memcpy(h, H + 16 * i, sizeof h);
-        controller_planned_box_qp((const double (*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i, passes,
+        controller_planned_box_qp(&(BoxQp){(const double (*)[CONTROLS])h, g + 4 * i, low + 4 * i, high + 4 * i}, passes,
                                   u + 4 * i, f);
         for (int k = 0; k < CONTROLS; ++k) {
             free[4 * i + k] = f[k];

@@ -15,7 +15,7 @@ from .states import differences
 
 WEIGHT_CONTROL = 0.005
 FINAL, FINAL_WHEEL = 300.0, 30.0
-"""As docs/how/planned.md has them: of |u|^2, and s by which the cost at the end counts, the wheel's apart."""
+"""As docs/how/planned-plan.md has them: of |u|^2, and s by which the cost at the end counts, the wheel's apart."""
 
 
 def hessian(satellite, R_d, x):

@@ -182,7 +182,7 @@ def test_a_stiffness_that_is_tuned_in_flight_is_held_against_the_computed_dampin
 
 @pytest.mark.parametrize("slender", [10.0, 60.0, 200.0])
 def test_the_mean_moment_of_a_slender_body_counts_as_at_most_ten_of_the_least(slender):
-    """With which the computed gains are stable at each period that is accepted (docs/how/planned.md)."""
+    """With which the computed gains are stable at each period that is accepted (docs/how/planned-scales.md)."""
     J, dipole = 0.003 * np.diag([1.0 / slender, 1.0, 1.0]), 0.6
     inertia = min(np.trace(J) / 3.0, 10.0 * J[0, 0])
     T = math.sqrt(inertia / (dipole * 5.77e-5 * (6371.2e3 / 7e6) ** 3))
@@ -214,7 +214,7 @@ def test_what_is_computed_is_stable_whatever_the_satellite(J, dipole_max):
 
 
 def test_a_period_too_long_for_the_satellite_is_refused_with_the_share_of_its_time():
-    """B as docs/how/planned.md has it, T rounded to two digits: with J = 0.003 kg m2 and 0.6 A m2 it is 11 s at 629 km."""
+    """B as docs/how/planned-scales.md has it, T rounded to two digits: with J = 0.003 kg m2 and 0.6 A m2 it is 11 s at 629 km."""
     body = {"J_B": np.diag([0.003, 0.003, 0.003]), "dipole_max": 0.6}
     B = 5.77e-5 * (6371.2 / 7000.0) ** 3
     assert round(math.sqrt(0.003 / (0.6 * B))) == 11

@@ -1,4 +1,4 @@
-/* The outputs: the law [8] on the plan, or the steering. */
+/* The outputs: docs/how/planned.md, The law on the plan. Tests: test_outputs.py. */
 #include "reference.h"
 #include "../state.h"
 
@@ -15,16 +15,11 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
     y->wheel_torque_ff = p->wheel_torque_max * controls[3];
 }
 
-double controller_planned_wheel_to_rest(const Model *model, double l)
-{
-    return wheel_to_rest(model, l, PLAN_PERIOD * model->scales.time);
-}
-
 /* What rods under their controls and the wheel, which comes to rest, give: N m. */
 static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
 {
     const double torque_max = model->wheel_torque_max;
-    controls[3] = controller_planned_wheel_to_rest(model, l);
+    controls[3] = wheel_to_rest(model, l, PLAN_PERIOD * model->scales.time);
     Vector tau = cross(rods_dipole(model, controls), B_B);
     tau = subtract(tau, cross(Omega, scale(l, model->wheel_axis)));
     return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));
@@ -59,7 +54,7 @@ static void damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs 
     store_controls(p, controls, y);
 }
 
-/* What the law [8] knows of the errors from the reference. */
+/* The errors from the reference, as the law [8] takes them. */
 typedef struct {
     Matrix Q;
     Vector omega, Omega_d_B; /* Omega_d_B = Q^T Omega_d */
@@ -112,7 +107,7 @@ ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPla
     ControllerPlannedOutputs y;
     memset(&y, 0, sizeof y);
     y.no_attitude = true;
-    const Model model = controller_planned_believed(law, x);
+    const Model model = controller_planned_estimated(law, x);
     const Vector Omega = subtract(vector(u->omega_B), vector(x->identification.p + BIAS));
     const Motion now = {identity, Omega, controller_planned_has_h_w(u) ? u->h_w : x->l_own};
     const bool measured =
@@ -130,7 +125,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
                                 ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
-    const Model model = controller_planned_believed(law, x);
+    const Model model = controller_planned_estimated(law, x);
     const Ahead ahead = controller_planned_ahead_of(law, x, u);
     const Around around = controller_planned_around_at(&ahead, x->t);
     const Vector B_B = uses_field(x, u) ? vector(u->b_B) : apply_transposed(now->R, around.B_N);

@@ -1,8 +1,7 @@
-/* The sample's decision: the phase (phases.c), and the plan or the steering that is flown. docs/how/planned.md,
- * Phases.
- *
- * It decides on the wheel, and gives one that is stuck up. A rod that has failed needs no decision: plan and
- * steering use the gains that are estimated, and the output `failed_rod` only reports it. */
+/* The sample's decision: the phase, and the plan or the steering that is flown. docs/how/planned.md, Phases.
+ * It gives up a wheel that is stuck. A rod that has failed needs no decision: plan and steering use the gains that are
+ * estimated, and the output `failed_rod` only reports it.
+ * Tests: test_closed_loop.py, test_block.py. */
 #include "../plan/cost.h"
 #include "../plan/renew.h"
 #include "phases.h"
@@ -28,7 +27,7 @@ static Motion expected(const ControllerPlannedState *x, const Model *model, cons
         if (x->phase == PHASE_STEERING) {
             const Vector B_B = apply_transposed(then.R, around.B_N);
             controller_planned_steering_rods(&steering, then.R, B_B, model->rods, model->scales.time, u);
-            u[3] = controller_planned_wheel_to_rest(model, then.l);
+            u[3] = wheel_to_rest(model, then.l, PLAN_PERIOD * model->scales.time);
             steering.time = larger(steering.time - h, 0.0);
         } else {
             controller_planned_plan_at(plan, t + (i + 0.5) * h, u);
@@ -121,7 +120,7 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
         x->rods_alone = true;
         controller_planned_change_phase(x, EVENT_WHEEL_STUCK, now);
     }
-    const Model model = controller_planned_believed(law, x);
+    const Model model = controller_planned_estimated(law, x);
     const bool target = ahead->target_kind != ONBOARD_TARGET_NONE;
     bool due = controller_planned_change_phase(x, target ? EVENT_TARGET : EVENT_NO_TARGET, now);
     if (!target) {

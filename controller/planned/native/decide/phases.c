@@ -1,4 +1,4 @@
-/* The table of phases: docs/how/planned.md, Phases. */
+/* The table of phases: docs/how/planned.md, Phases. Tests: test_hold.py, test_strained.py, test_block.py. */
 #include "phases.h"
 
 #include "../plan/rods_alone.h"

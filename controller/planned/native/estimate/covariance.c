@@ -1,4 +1,5 @@
-/* The covariance of the Kalman filter: over a sample, and by a measurement. */
+/* The covariance of the Kalman filter: over a sample, and by a measurement. docs/how/planned-estimates.md,
+ * Estimates. Tests: test_identification.py. */
 #include <string.h>
 
 #include "identification.h"

@@ -1,4 +1,5 @@
-/* What the controller believes of the satellite: its motion, its properties, the field round it. */
+/* Motion, properties and field as they are estimated: docs/how/planned-estimates.md, Estimates.
+ * Tests: test_identification.py, test_optional_inputs.py. */
 #include "../plan/rods_alone.h"
 #include "../state.h"
 #include "../plan/strained.h"
@@ -37,7 +38,7 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
     return model;
 }
 
-Model controller_planned_believed(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
+Model controller_planned_estimated(const ControllerPlannedLaw *law, const ControllerPlannedState *x)
 {
     const double *p = x->identification.p;
     Model model = controller_planned_nominal(law, &x->scales);
@@ -147,7 +148,7 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
 static void filter(const ControllerPlannedLaw *law, ControllerPlannedState *x, const Motion *measured, Vector B_B,
                    const double given[CONTROLS], const Around *around, double dt, bool watched)
 {
-    Model model = controller_planned_believed(law, x), nominal = controller_planned_nominal(law, &x->scales);
+    Model model = controller_planned_estimated(law, x), nominal = controller_planned_nominal(law, &x->scales);
     Around then = *around;
     then.B_N = apply(x->estimate.R, x->B_B);
     model.wheel_torque_max = nominal.wheel_torque_max;
@@ -222,7 +223,6 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
             p->find_failures && x->identification.spread > 0.0 && controller_planned_has_u_applied(u) && has_field(u);
         filter(law, x, &measured, B_B, given, &around, dt, watched);
         if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
-            controller_planned_watch_wheel(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
             controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
         }
     }

@@ -1,4 +1,5 @@
-/* Friction, slip and failure of the wheel: docs/how/planned-estimates.md, Wheel, whose equations (F1) to (F4) these are. */
+/* Friction, slip and failure of the wheel: docs/how/planned-estimates.md, Wheel, whose equations (F1) to (F4) these
+ * are. Tests: test_identification.py, test_failures.py. */
 #include "friction.h"
 
 #include <math.h>
@@ -49,8 +50,31 @@ static void keep_within(Friction *friction, int i, double limit)
     }
 }
 
+static void respond(double dt, double share, double torque, double rate, Response *response)
+{
+    response->asked += share * (torque * torque - response->asked);
+    response->given += share * (torque * rate - response->given);
+    response->seen += dt;
+}
+
+/* Whether the wheel fails. */
+static void watch(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    if (larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
+        return;
+    }
+    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0), rate = (l_next - l) / dt;
+    if (fabs(torque) >= DRAG_EXCITATION * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->drag);
+    }
+    if (fabs(torque) >= STALL_EXCITATION * friction->torque_max) {
+        respond(dt, share, torque, rate, &friction->stall);
+    }
+}
+
 void controller_planned_friction_learn(double dt, double torque, double l, double l_next, Friction *friction)
 {
+    watch(dt, torque, l, l_next, friction);
     double side = l > 0.0 ? 1.0 : -1.0;
     if (l == 0.0 && l_next == 0.0 && fabs(torque) > friction->p[0]) {
         side = torque > 0.0 ? 1.0 : -1.0; /* it stands: friction is no less than the torque */
@@ -77,27 +101,6 @@ void controller_planned_friction_learn(double dt, double torque, double l, doubl
     keep_within(friction, 0, most);
     keep_within(friction, 1, most / friction->momentum_max);
     friction->p[0] = clip(friction->p[0], 0.0, most);
-}
-
-static void respond(double dt, double share, double torque, double rate, Response *response)
-{
-    response->asked += share * (torque * torque - response->asked);
-    response->given += share * (torque * rate - response->given);
-    response->seen += dt;
-}
-
-void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction)
-{
-    if (larger(fabs(l), fabs(l_next)) >= NEAR_LIMIT * friction->momentum_max) {
-        return;
-    }
-    const double share = smaller(dt / (WATCHED * friction->forgets), 1.0), rate = (l_next - l) / dt;
-    if (fabs(torque) >= DRAG_EXCITATION * friction->torque_max) {
-        respond(dt, share, torque, rate, &friction->drag);
-    }
-    if (fabs(torque) >= STALL_EXCITATION * friction->torque_max) {
-        respond(dt, share, torque, rate, &friction->stall);
-    }
 }
 
 /* Whether it has given less than a share of what was asked. */

@@ -26,11 +26,8 @@ typedef struct {
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction);
 
-/* A sample of dt with the motor's torque, N m, and the momenta at its ends, N m s. */
+/* Takes a sample of dt with the motor's torque, N m, and the momenta at its ends, N m s. */
 void controller_planned_friction_learn(double dt, double torque, double l, double l_next, Friction *friction);
-
-/* The same, for a wheel that fails. */
-void controller_planned_watch_wheel(double dt, double torque, double l, double l_next, Friction *friction);
 
 /* Whether the wheel is stuck or drags: it has given less than half of what was asked of it. */
 bool controller_planned_wheel_failed(const Friction *friction);

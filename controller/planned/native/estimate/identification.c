@@ -1,11 +1,12 @@
-/* What the Kalman filter learns, what it believes, and when it does not. */
+/* Which samples the Kalman filter accepts, and what limits its estimates: docs/how/planned-estimates.md, Estimates.
+ * Tests: test_identification.py, test_failures.py. */
 #include "identification.h"
 
 #include <string.h>
 
 #include "rotation.h"
 
-static const double GATE = 6.0;  /* standard deviations of an innovation that is believed */
+static const double GATE = 6.0;  /* standard deviations of an innovation that is accepted */
 static const double ALIKE = 0.2; /* mean cosine of innovations in turn, above which the model is the cause */
 static const double EXCESS_MAX = 1e6;
 static const double EVIDENCE_MAX = 25.0; /* beyond which the start is taken again */
@@ -103,21 +104,21 @@ static void widen(double dt, const double square[2], const Vector innovation[2],
 }
 
 /* Whether the innovations fit their variances, or the measurement is exact; how far they do is averaged. */
-static bool is_believed(double dt, const double innovation[MOTION], Identification *id)
+static bool is_accepted(double dt, const double innovation[MOTION], Identification *id)
 {
     double square[2] = {0.0, 0.0};
-    bool believed = true;
+    bool accepted = true;
     for (int i = 0; i < MOTION; ++i) {
         const int kind = i / RATE_STATE, b = MOTION + BIAS + i - RATE_STATE;
         const double spread =
             id->variance[kind] * id->excess[kind] + id->P[i][i] + (kind == 1 ? 2.0 * id->P[i][b] + id->P[b][b] : 0.0);
         const double ratio = innovation[i] * innovation[i] / spread;
-        believed = believed && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
+        accepted = accepted && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
         square[kind] += (ratio <= GATE * GATE ? ratio : GATE * GATE) / 3.0;
     }
     const Vector both[2] = {vector(innovation), vector(innovation + RATE_STATE)};
     widen(dt, square, both, id);
-    return believed;
+    return accepted;
 }
 
 /* Whether a rod may have failed, by what the innovations of the rate show over some time. */
@@ -141,7 +142,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     if (suspected) {
         controller_planned_suspect_rods(id);
     }
-    if (!is_believed(dt, innovation, id)) {
+    if (!is_accepted(dt, innovation, id)) {
         id->rejected += id->rejected < 2;
         memset(id->gain, 0, sizeof id->gain);
         if (id->rejected > 1) {

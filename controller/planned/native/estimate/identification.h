@@ -23,7 +23,7 @@ typedef struct {
     Vector last[2];           /* innovations of attitude, rad, and rate, rad/s */
     double alike[2];          /* mean cosine between the innovation and the next, of attitude and of rate */
     double evidence;          /* that `start` predicts better than p: half the sum of the squares' differences */
-    int32_t rejected;         /* samples in turn that were not believed */
+    int32_t rejected;         /* samples in turn that were rejected */
     RodsWatch watch;          /* for a rod that fails */
     double spread;            /* of the gains before the flight, relative */
     double inertia_spread[6]; /* kg m2, of the inertia */
@@ -39,7 +39,7 @@ typedef struct {
 /* A sample of dt that has passed. */
 typedef struct {
     double dt;
-    const Model *model; /* as it was believed */
+    const Model *model; /* as it was estimated */
     const Around *around;
     Motion before, after; /* estimated, and predicted from it */
     Vector B_B;           /* T, in the middle */

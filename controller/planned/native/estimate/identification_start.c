@@ -1,4 +1,5 @@
-/* What the Kalman filter knows before the flight, and where it begins anew in flight. */
+/* The Kalman filter before the flight, and where it begins anew: docs/how/planned-estimates.md, Estimates.
+ * Tests: test_identification.py. */
 #include "identification.h"
 
 #include <string.h>

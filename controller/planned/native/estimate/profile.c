@@ -1,3 +1,4 @@
+/* docs/how/planned-orbit.md, Strained hold. Tests: test_strained.py. */
 #include "profile.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* docs/how/planned-estimates.md, Failures. Tests: test_failures.py. */
 #include "rods_watch.h"
 
 static const double FADES = 4.0;       /* T, over which innovations lose their say */

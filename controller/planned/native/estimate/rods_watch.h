@@ -1,9 +1,5 @@
-/* Watches the innovations for a rod that fails: dead, weak or reversed.
- *
- * Innovations r of the rate have no part along the torques of the rods while the filter's gains account for them.
- * Where the gains are wrong by delta, r = E delta + noise with the effects E of the rods. Over the last FADES the
- * watch sums up M = E'E/S and z = E'r/S; (M + I)^-1 z is then delta with a deviation of 1 before, and z'(M + I)^-1 z
- * says how far it is from zero. */
+/* Watches the innovations r of the rate for a rod that fails: dead, weak or reversed. M = sum E'E/S and z = sum E'r/S
+ * with the effects E of the rods; z'(M + I)^-1 z says how far the gains are from those that the filter has. */
 #ifndef CONTROLLER_PLANNED_RODS_WATCH_H
 #define CONTROLLER_PLANNED_RODS_WATCH_H
 

@@ -1,3 +1,4 @@
+/* docs/how/planned-estimates.md, Failures. Tests: test_failures.py. */
 #include "sensors_watch.h"
 
 #include <string.h>

@@ -16,7 +16,7 @@ typedef struct {
     bool attitude_frozen, field_failed;
 } SensorsWatch;
 
-/* Takes an attitude that comes dt, s, after the last, with the rate that was believed then and the one measured now,
+/* Takes an attitude that comes dt, s, after the last, with the rate that was estimated then and the one measured now,
  * without bias, rad/s; T is the satellite's time and `noise`, rad, that of the attitude. */
 void controller_planned_watch_attitude(double dt, double T, double noise, Matrix R, Vector Omega_before, Vector Omega,
                                        SensorsWatch *watch);

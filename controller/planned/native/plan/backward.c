@@ -1,5 +1,6 @@
 /* Backward pass of the iterative LQR: the cost from each stage on, to second order, and the best changes of its
- * controls. Box-constrained as by Tassa, Mansard and Todorov, ICRA 2014; errors of attitude in body axes, R exp(d^). */
+ * controls: docs/how/planned-plan.md, Iterative LQR. Box-constrained as by Tassa, Mansard and Todorov, ICRA 2014;
+ * errors of attitude in body axes, R exp(d^). Tests: test_gains.py. */
 #include "ilqr.h"
 
 #include <string.h>
@@ -72,7 +73,7 @@ static int gains(const Model *model, double l, const double u[CONTROLS], double 
     }
     low[3] = smaller(larger(low[3], controller_planned_wheel_within(model, l, -1.0, h) - u[3]), 0.0);
     high[3] = larger(smaller(high[3], controller_planned_wheel_within(model, l, 1.0, h) - u[3]), 0.0);
-    const int work = controller_planned_box_qp(s->Quu, s->Qu, low, high, QP_PASSES, k, free);
+    const int work = controller_planned_box_qp(&(BoxQp){s->Quu, s->Qu, low, high}, QP_PASSES, k, free);
     controller_planned_solve_free(s->Quu, free, ERRORS, K[0]);
     return work;
 }

@@ -1,3 +1,4 @@
+/* docs/how/planned-plan.md, Iterative LQR. Tests: test_box_qp.py. */
 #include "box_qp.h"
 
 #include <string.h>
@@ -18,7 +19,7 @@ typedef struct {
     double L[CONTROLS][CONTROLS], pivot[CONTROLS];
 } Factors;
 
-static void factorise(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], Factors *f)
+static void factorise(const double (*H)[CONTROLS], const bool free[CONTROLS], Factors *f)
 {
     for (int i = 0; i < CONTROLS; ++i) {
         double d = free[i] ? H[i][i] : 1.0;
@@ -48,8 +49,7 @@ static void solve_column(const Factors *f, const bool free[CONTROLS], int stride
     *y = a * f->pivot[0] - f->L[1][0] * *y1 - f->L[2][0] * *y2 - f->L[3][0] * *y3;
 }
 
-void controller_planned_solve_free(const double H[CONTROLS][CONTROLS], const bool free[CONTROLS], int columns,
-                                   double *y)
+void controller_planned_solve_free(const double (*H)[CONTROLS], const bool free[CONTROLS], int columns, double *y)
 {
     Factors f;
     factorise(H, free, &f);
@@ -59,81 +59,77 @@ void controller_planned_solve_free(const double H[CONTROLS][CONTROLS], const boo
 }
 
 /* The slope H u + g; returns the value. */
-static double slope_at(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double u[CONTROLS],
-                       double slope[CONTROLS])
+static double slope_at(const BoxQp *qp, const double u[CONTROLS], double slope[CONTROLS])
 {
     const double a = u[0], b = u[1], c = u[2], d = u[3];
     double twice = 0.0;
     for (int i = 0; i < CONTROLS; ++i) {
-        const double row = H[i][0] * a + H[i][1] * b + H[i][2] * c + H[i][3] * d;
-        slope[i] = row + g[i];
-        twice += u[i] * (slope[i] + g[i]);
+        const double row = qp->H[i][0] * a + qp->H[i][1] * b + qp->H[i][2] * c + qp->H[i][3] * d;
+        slope[i] = row + qp->g[i];
+        twice += u[i] * (slope[i] + qp->g[i]);
     }
     return 0.5 * twice;
 }
 
 /* Half of Newton's step until the value falls: the last trial, its slope and its value. */
-static double search_along(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
-                           const double high[CONTROLS], const double u[CONTROLS], const double step[CONTROLS],
-                           double best, double trial[CONTROLS], double slope[CONTROLS], int *work)
+static double search_along(const BoxQp *qp, const double u[CONTROLS], const double step[CONTROLS], double best,
+                           double trial[CONTROLS], double slope[CONTROLS], int *work)
 {
     double share = 1.0, now = best;
     for (int k = 0; k < TRIALS && !(now < best); ++k, share *= 0.5) {
         for (int i = 0; i < CONTROLS; ++i) {
-            trial[i] = inside(u[i] + share * step[i], low[i], high[i]);
+            trial[i] = inside(u[i] + share * step[i], qp->low[i], qp->high[i]);
         }
-        now = slope_at(H, g, trial, slope);
+        now = slope_at(qp, trial, slope);
         *work += k > 0 ? WORK_TRIAL : 0;
     }
     return now;
 }
 
 /* Each variable's own minimum, one after the other, which always descends. */
-static double descend_one_by_one(const double H[CONTROLS][CONTROLS], const double g[CONTROLS],
-                                 const double low[CONTROLS], const double high[CONTROLS], const double u[CONTROLS],
-                                 double trial[CONTROLS], double slope[CONTROLS])
+static double descend_one_by_one(const BoxQp *qp, const double u[CONTROLS], double trial[CONTROLS],
+                                 double slope[CONTROLS])
 {
     memcpy(trial, u, CONTROLS * sizeof trial[0]);
     for (int i = 0; i < CONTROLS; ++i) {
-        double sum = g[i];
+        double sum = qp->g[i];
         for (int j = 0; j < CONTROLS; ++j) {
-            sum += H[i][j] * trial[j];
+            sum += qp->H[i][j] * trial[j];
         }
-        trial[i] = inside(trial[i] - sum / H[i][i], low[i], high[i]);
+        trial[i] = inside(trial[i] - sum / qp->H[i][i], qp->low[i], qp->high[i]);
     }
-    return slope_at(H, g, trial, slope);
+    return slope_at(qp, trial, slope);
 }
 
-int controller_planned_box_qp(const double H[CONTROLS][CONTROLS], const double g[CONTROLS], const double low[CONTROLS],
-                              const double high[CONTROLS], int passes, double u[CONTROLS], bool free[CONTROLS])
+int controller_planned_box_qp(const BoxQp *qp, int passes, double u[CONTROLS], bool free[CONTROLS])
 {
     double slope[CONTROLS];
     int work = 0;
     for (int i = 0; i < CONTROLS; ++i) {
-        u[i] = inside(u[i], low[i], high[i]);
+        u[i] = inside(u[i], qp->low[i], qp->high[i]);
     }
-    double best = slope_at(H, g, u, slope);
+    double best = slope_at(qp, u, slope);
     for (int pass = 0;; ++pass) {
         double step[CONTROLS], trial[CONTROLS], there[CONTROLS], expected = 0.0;
         for (int i = 0; i < CONTROLS; ++i) {
-            free[i] = !((u[i] <= low[i] && slope[i] > 0.0) || (u[i] >= high[i] && slope[i] < 0.0));
+            free[i] = !((u[i] <= qp->low[i] && slope[i] > 0.0) || (u[i] >= qp->high[i] && slope[i] < 0.0));
             step[i] = -slope[i];
         }
         if (pass == passes) {
             return work;
         }
         work += WORK_PASS;
-        controller_planned_solve_free(H, free, 1, step);
+        controller_planned_solve_free(qp->H, free, 1, step);
         for (int i = 0; i < CONTROLS; ++i) {
             expected -= slope[i] * step[i];
         }
         if (!(expected > STEP_MIN * fabs(best))) {
             return work;
         }
-        double now = search_along(H, g, low, high, u, step, best, trial, there, &work);
+        double now = search_along(qp, u, step, best, trial, there, &work);
         if (!(now < best)) { /* the bounds bend Newton's step too far */
             work += WORK_ONE_BY_ONE;
-            now = descend_one_by_one(H, g, low, high, u, trial, there);
+            now = descend_one_by_one(qp, u, trial, there);
             if (!(now < best)) {
                 return work;
             }

@@ -1,3 +1,4 @@
+/* docs/how/planned-plan.md, Acquisition. Tests: test_plan.py, test_rods_alone.py. */
 #include "cost.h"
 
 static const double BEND = 0.1;                            /* rad, of the pseudo-Huber cost of the angle */

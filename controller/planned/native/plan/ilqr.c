@@ -1,5 +1,6 @@
 /* Differential dynamic programming with bounded controls: Tassa, Mansard and Todorov, ICRA 2014; errors of attitude in
- * body axes, R exp(d^). The backward pass is in backward.c. */
+ * body axes, R exp(d^). The backward pass is in backward.c. docs/how/planned-plan.md, Iterative LQR.
+ * Tests: test_plan.py. */
 #include "ilqr.h"
 
 #include <string.h>

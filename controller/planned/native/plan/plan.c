@@ -1,3 +1,4 @@
+/* docs/how/planned-plan.md, Acquisition. Tests: test_plan.py. */
 #include "plan.h"
 
 #include <string.h>

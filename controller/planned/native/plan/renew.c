@@ -1,3 +1,4 @@
+/* docs/how/planned-plan.md, Renewal. Tests: test_renew.py. */
 #include "renew.h"
 
 static const double HOLD_ORBITS = 0.25; /* that a hold's plan sees at least */

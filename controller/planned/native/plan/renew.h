@@ -1,9 +1,4 @@
-/* A plan renewed, and how far it sees.
- *
- * In the hold it grows by a stage at each renewal, since what has no controls yet has to stay near, up to a quarter
- * of an orbit where that is longer than the usual horizon: the field turns with the orbit, however small the
- * satellite is. Where it would be lost it is cut, since a shorter plan holds for as long as it lasts, and grows
- * again. That of a strained hold (strained.h) grows up to an orbit, and is cut where it has no motion. */
+/* A plan renewed, and how far it sees: in the hold it grows, and is cut where it would be lost. */
 #ifndef CONTROLLER_PLANNED_RENEW_H
 #define CONTROLLER_PLANNED_RENEW_H
 

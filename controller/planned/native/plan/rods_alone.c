@@ -1,3 +1,4 @@
+/* docs/how/planned-orbit.md, Rods alone. Tests: test_rods_alone.py. */
 #include "rods_alone.h"
 
 /* In the orbit's period. */

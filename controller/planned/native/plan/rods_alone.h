@@ -1,6 +1,5 @@
-/* Planning where the wheel gives no torque. Rods give none along the field, so the plan has to wait until the field
- * has turned: it looks over a whole orbit. Its times are shares of the orbit's period, not of T, whatever the
- * satellite's size is. */
+/* Planning where the wheel gives no torque: over a whole orbit, until the field has turned. Times are shares of the
+ * orbit's period, whatever the satellite's size is. */
 #ifndef CONTROLLER_PLANNED_RODS_ALONE_H
 #define CONTROLLER_PLANNED_RODS_ALONE_H
 

@@ -1,3 +1,4 @@
+/* docs/how/planned-plan.md, Search. Tests: test_plan.py. */
 #include "search.h"
 
 #include <string.h>
@@ -37,7 +38,7 @@ int controller_planned_controls_for(const Model *model, Vector tau, Vector B_B, 
         g[i] = -dot(A[i], tau) - (i < 3 ? 0.0 : weight * rest);
         u[i] = 0.0;
     }
-    return controller_planned_box_qp((const double (*)[CONTROLS])H, g, low, high, 2 * QP_PASSES, u, free);
+    return controller_planned_box_qp(&(BoxQp){(const double (*)[CONTROLS])H, g, low, high}, 2 * QP_PASSES, u, free);
 }
 
 void controller_planned_cascade(const Model *model, const Motion *x, const Turn *turn, Plan *plan,

@@ -1,7 +1,8 @@
-/* docs/how/planned.md, Steering.
+/* docs/how/planned-plan.md, Steering.
  *
  * H = R (J Omega + l e1) follows dH/dt = m x B(t) whatever the attitude is. With |m| <= rho the quickest way has
- * m = rho unit(B x lambda) with constant lambda, so D = rho int (|B|^2 I - B B^T)/|B x lambda| ds lambda. */
+ * m = rho unit(B x lambda) with constant lambda, so D = rho int (|B|^2 I - B B^T)/|B x lambda| ds lambda.
+ * Tests: test_steering.py. */
 #include "steering.h"
 
 static const double SPACING = 0.4; /* T between nodes of the field ahead; in the last of it the dipole is lessened */

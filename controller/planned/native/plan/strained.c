@@ -1,3 +1,4 @@
+/* docs/how/planned-orbit.md, Strained hold. Tests: test_strained.py. */
 #include "strained.h"
 
 #include <string.h>

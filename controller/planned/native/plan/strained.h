@@ -1,9 +1,5 @@
-/* A strained hold: along the field only the wheel opposes a disturbance, and where the field stands across the
- * wheel's axis nothing opposes it. The wheel has to be loaded long before, so the plan covers an orbit. Its motion
- * is slow, the whole range of the wheel may be used, and the largest error is kept small.
- *
- * The controls of an orbit alone do not keep a motion near the target. So the motion of a plan is kept, and the next
- * plan is improved from it (controller_planned_improve_guess). */
+/* A strained hold: its plan covers an orbit, so that the wheel is loaded before the field stands across its axis, and
+ * begins with the motion of the plan before (controller_planned_improve_guess). */
 #ifndef CONTROLLER_PLANNED_STRAINED_H
 #define CONTROLLER_PLANNED_STRAINED_H
 
