@@ -13,7 +13,7 @@ from fmus import link
 from fmus.interface import load as load_interface
 from orchestration import Result, load, run
 from orchestration.session.read import read
-from orchestration.swap.option import swapped
+from orchestration.swap.option import swapped, swaps_of
 
 from .emulator import Emulator
 from .firmware import Firmware, build
@@ -53,7 +53,7 @@ def fly(path: Path, place: str, folder: Path, native: Result) -> Flight:
     fmu.write_bytes(link.package(load_interface(name), "host"))
     with Emulator(firmware.elf) as board:
         line = {"link_transport": "tcp", "link_address": board.address, "link_time_out": TIME_OUT}
-        linked = swapped(read(path), [f"{place}={fmu}"])
+        linked = swapped(read(path), swaps_of([f"{place}={fmu}"]))
         flown = run(load(linked, {f"{place}.{key}": value for key, value in line.items()}))
         calls = board.calls
     return Flight(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,11 @@ from ..quantities import QuantityError
 from ..scenario import complaints, extends
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
-from ..scenario.source import Key, Source
+from ..scenario.source import Key, Source, StartName
 from ..session.flight import with_values
 from ..session.open import open_scenario
 from ..session.read import read
-from ..swap.option import swapped
+from ..swap.option import Swap, swapped
 from ..system.starts import resolve
 from .drawing import draws as drawing
 from .drawing.design import design, notes, samples
@@ -130,27 +130,21 @@ def _changed(campaign: Campaign, source: Source, flown: Source) -> Source:
         raise InputError(
             source.error(("map", unswapped), f"{unswapped} is not swapped{hint(unswapped, campaign.swap)}")
         )
-    if campaign.swap:
-        fmus = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.swap.items()]
-        maps = [f"{block}={located(file, source.folder).absolute()}" for block, file in campaign.map.items()]
-        places = {f"--swap {text}": source.where(("swap", text.partition("=")[0])) for text in fmus}
-        places |= {f"--map {text.partition('=')[2]}": source.where(("map", text.partition("=")[0])) for text in maps}
-        try:
-            flown = swapped(flown, fmus, maps)
-        except InputError as error:
-            told = [
-                next((m.replace(o, at, 1) for o, at in places.items() if m.startswith(o)), m) for m in error.messages
-            ]
-            raise InputError(*told) from None
-        flown.options.update({key: places[option] for key, option in flown.options.items() if option in places})
+    flown = swapped(flown, [_swap(campaign, source, block) for block in campaign.swap])
     for name, value in campaign.set.items():
         if name in campaign.vary:
             raise InputError(source.error(("set", name), f"{name} varies; expected it under 'set' or 'vary'"))
         flown = flown.with_start(name, value)
-        holder, _, variable = name.partition(".") if "." in name else ("shared", "", name)
-        key: Key = ("shared", variable) if holder == "shared" else ("blocks", holder, "start", variable)
-        flown.options[key] = source.where(("set", name))
+        flown.options[StartName.of(name).key] = source.where(("set", name))
     return flown if campaign.flavour is None else flown.with_value("flavour", campaign.flavour, "flavour:")
+
+
+def _swap(campaign: Campaign, source: Source, block: str) -> Swap:
+    swap = Swap(block, str(located(campaign.swap[block], source.folder).absolute()), source.where(("swap", block)))
+    if block not in campaign.map:
+        return swap
+    mapping = str(located(campaign.map[block], source.folder).absolute())
+    return replace(swap, mapping=mapping, mapping_place=source.where(("map", block)))
 
 
 def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:

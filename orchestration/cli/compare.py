@@ -14,7 +14,7 @@ from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differenc
 from ..errors import BlockError, InputError, writing
 from ..results.place import put, refuse_foreign
 from ..session.read import load, read
-from ..swap.option import swapped
+from ..swap.option import swapped, swaps_of
 from .console import complain, folded, notes, open_page, say, say_json, table
 from .help import examples
 from .options import DURATION, OPEN, SET, STEP, out_folder
@@ -76,8 +76,8 @@ def command(
     if len(swaps) != 1:
         raise InputError("--swap: one block is compared at a time")
     source = overridden(read(scenario), sets, step=step, duration=duration)
-    block = swaps[0].partition("=")[0].strip()
-    theirs = swapped(source, swaps, maps)
+    (swap,) = swaps_of(swaps, maps)
+    block, theirs = swap.block, swapped(source, [swap])
     target = out or Path("results") / f"{load(source).name}-{block}"
     refuse_foreign(target, FILES)
     try:

@@ -12,7 +12,7 @@ from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..scenario.text import parse
 from ..session.read import load, read
-from ..swap.option import swapped
+from ..swap.option import Swap, swapped
 from .console import is_quiet, notes
 
 
@@ -48,15 +48,12 @@ def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -
 def loaded(
     path: Path,
     sets: Iterable[str] = (),
-    swaps: Sequence[str] = (),
-    maps: Sequence[str] = (),
+    swaps: Sequence[Swap] = (),
     pace: Mapping[str, Any] | None = None,
     **values: str | None,
 ) -> Scenario:
     """The scenario of a file as the options change it; `pace` as `paced` takes it. Raises InputError."""
-    source = read(path)
-    if swaps or maps:
-        source = swapped(source, swaps, maps)
+    source = swapped(read(path), swaps)
     return load(paced(overridden(source, sets, **values), **(pace or {})))
 
 

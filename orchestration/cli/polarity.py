@@ -15,7 +15,7 @@ from ..acceptance.polarity.trials import Trials, run
 from ..results.place import check_writable
 from ..scenario.source import Source
 from ..session.read import load, read
-from ..swap.option import swapped
+from ..swap.option import swapped, swaps_of
 from .console import Progress, complain, folded, notes, say, say_json, table
 from .help import examples
 from .options import DURATION, MAP, SET, SWAP, out_folder
@@ -63,12 +63,13 @@ def command(
     Exit status: 0 the loop as wired is sound, 1 it is not, 2 wrong input, 3 an FMU failed.
     """
     ours = source = overridden(read(scenario), sets, duration=duration)
-    blocks = [text.partition("=")[0].strip() for text in swaps] or None
+    given = swaps_of(swaps, maps)
+    blocks = [swap.block for swap in given] or None
     target = out or Path("results") / f"{load(source).name}-polarity"
     check_writable(target)
     looked: Looked | None = None
-    if swaps or maps:
-        looked = look(ours, swapped(source, swaps, maps), blocks or [])
+    if given:
+        looked = look(ours, swapped(source, given), blocks or [])
         source = looked.source
         if not json_:
             _tell(looked, target)

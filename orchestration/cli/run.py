@@ -16,6 +16,7 @@ from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..session import run as runner
 from ..session.realtime import pacer
+from ..swap.option import swaps_of
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say
@@ -85,7 +86,8 @@ def command(
     SCENARIO is a YAML file or an SSP archive. Writes signals, a manifest and a report, and prints a summary.
     """
     formats.check(format_)
-    chosen = loaded(scenario, sets, swaps, maps, pace, step=step, duration=duration, flavour=flavour)
+    given = swaps_of(swaps, maps)
+    chosen = loaded(scenario, sets, given, pace, step=step, duration=duration, flavour=flavour)
     if figures:
         require(chosen)
     target = out or Path("results") / (scenario.stem if scenario.suffix == ".ssp" else chosen.name)
@@ -108,9 +110,9 @@ def command(
                 result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
             finally:
                 progress.close()
-        for block in (text.partition("=")[0].strip() for text in swaps):
-            outputs = [variable.name for variable in result.models[block].of("output")]
-            result.warnings += [str(finding) for finding in own_claims(result.scenario, block, outputs)]
+        for swap in given:
+            outputs = [variable.name for variable in result.models[swap.block].of("output")]
+            result.warnings += [str(finding) for finding in own_claims(result.scenario, swap.block, outputs)]
         if not quiet:
             notes(result.warnings)
             if len(result.time):

@@ -18,6 +18,7 @@ from ..scenario.scenario import Scenario
 from ..session.limits import limits
 from ..session.open import Opened, open_scenario
 from ..session.read import read
+from ..swap.option import swaps_of
 from ..swap.own_claims import own_claims
 from ..system import acting
 from .console import folded, notes, say, table
@@ -75,7 +76,8 @@ def command(
             notes(case.notes)
             _print_campaign(case)
         return
-    chosen = loaded(scenario, sets, swaps, maps, pace, step=step, duration=duration, flavour=flavour)
+    given = swaps_of(swaps, maps)
+    chosen = loaded(scenario, sets, given, pace, step=step, duration=duration, flavour=flavour)
     if figures:
         require(chosen)
     opened = open_scenario(chosen)
@@ -84,7 +86,7 @@ def command(
         return
     claims = (
         str(finding)
-        for block in (swap.partition("=")[0].strip() for swap in swaps)
+        for block in (swap.block for swap in given)
         for finding in own_claims(opened.plan.scenario, block, [v.name for v in opened.plan.models[block].of("output")])
     )
     notes([*opened.plan.notes, *claims, *_of_live(chosen)])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 from ..errors import Fields, InputError, Place, Problem, hint
 
@@ -14,6 +14,29 @@ Key = tuple[str | int, ...]
 
 PLACES = ("lines", "options", "origins", "files")
 """What a Source keeps by key, beside its data."""
+
+
+class StartName(NamedTuple):
+    """The name of a start value: `block.parameter`, or `shared.parameter` or `parameter` for a shared one."""
+
+    block: str
+    variable: str
+
+    @classmethod
+    def of(cls, text: str) -> StartName:
+        """Returns what a text names, as `--set` and campaigns have it."""
+        block, dot, variable = text.partition(".")
+        return cls(block, variable) if dot else cls("shared", text)
+
+    @property
+    def shared(self) -> bool:
+        """Whether every block that has such a parameter takes it."""
+        return self.block == "shared"
+
+    @property
+    def key(self) -> Key:
+        """Where it stands in a scenario."""
+        return ("shared", self.variable) if self.shared else ("blocks", self.block, "start", self.variable)
 
 
 @dataclass
@@ -74,20 +97,20 @@ class Source:
         copy = self.copy()
         data = copy.data if isinstance(copy.data, dict) else {}
         place = f"{option}{name}={value}"
-        block, _, variable = name.partition(".") if "." in name else ("shared", "", name)
-        if not block or not variable:
+        start = StartName.of(name)
+        if not start.block or not start.variable:
             raise InputError(f"{place}: expected block.parameter=value, or parameter=value for a shared one")
-        key: Key = ("shared",) if block == "shared" else ("blocks", block, "start")
+        *_, group, variable = start.key
         holder, blocks = data, data.get("blocks")
-        if block != "shared":
-            if not isinstance(blocks, dict) or not isinstance(blocks.get(block), dict):
-                raise InputError(f"{place}: there is no block {block!r}{hint(block, blocks or ())}")
-            holder = blocks[block]
-        if not isinstance(holder.get(key[-1]), dict):
-            holder[key[-1]] = {}
-        holder[key[-1]].pop(variable, None)  # the last one counts, also over elements
-        holder[key[-1]][variable] = value
-        copy.options[*key, variable] = place
+        if not start.shared:
+            if not isinstance(blocks, dict) or not isinstance(blocks.get(start.block), dict):
+                raise InputError(f"{place}: there is no block {start.block!r}{hint(start.block, blocks or ())}")
+            holder = blocks[start.block]
+        if not isinstance(holder.get(group), dict):
+            holder[group] = {}
+        holder[group].pop(variable, None)  # the last one counts, also over elements
+        holder[group][variable] = value
+        copy.options[start.key] = place
         return copy
 
     def with_set(self, name: str, value: Any) -> Source:

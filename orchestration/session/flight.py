@@ -20,6 +20,7 @@ from ..master.master import Master
 from ..master.recording import Watch
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
+from ..scenario.source import StartName
 from ..system.starts import Start, resolve
 from ..system.wiring import Node
 from .open import Opened
@@ -88,9 +89,10 @@ class Flight:
 
     def _unchanged(self, values: Mapping[str, Any]) -> dict[str, list[Start]] | None:
         """The start values of the blocks that none of these values reaches; None where a shared value is among them, which may reach all."""
-        holders = {text.partition(".")[0] if "." in text else "shared" for text in values}
-        if "shared" in holders:
+        starts = [StartName.of(text) for text in values]
+        if any(start.shared for start in starts):
             return None
+        holders = {start.block for start in starts}
         return {block: starts for block, starts in self._opened.plan.starts.items() if block not in holders}
 
     def _ready(self, watch: Watch) -> Master:
@@ -142,18 +144,16 @@ def with_values(scenario: Scenario, values: Mapping[str, Any], places: Mapping[s
     """
     shared, blocks, options = dict(scenario.shared), dict(scenario.blocks), dict(scenario.source.options)
     for text, value in values.items():
-        holder, _, variable = text.partition(".") if "." in text else ("shared", "", text)
-        name = Name(variable)
-        place = (places or {}).get(text) or f"{text}={value}"
-        if holder == "shared":
+        start = StartName.of(text)
+        name, block = Name(start.variable), start.block
+        options[start.key] = place = (places or {}).get(text) or f"{text}={value}"
+        if start.shared:
             starts = shared
-            options["shared", variable] = place
         else:
-            if holder not in blocks:
-                raise InputError(f"{place}: there is no block {holder!r}{hint(holder, blocks)}")
-            starts = dict(blocks[holder].start)
-            blocks[holder] = blocks[holder].model_copy(update={"start": starts})
-            options["blocks", holder, "start", variable] = place
+            if block not in blocks:
+                raise InputError(f"{place}: there is no block {block!r}{hint(block, blocks)}")
+            starts = dict(blocks[block].start)
+            blocks[block] = blocks[block].model_copy(update={"start": starts})
         starts.pop(name, None)  # the last one counts, also over elements
         starts[name] = value
     copy = scenario.model_copy(update={"shared": shared, "blocks": blocks})

@@ -18,7 +18,7 @@ from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.swaps import Looked, look
 from orchestration.acceptance.polarity.trials import run
 from orchestration.session.read import read
-from orchestration.swap.option import swapped
+from orchestration.swap.option import swapped, swaps_of
 
 from ..orchestration.acceptance import teams
 
@@ -68,7 +68,7 @@ def _teams(folder: Path, bad: list[str]) -> str:
     cases["hardware_allocator"] = ("allocator", EXAMPLE / "actuators.fmu", MENDED)
     for name, (block, fmu, expected) in cases.items():
         begun = perf_counter()
-        looked: Looked = look(ours, swapped(ours, [f"{block}={fmu}"]), [block])
+        looked: Looked = look(ours, swapped(ours, swaps_of([f"{block}={fmu}"])), [block])
         seconds = perf_counter() - begun
         behaves = {port: wrong for mended in looked.mended for port, wrong in mended.behaves.items()}
         told = {port: wrong for port, wrong in behaves.items() if port in expected}

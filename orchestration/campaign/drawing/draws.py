@@ -14,7 +14,7 @@ from ...errors import InputError, Problem
 from ...fmu.model import Model, NameUnknown, Variable
 from ...quantities import BASES, ONE, QuantityError, Unit, parse_unit
 from ...scenario.references import Name
-from ...scenario.source import Source
+from ...scenario.source import Source, StartName
 from ...system.starts import taken
 from ..file.campaign import Campaign
 from ..file.distributions import Varied
@@ -149,13 +149,13 @@ def prepare(campaign: Campaign, source: Source, models: Mapping[str, Model]) -> 
 
 def _target(name: str, models: Mapping[str, Model]) -> Variable | None:
     """The parameter that a name means; None where there is none, of which `resolve` tells."""
-    holder, _, text = name.partition(".") if "." in name else ("shared", "", name)
-    wanted = Name(text)
-    of = list(models.items()) if holder == "shared" else [(holder, models[holder])] if holder in models else []
+    start = StartName.of(name)
+    wanted = Name(start.variable)
+    of = [(block, model) for block, model in models.items() if start.shared or block == start.block]
     for block, model in of:
         if wanted.variable in model.helpers:
             return model.helpers[wanted.variable].variable
-        own = taken(model, wanted) if holder == "shared" else wanted
+        own = taken(model, wanted) if start.shared else wanted
         if own is None:
             continue
         try:

@@ -13,7 +13,7 @@ from fmus.interface import parse
 from orchestration import load, run
 from orchestration.acceptance.compare import compare
 from orchestration.session.read import read
-from orchestration.swap.option import swapped
+from orchestration.swap.option import swapped, swaps_of
 from tests.commands import orchestrate
 
 from .test_kit import ROOT, make
@@ -42,7 +42,7 @@ def fmu(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def flown(fmu):
     """V.B with their allocator."""
-    return run(load(swapped(read(SCENARIO), [f"allocator={fmu}"], [str(EXAMPLE / "mapping.yaml")])))
+    return run(load(swapped(read(SCENARIO), swaps_of([f"allocator={fmu}"], [str(EXAMPLE / "mapping.yaml")]))))
 
 
 def test_what_is_generated_is_that_of_its_interface():
@@ -81,7 +81,7 @@ def test_its_coils_are_quantised_and_off_while_the_magnetometer_is_read(flown):
 def compared(fmu: Path, mapping: Path, duration: str, *tolerance: str):
     """Theirs against ours in V.B, without the page."""
     source = read(SCENARIO).with_value("duration", duration, "--duration")
-    theirs = swapped(source, [f"allocator={fmu}"], [str(mapping)])
+    theirs = swapped(source, swaps_of([f"allocator={fmu}"], [str(mapping)]))
     return compare(source, theirs, "allocator", tolerance)
 
 
@@ -116,7 +116,7 @@ def test_its_friction_compensation_gives_the_wheel_what_is_asked(fmu, tmp_path):
     """A wheel with friction stands still under small torques; compensated, its momentum follows that of a wheel without."""
 
     def fly(friction: float, compensated: float):
-        source = swapped(read(SCENARIO), [f"allocator={fmu}"], [str(EXAMPLE / "mapping.yaml")])
+        source = swapped(read(SCENARIO), swaps_of([f"allocator={fmu}"], [str(EXAMPLE / "mapping.yaml")]))
         values = {
             "plant.wheel_viscous_friction": friction,  # N m s/rad
             "allocator.friction_viscous": f"{compensated!r} N.m.s/rad",

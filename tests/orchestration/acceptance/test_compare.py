@@ -71,7 +71,7 @@ def test_a_tolerance_is_absolute_or_a_share(tmp_path, monkeypatch, tolerance, wi
     path = swapped(tmp_path, monkeypatch)
     of_gain(1.1)
     source = read(path)
-    theirs = swap.swapped(source, ["regulator=vendor.fmu"], ["mapping.yaml"])
+    theirs = swap.swapped(source, swap.swaps_of(["regulator=vendor.fmu"], ["mapping.yaml"]))
     assert compare(source, theirs, "regulator", [tolerance]).equivalent is within
 
 

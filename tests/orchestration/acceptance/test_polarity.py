@@ -20,6 +20,7 @@ from orchestration.quantities import parse_unit
 from orchestration.scenario.text import parse
 from orchestration.session.read import read
 from orchestration.swap.option import swapped as with_swap
+from orchestration.swap.option import swaps_of
 from orchestration.system.wiring import Wiring
 from tests.commands import orchestrate
 
@@ -236,7 +237,7 @@ def test_the_test_card_has_the_signs_of_the_physics(paper):
 def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without_help(tmp_path):
     fmu = teams.build("quaternion", tmp_path)
     ours = read(SCENARIOS / "paper_no_singularity.yaml")
-    looked = look(ours, with_swap(ours, [f"controller={fmu}"]), ["controller"])
+    looked = look(ours, with_swap(ours, swaps_of([f"controller={fmu}"])), ["controller"])
     assert "R_NB: {theirs: att, quaternion: scalar first}  # unsure" in looked.proposed["controller"]
     assert looked.wrong is not None
     assert looked.left is None
