@@ -103,6 +103,14 @@ def test_a_block_at_a_multiple_of_the_base_step_is_stepped_over_all_of_it_when_i
     np.testing.assert_allclose(result["second.y"], expected, atol=1e-12)
 
 
+def test_steps_left_over_after_the_last_multiple_of_every_are_not_made():
+    """In the Python loop, since the blocks are mocks: 1.0 s is 10 base steps, of which two times 4 are made."""
+    blocks = [ramp("plant"), law("first"), law("second")]
+    result = run(blocks, {"step": 0.1, "duration": 1.0, "connections": CHAIN}, every={"first": 4})
+    assert [call[1:] for call in blocks[1].calls if call[0] == "do_step"] == [(0.0, 0.4), (0.4, 0.4)]
+    np.testing.assert_allclose(result["first.y"][8:], 0.8, atol=1e-12)
+
+
 @pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 def test_a_longer_recording_interval_takes_every_so_manyth_sample_and_changes_nothing_else(exchange):
     fine, _ = chain(exchange=exchange)
