@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError, Problem
+from ..errors import InputError, Problems
 from ..expressions import ExpressionError
 from ..fmu.model import Floats, Model, Variable
 from ..quantities import ONE, QuantityError, parse, real
@@ -47,14 +47,10 @@ class Relation:
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[Relation]:
     """Checks the consistency checks against the blocks. Raises InputError with every error."""
     relations: list[Relation] = []
-    errors: list[Problem] = []
-    for name, entry in scenario.consistency.items():
-        try:
-            relations.append(_relation(scenario, name, entry, models))
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for name, entry in scenario.consistency.items():
+            with problems.gathered():
+                relations.append(_relation(scenario, name, entry, models))
     return relations
 
 

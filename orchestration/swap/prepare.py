@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..errors import InputError, Problem
+from ..errors import InputError, Problem, Problems
 from ..fmu.archive import Fmu, shown
 from ..fmu.interfaces import Interface, is_path, own, place, reference, with_inputs
 from ..fmu.model import Element
@@ -43,22 +43,20 @@ def interface_of(scenario: Scenario, name: str, model_name: str) -> str | None:
 def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     """Fits every swapped block to its interface. Raises InputError with everything that does not fit."""
     prepared = Prepared(scenario, {name: with_inputs(fmu, scenario.blocks[name].fmu) for name, fmu in fmus.items()})
-    errors: list[Problem] = []
     interfaces: dict[str, Interface] = {}
-    for name, entry in scenario.blocks.items():
-        asked = interface_of(scenario, name, fmus[name].model.name)
-        if asked is None:
-            if entry.map is not None:
-                message = "a mapping needs to know whose ports stand on its left; remedy: 'interface: ...' in the entry of this block"
-                errors.append(scenario.error(("blocks", name, "map"), message))
-            continue
-        try:
-            interfaces[name] = _reference(scenario, name, asked)
-            _fit(prepared, name, entry, interfaces[name], fmus[name])
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for name, entry in scenario.blocks.items():
+            asked = interface_of(scenario, name, fmus[name].model.name)
+            if asked is not None:
+                with problems.gathered():
+                    interfaces[name] = _reference(scenario, name, asked)
+                    _fit(prepared, name, entry, interfaces[name], fmus[name])
+            elif entry.map is not None:
+                text, remedy = (
+                    "a mapping needs to know whose ports stand on its left",
+                    "'interface: ...' in the entry of this block",
+                )
+                problems.append(scenario.error(("blocks", name, "map"), text, remedy=remedy))
     if interfaces:
         settle(prepared)
         _connect(prepared)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from ..errors import InputError, Problem
+from ..errors import InputError, Problems
 from ..fmu.archive import Fmu
 from ..fmu.co_simulation import CoSimulation
 from ..instances.substeps import Substeps
@@ -30,14 +30,11 @@ class Rates:
 def rates(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Rates:
     """Finds how often each block is stepped. Raises InputError with every step that does not divide."""
     found = Rates(scenario)
-    source, errors = scenario.source, list[Problem]()
-    for name, fmu in fmus.items():
-        try:
-            source = _timed(found, source, name, fmu.kind)
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    source = scenario.source
+    with Problems() as problems:
+        for name, fmu in fmus.items():
+            with problems.gathered():
+                source = _timed(found, source, name, fmu.kind)
     if source is not scenario.source:
         found.scenario = load(source)
     return found

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from typing import Protocol, Unpack
 
-from ..errors import Fields, InputError, Problem, hint
+from ..errors import Fields, InputError, Problem, Problems, hint
 from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
 from ..fmu.names import escaped
 from ..scenario.references import Reference
@@ -46,21 +46,16 @@ def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     elif not scenario.record.signals and scenario.source.file is not None:
         message = "must not be empty; without it all outputs of all blocks are recorded"
         raise InputError(scenario.error(("record", "signals"), message))
-    errors: list[Problem] = []
-    for number, reference in enumerate(scenario.record.signals or ()):
-        key: Key = ("record", "signals", number)
-        try:
-            matches = (
-                _matching(scenario, key, reference, models)
-                if not isinstance(reference, Reference)
-                else find(scenario, key, reference, models)[1]
-            )
-        except InputError as error:
-            errors += error.problems
-        else:
-            nodes.update(dict.fromkeys(matches))
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, reference in enumerate(scenario.record.signals or ()):
+            key: Key = ("record", "signals", number)
+            with problems.gathered():
+                matches = (
+                    _matching(scenario, key, reference, models)
+                    if not isinstance(reference, Reference)
+                    else find(scenario, key, reference, models)[1]
+                )
+                nodes.update(dict.fromkeys(matches))
     return list(nodes)
 
 
