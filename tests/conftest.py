@@ -40,6 +40,7 @@ MARKERS = {
         "fmus/test_rules.py",
         "fmus/test_nested.py",
         "native",
+        "orchestration/acceptance/test_binaries.py",
         "orchestration/acceptance/test_check.py",
         "orchestration/acceptance/test_compare.py",
         "orchestration/live",

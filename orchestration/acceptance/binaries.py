@@ -1,13 +1,14 @@
-"""What the binaries of an FMU export and need, read from their tables without running them.
+"""Reads what the libraries of an FMU export and need from their tables, without running them.
 
-ELF (Linux) and PE (Windows) are read here, by the layouts of their formats; of Mach-O (macOS) only that
-it is there is known. loader.py looks for the libraries that they need.
-"""
+The package lief reads the tables of ELF (Linux), PE (Windows) and Mach-O (macOS).
+loader.py looks for the libraries that they need."""
 
 from __future__ import annotations
 
-import struct
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..fmu.model import Model
 from ..fmu.types import NATIVES
@@ -55,12 +56,15 @@ class Unreadable(ValueError):
     """The file is no library of a kind that is understood; the message says what it is."""
 
 
+class ReaderMissing(Exception):
+    """The package that reads the tables is not installed."""
+
+
 @dataclass
 class Library:
     """The dynamic tables of a shared library."""
 
     kind: str
-    machine: str
     exported: set[str] = field(default_factory=set)
     undefined: set[str] = field(default_factory=set)
     """Symbols that it must find elsewhere."""
@@ -73,131 +77,68 @@ class Library:
 
 
 def read(data: bytes) -> Library:
-    """The tables of a library. Raises Unreadable."""
+    """Returns the tables of a library, of several in one file those of the first.
+
+    Raises Unreadable, and ReaderMissing where lief is not installed.
+    """
+    kind = next((kind for magic, kind in _MAGIC.items() if data.startswith(magic)), None)
+    if kind is None:
+        raise Unreadable("it is no shared library")
     try:
-        if data[:4] == b"\x7fELF":
-            return _elf(data)
-        if data[:2] == b"MZ":
-            return _pe(data)
-    except (struct.error, IndexError, ValueError) as error:
-        if isinstance(error, Unreadable):
-            raise
-        raise Unreadable("its tables are damaged") from None
-    if data[:4] in (b"\xca\xfe\xba\xbe", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe"):
-        return Library("Mach-O", "")
-    raise Unreadable("it is no shared library")
-
-
-def _text(data: bytes, start: int) -> str:
-    return data[start : data.index(b"\0", start)].decode("utf-8", "replace")
-
-
-# ---------------------------------------------------------------- ELF
-
-_MACHINES = {62: "x86_64", 183: "aarch64", 3: "x86", 40: "arm", 243: "riscv64"}
-_DYNSYM, _DYNAMIC, _VERNEED = 11, 6, 0x6FFFFFFE
-_NEEDED, _RPATH, _RUNPATH = 1, 15, 29
-_ENTRIES_MAX = 1000
-"""Libraries of which versions are asked for."""
-
-
-def _elf(data: bytes) -> Library:
-    if data[4] != 2 or data[5] != 1:
-        raise Unreadable("it is an ELF library of 32 bits or of the other byte order")
-    kind, machine = struct.unpack_from("<HH", data, 16)
-    if kind != 3:
-        raise Unreadable("it is an ELF file, but no shared library")
-    (offset,) = struct.unpack_from("<Q", data, 40)
-    size, count = struct.unpack_from("<HH", data, 58)
-    # name, type, flags, addr, offset, size, link, info, align, entsize
-    sections = [struct.unpack_from("<IIQQQQIIQQ", data, offset + i * size) for i in range(count)]
-    library = Library("ELF", _MACHINES.get(machine, str(machine)))
-    for section in sections:
-        strings = sections[section[6]][4] if section[6] < len(sections) else 0
-        if section[1] == _DYNSYM:
-            _elf_symbols(data, section, strings, library)
-        elif section[1] == _DYNAMIC:
-            _elf_dynamic(data, section, strings, library)
-        elif section[1] == _VERNEED:
-            _elf_versions(data, section, strings, library)
+        import lief  # here, since it takes long and few commands look at libraries  # noqa: PLC0415
+    except ModuleNotFoundError:
+        raise ReaderMissing from None
+    lief.logging.disable()
+    library = _library(kind, lief.parse, data)
+    if isinstance(library, str):
+        raise Unreadable(library)
     return library
 
 
-def _elf_symbols(data: bytes, section: tuple[int, ...], strings: int, library: Library) -> None:
-    for start in range(section[4] + 24, section[4] + section[5], 24):
-        name, info, other, index, _, _ = struct.unpack_from("<IBBHQQ", data, start)
-        text = _text(data, strings + name)
-        weak = info >> 4 == 2
-        if index == 0:
-            if not weak and text:
-                library.undefined.add(text)
-        elif other & 3 in (0, 3):  # default or protected visibility
-            library.exported.add(text)
+_MAGIC = {b"\x7fELF": "ELF", b"MZ": "PE"}
+_MAGIC |= dict.fromkeys((b"\xca\xfe\xba\xbe", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe"), "Mach-O")
 
 
-def _elf_dynamic(data: bytes, section: tuple[int, ...], strings: int, library: Library) -> None:
-    for start in range(section[4], section[4] + section[5], 16):
-        tag, value = struct.unpack_from("<QQ", data, start)
-        if tag == _NEEDED:
-            library.needed.append(_text(data, strings + value))
-        elif tag in (_RPATH, _RUNPATH):
-            library.search += _text(data, strings + value).split(":")
+def _is_whole(parsed: Any, size: int) -> bool:
+    """Whether a file of this size holds all sections that it names. Of Mach-O lief looks itself."""
+    sections = [s for s in parsed.sections if getattr(s, "type", None) is None or s.type.name != "NOBITS"]
+    told = getattr(parsed.header, "numberof_sections", len(parsed.sections))
+    some = bool(told or getattr(parsed, "segments", ()))
+    return some and len(parsed.sections) == told and all(s.offset + s.size <= size for s in sections)
 
 
-def _elf_versions(data: bytes, section: tuple[int, ...], strings: int, library: Library) -> None:
-    at = section[4]
-    for _ in range(min(section[7], _ENTRIES_MAX)):
-        _, count, _, first, following = struct.unpack_from("<HHIII", data, at)
-        entry = at + first
-        for _ in range(count):
-            _, _, _, name, after = struct.unpack_from("<IHHII", data, entry)
-            library.versions.add(_text(data, strings + name))
-            entry += after
-            if after == 0:
-                break
-        at += following
-        if following == 0:
-            break
+def _library(kind: str, parse: Callable[[bytes], Any], data: bytes) -> Library | str:
+    """Returns the tables, or why there are none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of numbers that the formats do not know
+        parsed = parse(data)
+        if parsed is None or (kind != "Mach-O" and not _is_whole(parsed, len(data))):
+            return "its tables are damaged"
+        if kind == "ELF" and parsed.header.file_type.name != "DYN":
+            return "it is an ELF file, but no shared library"
+        return {"ELF": _elf, "PE": _pe, "Mach-O": _mach_o}[kind](parsed)
 
 
-# ---------------------------------------------------------------- PE
-
-
-_SECTIONS_MAX = 96
-"""What Windows loads."""
-
-
-def _pe(data: bytes) -> Library:
-    (header,) = struct.unpack_from("<I", data, 60)
-    if data[header : header + 4] != b"PE\0\0":
-        raise Unreadable("it is no Windows library")
-    machine, count = struct.unpack_from("<HH", data, header + 4)
-    if count > _SECTIONS_MAX:
-        raise Unreadable("its tables are damaged")
-    optional, magic = header + 24, struct.unpack_from("<H", data, header + 24)[0]
-    directories = optional + (112 if magic == 0x20B else 96)
-    sections = optional + struct.unpack_from("<H", data, header + 20)[0]
-    spans = [struct.unpack_from("<IIII", data, sections + 40 * i + 8) for i in range(count)]
-
-    def place(address: int) -> int:
-        for size, start, raw_size, raw in spans:
-            if start <= address < start + max(size, raw_size):
-                return address - start + raw
-        raise Unreadable("its tables are damaged")
-
-    library = Library("PE", {0x8664: "x86_64", 0xAA64: "aarch64", 0x14C: "x86"}.get(machine, hex(machine)))
-    exports, imports = (struct.unpack_from("<I", data, directories + 8 * i)[0] for i in range(2))
-    if exports:
-        table = place(exports)
-        number, names = struct.unpack_from("<I", data, table + 24)[0], struct.unpack_from("<I", data, table + 32)[0]
-        if number > len(data) // 4:
-            raise Unreadable("its tables are damaged")
-        for i in range(number):
-            (name,) = struct.unpack_from("<I", data, place(names) + 4 * i)
-            library.exported.add(_text(data, place(name)))
-    if imports:
-        at = place(imports)
-        while name := struct.unpack_from("<I", data, at + 12)[0]:
-            library.needed.append(_text(data, place(name)))
-            at += 20
+def _elf(parsed: Any) -> Library:
+    library = Library("ELF", needed=list(parsed.libraries))
+    for symbol in parsed.dynamic_symbols:
+        if symbol.shndx == 0:
+            if symbol.name and symbol.binding.name != "WEAK":
+                library.undefined.add(symbol.name)
+        elif symbol.visibility.name not in ("HIDDEN", "INTERNAL"):
+            library.exported.add(symbol.name)
+    for entry in parsed.dynamic_entries:
+        library.search += getattr(entry, "paths", [])  # of an rpath or a runpath
+    for requirement in parsed.symbols_version_requirement:
+        library.versions |= {version.name for version in requirement.get_auxiliary_symbols()}
     return library
+
+
+def _pe(parsed: Any) -> Library:
+    exported = {function.name for function in parsed.exported_functions}
+    return Library("PE", exported, needed=[i.name for i in parsed.imports])
+
+
+def _mach_o(parsed: Any) -> Library:
+    exported = {symbol.name.removeprefix("_") for symbol in parsed.exported_symbols}
+    return Library("Mach-O", exported, needed=[library.name for library in parsed.libraries])

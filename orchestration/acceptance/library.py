@@ -37,8 +37,14 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
     else:
         text = f"none for this platform: expected {wanted}, found {libraries(files, here)}"
         findings.append(Finding("error", "binary", text, f"build it for {here}, or run on one of its platforms"))
-    for platform, name in offered.items():
-        _library(platform, platform == here, model, files[name].read_bytes(), files, findings)
+    try:
+        for platform, name in offered.items():
+            _library(platform, platform == here, model, files[name].read_bytes(), files, findings)
+    except binaries.ReaderMissing:
+        text = (
+            "whether the libraries have FMI's functions, and what they need, is not looked at without the package lief"
+        )
+        findings.append(Finding("warning", "functions", text, "pip install 'attitude-cosim[check]'"))
     if kind.needs_tool:
         text = "it needs the tool or the interpreter that made it where it runs (needsExecutionTool)"
         findings.append(Finding("warning", "host", text, "install that tool on every machine that runs it"))
@@ -71,9 +77,6 @@ def _library(
             else ("warning", "build it anew, if that platform is used")
         )
         findings.append(Finding(level, "binary", f"{platform}: {error}", remedy))  # type: ignore[arg-type]
-        return
-    if library.kind == "Mach-O":
-        findings.append(Finding("note", "binary", f"{platform}: a Mach-O library, whose functions are not looked at"))
         return
     missing = [name for name in binaries.FUNCTIONS[model.prefix] if name not in library.exported]
     needed = [name for name in missing if name in binaries.called(model)]

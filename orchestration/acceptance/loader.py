@@ -1,4 +1,4 @@
-"""What the loader of this machine would not find for a library, on Linux."""
+"""Finds what the loader of this machine would not find for a library, on Linux."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _read_or_empty(data: bytes) -> Library:
     try:
         return read(data)
     except Unreadable:
-        return Library("", "")
+        return Library("")
 
 
 @lru_cache(maxsize=64)

@@ -13,7 +13,6 @@ import pytest
 
 from fmus.contents.description import Capabilities, model_description
 from fmus.interface import load, parse
-from orchestration.acceptance import binaries
 from orchestration.acceptance.check import check
 from tests.commands import orchestrate
 from tests.machine import require_elf_tools
@@ -129,32 +128,6 @@ def test_missing_functions_symbols_and_libraries_are_told_without_loading_it(her
         subprocess.run(["cc", "-shared", "-fPIC", "-w", "-o", "p.so", "p.c", *needed], check=True)
         fmus.write(here / "vendor.fmu", fmus.description("regulator"), (here / "p.so").read_bytes())
         assert message in texts(findings(here / "vendor.fmu", topic=topic, level="error"))
-
-
-def test_the_symbols_of_a_library_are_those_that_nm_lists(here):
-    require_elf_tools("nm")
-    (here / "p.so").write_bytes(fmus.library())
-    library = binaries.read(fmus.library())
-    listed = subprocess.run(["nm", "-D", "--defined-only", "p.so"], capture_output=True, text=True, check=True).stdout
-    assert {
-        line.split()[2].split("@")[0] for line in listed.splitlines() if line.split()[1] in "TDBRVW"
-    } <= library.exported
-    listed = subprocess.run(["nm", "-D", "--undefined-only", "p.so"], capture_output=True, text=True, check=True).stdout
-    assert {
-        line.split()[-1].split("@")[0] for line in listed.splitlines() if line.split()[0] == "U"
-    } == library.undefined
-
-
-def test_the_tables_of_windows_libraries_are_read():
-    from fmus.build import ensure
-
-    with zipfile.ZipFile(ensure("allocator", "native")) as archive:
-        name = "binaries/win64/allocator.dll"
-        if name not in archive.namelist():
-            pytest.skip("built for this machine only")
-        library = binaries.read(archive.read(name))
-    assert library.machine == "x86_64"
-    assert set(binaries.FUNCTIONS["fmi2"]) <= library.exported
 
 
 def test_what_it_asks_of_its_host_is_told(here):
