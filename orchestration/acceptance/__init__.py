@@ -1,1 +1,1 @@
-"""Whether another team's FMU fits: its files, test vectors, back to back with ours."""
+"""Finds out whether another team's FMU fits: by its files, test vectors, and back to back with ours."""

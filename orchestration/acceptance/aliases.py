@@ -1,4 +1,4 @@
-"""What the standard forbids of variables that share a value reference."""
+"""Finds what the standard forbids of variables that share a value reference."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ def look(description: Any, findings: list[Finding]) -> None:
 
 
 def _wrong(alike: list[Any]) -> str:
-    """What is wrong with variables of one type and reference; empty where nothing is."""
+    """Returns what is wrong with variables of one type and reference; empty where nothing is."""
     if text := set_together(alike):
         return text
     constant = [v for v in alike if v.variability == "constant"]
     if constant and len(constant) < len(alike):
-        return f", of which {listed(constant)} {'is' if len(constant) == 1 else 'are'} constant; expected all of them or none"
+        are = "is" if len(constant) == 1 else "are"
+        return f", of which {listed(constant)} {are} constant; expected all of them or none"
     if len(starts := {v.start for v in constant}) > 1:
         return f", constants with the start values {', '.join(map(str, sorted(starts, key=str)))}; expected one value"
     if len(units := {unit for v in alike if v.type == "Real" and (unit := _unit(v))}) > 1:

@@ -22,12 +22,13 @@ _NAMES = {
         "GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus"
     ),
     "fmi3": (
-        "GetVersion SetDebugLogging InstantiateCoSimulation FreeInstance EnterInitializationMode ExitInitializationMode "
-        "EnterEventMode EnterStepMode Terminate Reset EnterConfigurationMode ExitConfigurationMode "
-        "GetNumberOfVariableDependencies GetVariableDependencies GetFMUState SetFMUState FreeFMUState "
-        "SerializedFMUStateSize SerializeFMUState DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative "
-        "GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetIntervalFraction "
-        "SetShiftDecimal SetShiftFraction EvaluateDiscreteStates UpdateDiscreteStates GetOutputDerivatives DoStep "
+        "GetVersion SetDebugLogging InstantiateCoSimulation FreeInstance EnterInitializationMode "
+        "ExitInitializationMode EnterEventMode EnterStepMode Terminate Reset EnterConfigurationMode "
+        "ExitConfigurationMode GetNumberOfVariableDependencies GetVariableDependencies GetFMUState SetFMUState "
+        "FreeFMUState SerializedFMUStateSize SerializeFMUState DeserializeFMUState GetDirectionalDerivative "
+        "GetAdjointDerivative GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction "
+        "SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction EvaluateDiscreteStates "
+        "UpdateDiscreteStates GetOutputDerivatives DoStep "
     )
     + " ".join(f"{verb}{native.function}" for native in NATIVES[3].values() for verb in ("Get", "Set"))
     + " GetBinary SetBinary GetClock SetClock",
@@ -89,6 +90,7 @@ def read(data: bytes) -> Library:
     except ModuleNotFoundError:
         raise ReaderMissing from None
     lief.logging.disable()
+    getattr(lief, "disable_leak_warning", lambda: None)()  # which it would print at the end
     library = _library(kind, lief.parse, data)
     if isinstance(library, str):
         raise Unreadable(library)

@@ -1,4 +1,7 @@
-"""What of another team's FMU may stand for a port of ours: variables and groups of scalars, and how much they have in common."""
+"""Finds what of another team's FMU may stand for a port of ours: variables, and the scalars of a vector.
+
+Tests: tests/orchestration/acceptance/test_suggest.py.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,8 @@ from difflib import SequenceMatcher
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit
 
-_INDEX = re.compile(r"^(.*?)[_.]?([xyzXYZ]|[0-9]|[wsWS])(_.*|)$")
+_INDEX = re.compile(r"([xyzwsXYZWS0-9])(?=_|$)")
+"""A letter or digit of a name that may be the index of an element."""
 _ORDERS = ("xyz", "123", "012", "wxyz", "xyzw", "sxyz", "xyzs", "0123", "1234", "123456789", "012345678")
 """Endings of the scalars of one vector, in its order."""
 _IN = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]|\bin ([^\s,;:]{1,20})")
@@ -24,30 +28,30 @@ class Candidate:
     """Of which type, unit and description it is."""
     size: int
     shape: tuple[int, ...]
-
-    @property
-    def stem(self) -> str:
-        if len(self.names) == 1:
-            return self.names[0]
-        match = _INDEX.match(self.names[0])
-        return (match[1] + match[3]) if match else self.names[0]
+    stem: str
+    """The name, of scalars without the index."""
 
 
 def candidates(theirs: Model, causality: str) -> list[Candidate]:
-    """Whole variables, and scalars whose names end as the elements of a vector do."""
+    """Returns whole variables, and scalars whose names differ by the index of a vector's elements.
+
+    An index may stand wherever a name has such a letter: of `gyros_x` both the s and the x are tried,
+    and only the x has the y and z that make a vector.
+    """
     variables = theirs.of(causality)
-    found = [Candidate((v.name,), v, v.size, v.shape) for v in variables]
-    stems: dict[tuple[str, str], dict[str, Variable]] = {}
+    found = [Candidate((v.name,), v, v.size, v.shape, v.name) for v in variables]
+    stems: dict[str, dict[str, Variable]] = {}
     for variable in variables:
-        match = _INDEX.match(variable.name)
-        if variable.size == 1 and match and (match[1] or match[3]):
-            stems.setdefault((match[1], match[3]), {})[match[2].lower()] = variable
-    for members in stems.values():
-        order = next((o for o in _ORDERS if set(o) == set(members) and "".join(members) == o), None)
-        order = order or next((o for o in _ORDERS if set(o) == set(members)), None)
-        if order is not None:
+        for match in _INDEX.finditer(variable.name if variable.size == 1 else ""):
+            stem = variable.name[: match.start()].rstrip("_.") + variable.name[match.end() :]
+            if stem:
+                stems.setdefault(stem, {})[match[1].lower()] = variable
+    for stem, members in stems.items():
+        orders = [order for order in _ORDERS if set(order) == set(members)]
+        if orders:
+            order = "".join(members) if "".join(members) in orders else orders[0]
             chosen = [members[letter] for letter in order]
-            found.append(Candidate(tuple(v.name for v in chosen), chosen[0], len(chosen), (len(chosen),)))
+            found.append(Candidate(tuple(v.name for v in chosen), chosen[0], len(chosen), (len(chosen),), stem))
     return found
 
 
@@ -67,14 +71,14 @@ _COMMON = frozenset(
 
 
 def shared_words(ours: str, theirs: str) -> float:
-    """How much two descriptions have in common: words by their beginnings, so that `magnetic` is like `magnetometer`."""
+    """Returns how much two descriptions have in common, by how words begin: `magnetic` is like `magnetometer`."""
     one, other = ({w[:6] for w in _words(text) if w not in _COMMON and len(w) > 2} for text in (ours, theirs))
     both = sum(any(a.startswith(b[:5]) or b.startswith(a[:5]) for b in other) for a in one)
     return min(0.4 * both, 1.2)
 
 
 def told_unit(candidate: Candidate, own: Unit) -> Unit | None:
-    """A unit that fits ours and that their name or description holds: `rate_dps`, `field [nT]`, `in mN.m`."""
+    """Returns a unit that fits ours and that their name or description holds: `rate_dps`, `[nT]`, `in mN.m`."""
     texts = [a or b for a, b in _IN.findall(candidate.variable.description)]
     texts += re.split(r"[_.]", candidate.stem)[1:]
     for text in texts:

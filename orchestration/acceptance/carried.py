@@ -1,4 +1,7 @@
-"""Files that an FMU carries under `extra/`: read from its archive, with the file and the line of what is wrong."""
+"""Reads files that an FMU carries under `extra/`, and says the file and the line of what is wrong.
+
+Tests: tests/orchestration/acceptance/test_references.py.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ class Carried:
     archive: zipfile.ZipFile
 
     def file(self, where: str, entry: Any, source: str) -> str:
-        """The name in the archive of a file that stands at a relative URI; its checksum is held against it."""
+        """Returns the name in the archive of a file at a relative URI; its checksum is held against it."""
         uri = urlsplit(source)
         if uri.scheme or uri.netloc or source.startswith("/"):
             raise Missing(f"{source} stands outside the FMU")

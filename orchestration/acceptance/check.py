@@ -1,13 +1,14 @@
-"""Whether an FMU can take a block's place.
+"""Finds out whether an FMU can take a block's place.
 
-All but what its reference data say comes from its files, before anything of it runs: modelDescription.xml, and the tables
-of its libraries. A swap fits the ports by the same rules, see `fit`.
+All but what its reference data say comes from its files, before anything of it runs: modelDescription.xml,
+and the tables of its libraries. A swap fits the ports by the same rules, see `fit`.
 """
 
 from __future__ import annotations
 
 import re
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,14 +35,14 @@ def check(
     scenario: Scenario | None = None,
     tolerance: float | None = None,
 ) -> tuple[list[Finding], Fit | None]:
-    """All findings, and how its ports fit where they could be looked at.
+    """Returns all findings, and how its ports fit where they could be looked at.
 
     `lenient`: what is not valid in its description is a warning, as it is for a block with `validation: lenient`.
-    `tolerance`: where the FMU can be loaded, the reference data that it carries are played, in a process of its own; it
-    counts where they have none, relative to each output's largest value. None: nothing of the FMU runs.
+    `tolerance`: where the FMU can be loaded, the reference data that it carries are played, in a process of its own;
+    it counts where they have none, relative to each output's largest value. None: nothing of the FMU runs.
     With a scenario the findings name the expectations that would rest on what the FMU says of itself.
-    Raises InputError where the FMU, the interface or the mapping cannot be read at all, the FMU cannot be unpacked, or the
-    scenario has no such block.
+    Raises InputError where the FMU, the interface or the mapping cannot be read at all, the FMU cannot be unpacked,
+    or the scenario has no such block.
     """
     interface = reference(as_, Path.cwd())
     blocks = _blocks(scenario, as_) if scenario is not None else []
@@ -63,6 +64,7 @@ def check(
         aliases.look(description, findings)
     fitted = fit(interface, theirs, mapping)
     findings += fitted.findings
+    _ignored(fitted, scenario, blocks, findings)
     starts.look(fitted, theirs.starts, findings)
     inputs.look(fitted, findings)
     feedthrough.look(fitted, findings)
@@ -75,8 +77,20 @@ def check(
     return findings, fitted
 
 
+def _ignored(fitted: Fit, scenario: Scenario | None, blocks: Sequence[str], findings: list[Finding]) -> None:
+    """Says of outputs that the mapping ignores whether others are connected to them, since such a run is refused."""
+    connections = [] if scenario is None else scenario.connections
+    fed = {str(c.source.variable): str(c.target) for c in connections if c.source.block in blocks}
+    for name, ours in fitted.ignored.items():
+        reader = fed.get(name) if scenario is not None else "other blocks" if name in fitted.reference.needed else None
+        if ours.causality == "output" and reader is not None:
+            text = f"output {name} is ignored, but {reader} {'needs' if scenario is not None else 'need'} it"
+            remedy = f"map it: '{name}: THEIRS' under ports in the mapping, or connect another signal in the scenario"
+            findings.append(Finding("error", "ignored", text, remedy))
+
+
 def _blocks(scenario: Scenario, as_: str) -> list[str]:
-    """The blocks of a scenario whose place it would take: those of this interface, or else of this name."""
+    """Returns the blocks of a scenario whose place it would take: those of this interface, or else of this name."""
     alike = [name for name, entry in scenario.blocks.items() if as_ in (entry.interface, entry.fmu)]
     if not alike and as_ not in scenario.blocks:
         raise InputError(
@@ -87,7 +101,7 @@ def _blocks(scenario: Scenario, as_: str) -> list[str]:
 
 
 def _description(path: Path, head: Head, findings: list[Finding], lenient: bool) -> tuple[Any, Model] | None:
-    """FMPy's ModelDescription and the model, where FMI's version and the kind are ours and they can be read."""
+    """Returns FMPy's ModelDescription and the model, where FMI's version and the kind are ours."""
     try:
         check_version(path, head)
         description, model, problems = described(path, head, lenient=True)
@@ -125,7 +139,7 @@ def _validator(path: Path, description: Any, findings: list[Finding]) -> None:
 
 
 def _misnamed(description: Any) -> list[str]:
-    """The names that the naming convention does not allow."""
+    """Returns the names that the naming convention does not allow."""
     flat = description.variableNamingConvention == "flat"
     legal = (lambda name: not re.search(r"[\r\n\t]", name)) if flat else _STRUCTURED.fullmatch
     convention = "flat" if flat else "structured"

@@ -1,4 +1,4 @@
-"""Another team's FMU back to back with ours.
+"""Compares another team's FMU back to back with ours.
 
 Open loop: what our block was given in a run is given to theirs, and output stands against output.
 Closed loop: the whole run with theirs in the place, its expectations beside those of ours.
@@ -28,14 +28,14 @@ from .inputs import given, theirs_alone
 from .tolerances import Tolerance, tolerances
 
 ROUNDING = 1e-15
-"""A difference of so much of an output's nominal value is rounding and counts as zero, however small the output itself."""
+"""A difference of so much of an output's nominal value is rounding and counts as zero."""
 WIDE = 0.01
-"""A difference beyond this share of our output's largest value is named in the verdict, though a tolerance allows it."""
+"""A difference beyond this share of our largest value is named in the verdict, though a tolerance allows it."""
 
 
 @dataclass
 class Difference:
-    """How far one output of theirs is from ours, on the same inputs."""
+    """One output of theirs, and how far it is from ours on the same inputs."""
 
     output: str
     unit: str
@@ -96,13 +96,15 @@ class Comparison:
 
     @property
     def claims(self) -> list[tuple[Outcome, Outcome | None]]:
-        """Ours and theirs; None where an output that theirs lacks would have been looked at."""
+        """Returns outcomes of ours and theirs; None where theirs lacks an output that is looked at."""
         theirs = {outcome.name: outcome for outcome in self.theirs.outcomes}
         return [(outcome, theirs.get(outcome.name)) for outcome in self.ours.outcomes]
 
 
 def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = ()) -> Comparison:
-    """Compares the block of a scenario with that of the same scenario swapped. Raises InputError, and BlockError where ours fails.
+    """Compares the block of a scenario with that of the same scenario swapped.
+
+    Raises InputError, and BlockError where ours fails.
 
     `wanted` are tolerances as `tolerances.tolerances` takes them.
     """
@@ -144,7 +146,7 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
 
 
 def _recording(source: Source, block: str, more: Sequence[str]) -> Source:
-    """The scenario, with all that the block gives, and more signals, recorded at every step."""
+    """Returns the scenario with all that the block gives, and more signals, recorded at every step."""
     record = source.data.get("record") or {}
     signals = [*(record.get("signals") or ["*"]), f"{block}.*", *more]
     return source.with_entry(("record",), {"signals": list(dict.fromkeys(signals))})

@@ -1,9 +1,11 @@
-"""The experiments of an FMU that carries reference data (FMI-LS-REF): what its manifest and its files say, unpacked and checked.
+"""Reads the experiments of an FMU that carries reference data (FMI-LS-REF) from its manifest and its files.
 
-FMI-LS-REF 1.0.0-beta.1 (July 2026) names the files of `extra/org.fmi-standard.fmi-ls-ref/` and their roles, and leaves the
-experiments to the Modelica Association's Experiments Format. Three older and newer forms are read, too: experiments in the
-manifest (1.0.0-rc.1 of 2024), the settings in an element `TransientSimulation` (the format's draft of autumn 2026), and a
-result of the default experiment without any (the Reference FMUs).
+Tests: tests/orchestration/acceptance/test_references.py.
+
+FMI-LS-REF 1.0.0-beta.1 (July 2026) names the files of `extra/org.fmi-standard.fmi-ls-ref/` and their roles, and leaves
+the experiments to the Modelica Association's Experiments Format. Three older and newer forms are read, too:
+experiments in the manifest (1.0.0-rc.1 of 2024), the settings in an element `TransientSimulation` (the format's draft
+of autumn 2026), and a result of the default experiment without any (the Reference FMUs).
 """
 
 from __future__ import annotations
@@ -51,12 +53,15 @@ class Table:
 
     where: str
     time: Floats
+    """It may stand still once, at an event."""
     columns: dict[Element, Floats]
+    left_out: tuple[str, ...] = ()
+    """Columns of text, and of others that are not exchanged here."""
 
 
 @dataclass
 class Experiment:
-    """What to set, what to feed, and what has to come out."""
+    """An experiment says what to set, what to feed, and what has to come out."""
 
     name: str
     step: float
@@ -72,7 +77,7 @@ class Experiment:
 
 
 def read(path: Path, model: Model, default: Any) -> tuple[list[Experiment], list[str]]:
-    """The experiments of an FMU, and why others cannot be played; none without a manifest.
+    """Returns the experiments of an FMU, and why others cannot be played; none without a manifest.
 
     `default` is FMPy's default experiment of the FMU, or None. Raises InputError with the file and the line.
     """
@@ -154,7 +159,7 @@ class _Reader(Carried):
                 settings[key] = float(value)
         if settings.get("startTime", 0.0) != 0.0:
             raise Missing(f"it starts at {settings['startTime']:g} s; only experiments from 0 s are played")
-        step = settings.get("stepSize", float(np.diff(table.time).min()))
+        step = settings.get("stepSize", float(np.diff(np.unique(table.time)).min()))
         stop = min(settings.get("stopTime", math.inf), float(table.time[-1]))
         if not (0.0 < step <= stop):
             raise self.wrong(where, entry, f"expected a step above 0 and up to the stop time, found {step:g} s")
@@ -194,21 +199,27 @@ class _Reader(Carried):
         rows = [row for row in rows if row]
         if len(rows) < 3 or rows[0][0].strip() != "time":
             raise self.located(name, 1, "expected a column 'time', then signals, in two rows or more")
-        values = np.empty((len(rows) - 1, len(rows[0])))
+        labels = [label.strip() for label in rows[0]]
+        texts = {v.name for v in self.model.variables.values() if v.type == "string"} | self.model.left_out.keys()
+        left_out = [i for i, label in enumerate(labels) if label in texts]
+        read = {i: label for i, label in enumerate(labels) if i and i not in left_out}
+        elements = {self._element(name, 1, label, causality): i for i, label in read.items()}
+        values = np.zeros((len(rows) - 1, len(rows[0])))
         for i, row in enumerate(rows[1:]):
             if len(row) != len(rows[0]):
                 raise self.located(name, i + 2, f"expected {len(rows[0])} values, found {len(row)}")
             try:
-                values[i] = [float(_NUMBERS.get(value.strip().lower(), value)) for value in row]
+                for j, value in enumerate(row):
+                    values[i, j] = 0.0 if j in left_out else float(_NUMBERS.get(value.strip().lower(), value))
             except ValueError as error:
                 raise self.located(name, i + 2, str(error)) from None
         if not np.isfinite(values).all():
             at = int(np.argwhere(~np.isfinite(values))[0][0])
             raise self.located(name, at + 2, "expected finite numbers")
-        if not (np.diff(values[:, 0]) > 0.0).all() or values[0, 0] != 0.0:
+        if not (np.diff(values[:, 0]) >= 0.0).all() or values[0, 0] != 0.0 or values[-1, 0] == 0.0:
             raise self.located(name, 2, "expected times that begin at 0 and rise")
-        places = {self._element(name, 1, label.strip(), causality): i for i, label in enumerate(rows[0]) if i}
-        return Table(f"{shown(self.path)}: {name}", values[:, 0], {e: values[:, i] for e, i in places.items()})
+        columns = {element: values[:, i] for element, i in elements.items()}
+        return Table(f"{shown(self.path)}: {name}", values[:, 0], columns, tuple(labels[i] for i in left_out))
 
     def _element(self, where: str, line: int | None, name: str, causality: str) -> Element:
         if not hasattr(self, "_labels"):

@@ -1,4 +1,7 @@
-"""What a block is, as plain data: its ports and parameters, and what its FMU says of itself."""
+"""Tells what a block is, as plain data: its ports and parameters, and what its FMU says of itself.
+
+Tests: tests/orchestration/cli/test_info.py.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,7 @@ _CAPABILITIES = {
 
 
 def facts(name: str, lenient: bool = False) -> dict[str, Any]:
-    """What a block of the project or an FMU is, ready for JSON; nothing of it is run. Raises InputError."""
+    """Returns what a block of the project or an FMU is, ready for JSON; nothing of it is run. Raises InputError."""
     if is_path(name):
         return _of_file(located(name).resolve(), lenient)
     if name not in own():
@@ -107,18 +110,18 @@ def _variable(variable: Variable, starts: Mapping[Element, Any]) -> dict[str, An
 
 
 def _limit(limits: Sequence[float]) -> float | list[float | None] | None:
-    """The limit of all elements, or, where they differ, of each; None where there is none."""
+    """Returns the limit of all elements, or, where they differ, of each; None where there is none."""
     each = [limit if math.isfinite(limit) else None for limit in limits]
     return each[0] if len(set(each)) == 1 else each or None
 
 
 def _finite(value: Any) -> Any:
-    """A value that JSON knows: a number that is not finite as text."""
+    """Returns a value that JSON knows: a number that is not finite as text."""
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _time(text: str | None) -> float | str | None:
-    """A time in s, which FMPy leaves as text."""
+    """Returns a time in s, which FMPy leaves as text."""
     try:
         return None if text is None else _finite(float(text))
     except ValueError:

@@ -1,4 +1,7 @@
-"""Direct feedthrough that an FMU declares: whether it would close an algebraic loop with the project's other blocks."""
+"""Finds out whether an FMU's direct feedthrough would close an algebraic loop with the project's other blocks.
+
+Tests: tests/orchestration/acceptance/test_check.py.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from ..system import order
 
 
 def look(fitted: Fit, findings: list[Finding]) -> None:
-    """Whether what it declares would close a loop with the other blocks of the project."""
+    """Adds findings on loops that what it declares would close with the other blocks of the project."""
     theirs, ours = model(fitted), fitted.reference.model
     silent = [
         v.name

@@ -1,4 +1,7 @@
-"""Inputs that only theirs has and that the mapping connects: whether there are such signals, and their values in a run."""
+"""Looks at inputs that only theirs has and that the mapping connects: their signals, and what these are in a run.
+
+Tests: tests/orchestration/acceptance/test_compare.py, tests/orchestration/swap/test_inputs.py.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
 
 
 def theirs_alone(swapped: Opened, block: str) -> list[Link]:
-    """The links of a swapped block to inputs that only theirs has."""
+    """Returns the links of a swapped block to inputs that only theirs has."""
     fit = swapped.prepared.fits.get(block)
     feeding = fit.feeding if fit is not None else {}
     wired = swapped.plan.wiring.links
@@ -42,7 +45,7 @@ def theirs_alone(swapped: Opened, block: str) -> list[Link]:
 
 
 def given(ours: Result, links: Sequence[Link], swapped: Opened) -> dict[str, Floats]:
-    """What these would have passed in the run of ours: (instants, *shape) by input, in the units of the inputs."""
+    """Returns what these would have passed in the run of ours, (instants, *shape) by input, in the inputs' units."""
     values: dict[str, Floats] = {}
     instants = len(ours.time)
     for link in links:

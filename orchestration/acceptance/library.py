@@ -1,4 +1,7 @@
-"""The libraries of an FMU and what it asks of its host: findings from their tables, without running them."""
+"""Looks at the libraries of an FMU and at what it asks of its host, without running them.
+
+Tests: tests/orchestration/acceptance/test_check.py, test_binaries.py.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,13 @@ from .loader import Unresolved, unresolved
 
 
 def files(folder: Path) -> dict[str, Path]:
-    """The files under binaries/ of an unpacked FMU, by their names in it."""
+    """Returns the files under binaries/ of an unpacked FMU, by their names in it."""
     found = (path for path in sorted(folder.glob("binaries/**/*")) if path.is_file())
     return {path.relative_to(folder).as_posix(): path for path in found}
 
 
 def look(description: Any, model: Model, files: Mapping[str, Path], findings: list[Finding]) -> None:
-    """Its libraries and what it asks of its host; `files` are those of its binaries."""
+    """Adds findings on its libraries and what it asks of its host; `files` are those of its binaries."""
     kind = CoSimulation.of(description)
     offered: dict[str, str] = {}
     for name in sorted(files):

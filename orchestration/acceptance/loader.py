@@ -1,4 +1,7 @@
-"""Finds what the loader of this machine would not find for a library, on Linux."""
+"""Finds what the loader of this machine would not find for a library, on Linux.
+
+Tests: tests/orchestration/acceptance/test_check.py.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from .binaries import Library, Unreadable, read
 
 @dataclass
 class Unresolved:
-    """What the loader of this machine would not find."""
+    """Libraries, symbols and versions that the loader of this machine would not find."""
 
     libraries: list[str] = field(default_factory=list)
     symbols: list[str] = field(default_factory=list)
@@ -27,7 +30,7 @@ class Unresolved:
 
 
 def unresolved(library: Library, beside: dict[str, Path]) -> Unresolved:
-    """What a library of this machine would not find; `beside` are the files that lie in its folder."""
+    """Returns what a library of this machine would not find; `beside` are the files that lie in its folder."""
     left = Unresolved()
     if library.kind != "ELF" or not sys.platform.startswith("linux"):
         return left

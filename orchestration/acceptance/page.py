@@ -1,4 +1,4 @@
-"""The page of a comparison: comparison.html, in the style of a run's report and with its plots."""
+"""Writes the page of a comparison, comparison.html, in the style of a run's report and with its plots."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def write(comparison: Comparison, folder: Path) -> Path:
 
 
 def page(comparison: Comparison) -> str:
-    """The page of a comparison."""
+    """Returns the page of a comparison."""
     ours, theirs = comparison.ours, comparison.theirs
     made = Page(ours)
     title = f"{comparison.block} against {Path(comparison.fmu).name}"
@@ -77,7 +77,7 @@ def _open_loop(comparison: Comparison, made: Page) -> Markup:
 
 
 def _output(comparison: Comparison, difference: Difference, made: Page) -> Markup:
-    """An output of both blocks on the same inputs, and beside it their difference."""
+    """Returns the figure of an output of both blocks on the same inputs, and of their difference."""
     ours, name = comparison.ours, difference.output
     variable = ours.models[comparison.block].variables[name]
     unit = variable.display_unit if variable.display_unit is not None else variable.unit or ONE

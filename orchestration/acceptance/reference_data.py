@@ -1,6 +1,7 @@
-"""Writes the reference data of an FMU (FMI-LS-REF): parameters, inputs, the outputs that it gives for them, and tolerances.
+"""Writes the reference data of an FMU (FMI-LS-REF): parameters, inputs, outputs that it gives for them, and tolerances.
 
-The inputs are those of a test vector, rounded, so that the files are short; the outputs are what the FMU gives for these.
+The inputs are those of a test vector, rounded, so that the files are short.
+The outputs are what the FMU gives for these. Tests: tests/orchestration/acceptance/test_references.py.
 """
 
 from __future__ import annotations
@@ -53,15 +54,15 @@ def write(
     """Writes the files into a folder and returns them. `others` are FMUs of other flavours of the block.
 
     They have the first ROWS instants of the vector, since they are part of the FMU; `remark` is told where it has more.
-    Raises InputError where the vector does not fit the FMU, or where the FMU fails; ResultsError where a file cannot be written.
+    Raises InputError where the vector does not fit the FMU, or where the FMU fails.
+    Raises ResultsError where a file cannot be written.
     """
     opened = open_fmu(fmu)
     model = opened.model
     header, table = read_table(vector / "vector.csv")
     if len(table) > ROWS:
-        remark(
-            f"of {vector / 'vector.csv'} to {table[-1, 0]:.10g} s the first {ROWS} instants, to {table[ROWS - 1, 0]:.10g} s"
-        )
+        whole, part = table[-1, 0], table[ROWS - 1, 0]
+        remark(f"of {vector / 'vector.csv'} to {whole:.10g} s the first {ROWS} instants, to {part:.10g} s")
     table = table[:ROWS]
     columns = columns_of(model, header, vector)
     given = {
@@ -112,7 +113,7 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _tolerance(values: Floats, others: Sequence[Floats]) -> float:
-    """Rounded up to one digit."""
+    """Returns the tolerance of a signal, rounded up to one digit."""
     apart = max((float(np.abs(other - values).max()) for other in others), default=0.0)
     least = max(SHARE * float(np.abs(values).max()), MARGIN * apart)
     return float(f"{1.05 * least + 1e-30:.0e}") if least else 1e-15

@@ -1,4 +1,4 @@
-"""The reference data that an FMU carries (FMI-LS-REF), played: whether its outputs are those that its maker has written down."""
+"""Plays the reference data that an FMU carries (FMI-LS-REF) and holds its outputs against those of its maker."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmu.model import TYPES, Floats, Model
+from ..instances.slave import asks_to_end
 from ..swap.findings import Finding
 from . import experiments, playback
 from .experiments import Experiment, Table
@@ -35,7 +36,7 @@ def look(path: Path, model: Model, default: Any, tolerance: float, findings: lis
 def play(
     path: Path, model: Model, experiment: Experiment, tolerance: float, isolation: str = "process"
 ) -> list[Finding]:
-    """A finding for each output beyond its tolerance, or one that all are as expected."""
+    """Returns a finding for each output beyond its tolerance, or one that all are as expected."""
     name = experiment.name
     steps = int(experiment.stop / experiment.step * (1.0 + 1e-12))
     time = np.asarray(experiment.step * np.arange(steps + 1), np.float64)
@@ -44,18 +45,30 @@ def play(
         played = run(entry, model, time, experiment.stimuli)
     except InputError as error:
         return [Finding("error", _TOPIC, f"{name}: {error}", "correct the reference data of the FMU")]
+    expected_to = min(experiment.stop, float(experiment.references.time[-1]))
+    time = time[: len(next(iter(played.outputs.values()), time))]
+    ended = ""
     if played.failure is not None:
-        return [Finding("error", _TOPIC, f"{name}: {played.failure}", "see what the FMU logged")]
+        if not asks_to_end(played.failure):
+            return [Finding("error", _TOPIC, f"{name}: {played.failure}", "see what the FMU logged")]
+        ended = f"it ends the simulation after {time[-1]:.10g} s"
+        if expected_to > (time[-1] + experiment.step) * (1.0 + 1e-9):
+            text = f"{name}: {ended}; its reference data go on to {expected_to:.10g} s"
+            return [Finding("error", _TOPIC, text, "see whether FMU and reference data are of one version")]
     wrong, shares = [], []
+    chosen = experiment.references.time <= min(experiment.stop, time[-1]) * (1.0 + 1e-12)
+    instants, places = np.unique(experiment.references.time[chosen], return_inverse=True)
     for element, expected in experiment.references.columns.items():
         variable = model.variables[element.variable]
         if variable.name not in played.outputs:
             continue
-        chosen = experiment.references.time <= experiment.stop * (1.0 + 1e-12)
-        instants, wanted = experiment.references.time[chosen], expected[chosen]
+        wanted = expected[chosen]
         given = played.outputs[variable.name][:, element.position]
-        given = _at(instants, time, given, between=variable.type == "real")
-        difference = np.where(np.isnan(given), np.inf, np.abs(given - wanted))
+        given = _at(instants, time, given, between=variable.type == "real")[places]
+        difference = np.full(
+            len(instants), np.inf
+        )  # of two rows at one time, before and after an event, either will do
+        np.minimum.at(difference, places, np.where(np.isnan(given), np.inf, np.abs(given - wanted)))
         peak = float(np.abs(wanted).max())
         share = experiment.tolerance if experiment.tolerance is not None else tolerance
         limit = experiment.tolerances.get(element, share * peak if variable.type == "real" else 0.0) + ROUNDING
@@ -64,7 +77,8 @@ def play(
         if difference[row] > limit:
             unit = "" if variable.unit is None or variable.unit.name in ("", "1") else f" {variable.unit.name}"
             label, largest = variable.label(element.position), float(difference[row])
-            text = f"{name}: {label} differs by {largest:.3g}{unit} at {instants[row]:.10g} s; expected at most {limit:.3g}"
+            text = f"{name}: {label} differs by {largest:.3g}{unit} at {instants[row]:.10g} s"
+            text += f"; expected at most {limit:.3g}"
             wrong.append(Finding("error", _TOPIC, text, "see whether FMU and reference data are of one version"))
     if wrong:
         return wrong
@@ -74,16 +88,14 @@ def play(
         ]
     largest, label = max(shares)
     text = f"{name}: {len(shares)} outputs as expected over {time[-1]:.10g} s"
-    text += (
-        f"; the largest difference is {largest:.2g} of its tolerance ({label})"
-        if largest > 0.0
-        else ", to the last bit"
-    )
-    return [Finding("ok", _TOPIC, text)]
+    text += f"; the largest difference is {largest:.2g} of its tolerance ({label})" if largest else ", to the last bit"
+    tables = (experiment.references, experiment.stimuli)
+    left = [f"{label} is left out" for table in tables if table is not None for label in table.left_out]
+    return [Finding("ok", _TOPIC, "; ".join(filter(None, (text, ended, *left))))]
 
 
 def run(entry: dict[str, Any], model: Model, time: Floats, stimuli: Table | None) -> playback.Played:
-    """The block of a scenario's entry, with the inputs of each instant set before the step that begins there.
+    """Plays the block of a scenario's entry, the inputs of each instant being set before the step that begins there.
 
     That is how FMI's importers read a file of inputs; a run of this project sets those of the step's end.
     """
@@ -111,7 +123,7 @@ def run(entry: dict[str, Any], model: Model, time: Floats, stimuli: Table | None
 
 
 def _at(instants: Floats, time: Floats, values: Floats, between: bool) -> Floats:
-    """Values at instants: those of the same time but for rounding; else a line `between` two, or the last before."""
+    """Returns values at instants: those of the same time but for rounding; else a line `between` two, or the last."""
     last = np.searchsorted(time, instants * (1.0 + 1e-9) + 1e-12, side="right") - 1
     exact = np.abs(time[last] - instants) <= 1e-9 * instants + 1e-12
     found: Floats = np.where(exact | (not between), values[last], np.interp(instants, time, values))

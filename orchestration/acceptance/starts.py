@@ -1,4 +1,4 @@
-"""The start values of an FMU that differ from ours."""
+"""Finds the start values of an FMU that differ from ours. Tests: tests/orchestration/acceptance/test_check.py."""
 
 from __future__ import annotations
 

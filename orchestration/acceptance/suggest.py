@@ -1,6 +1,6 @@
-"""A mapping proposed for another team's FMU, from the names, units, shapes and descriptions of both sides, as YAML to edit.
+"""Proposes a mapping for another team's FMU, from names, units, shapes and descriptions of both sides, as YAML to edit.
 
-What it rests on stands beside each entry, and `unsure` where a second candidate is near or nothing but a name speaks for it.
+What it rests on stands beside each entry, and `unsure` where a second candidate is near or only a name speaks for it.
 Signs and axes no description tells: `orchestrate polarity` finds those.
 """
 
@@ -15,6 +15,7 @@ from ..errors import printable
 from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model, Variable, unit_of
 from ..quantities import ONE, Unit
+from ..scenario.text import written
 from ..swap.findings import Fit
 from .candidates import Candidate, candidates, likeness, shared_words, told_unit, usual_unit
 
@@ -36,7 +37,7 @@ class _Match:
 
 
 def suggest(fitted: Fit) -> str:
-    """The mapping as YAML, valid under a block's `map`. `fitted` is how theirs fits without one."""
+    """Returns the mapping as YAML, valid under a block's `map`. `fitted` is how theirs fits without one."""
     return _Suggestion(fitted.reference, fitted.theirs).text()
 
 
@@ -55,7 +56,7 @@ class _Suggestion:
             self._assign(causality, taken)
 
     def _assign(self, causality: str, taken: set[Element]) -> None:
-        """The best candidate for each of ours, the best pair first."""
+        """Takes the best candidate for each of ours, the best pair first."""
         free = [v for v in self.reference.model.of(causality) if v.name not in self.same]
         pairs = [
             match
@@ -149,7 +150,7 @@ class _Suggestion:
         return False
 
     def _scalars(self) -> Iterator[tuple[str, Variable, Any]]:
-        """Scalar parameters of theirs, then of our blocks, with their values."""
+        """Yields scalar parameters of theirs, then of our blocks, with their values."""
         for variable in self.theirs.of("parameter"):
             if variable.size == 1 and variable.type == "real":
                 yield "of theirs", variable, self.theirs.starts.get(variable.elements[0])
@@ -162,41 +163,41 @@ class _Suggestion:
 
     def text(self) -> str:
         lines = [
-            f"# How {printable(self.theirs.name)} may stand in the place of {self.reference.name}: a proposal, to be edited.",
+            f"# How {printable(self.theirs.name)} may stand in the place of {self.reference.name}: a proposal, "
+            "to be edited.",
             "# Signs and axes are taken to be ours; 'orchestrate polarity' tells where they are not.",
             "ports:" if self.matches else "ports: {}",
         ]
         for name, match in self.matches.items():
             lines.append(f"  {name}: {_entry(match)}  # {_comment(match)}")
         missing = [v for v in self.reference.model.of("input", "output", "parameter") if not self._stands(v)]
-        ignore = [v for v in missing if not (v.optional or v.name in self.reference.needed)]
+        used = {name for match in self.matches.values() for name in match.candidate.names} | set(self.same)
+        left = [v for v in self.theirs.of("input") if v.name not in used and not v.optional]
+        ignore = []
         for variable in missing:
             if variable.name in self.reference.needed:
                 lines.append(f"  # {variable.name}: THEIRS  # not found: other blocks need it")
-        lines += self._start()
+            elif variable.causality == "input" and left and not variable.optional:
+                names = ", ".join(written(v.name, flow=True) for v in left)
+                lines.append(f"  # {variable.name}: THEIRS  # not found: one of {names}? Else list it under ignore")
+            elif not variable.optional:
+                ignore.append(variable)
+        if left and not any(v.causality == "input" and not v.optional for v in missing):
+            lines.append("start:")
+            lines += [f"  {written(v.name, flow=True)}: {self._start(v)}  # unsure: {_ALONE}" for v in left]
         if ignore:
-            inputs = [v.name for v in ignore if v.causality == "input"]
-            what = f"  # unsure of inputs: {', '.join(inputs)}" if inputs else "  # theirs has nothing like these"
-            lines.append(f"ignore: [{', '.join(v.name for v in ignore)}]{what}")
+            lines.append(f"ignore: [{', '.join(v.name for v in ignore)}]  # theirs has nothing like these")
         return "\n".join(lines) + "\n"
 
     def _stands(self, variable: Variable) -> bool:
         return variable.name in self.matches or variable.name in self.same
 
-    def _start(self) -> list[str]:
-        """Values of inputs that only theirs has."""
-        used = {name for match in self.matches.values() for name in match.candidate.names} | set(self.same)
-        left = [v for v in self.theirs.of("input") if v.name not in used and not v.optional]
-        if not left:
-            return []
-        lines = ["start:"]
-        for variable in left:
-            values = [_plain(self.theirs.starts.get(e, 0)) for e in variable.elements]
-            value = values[0] if not variable.shape else values
-            lines.append(
-                f"  {_quoted(variable.name)}: {value}  # unsure: only theirs has this input; or connect it under inputs"
-            )
-        return lines
+    def _start(self, variable: Variable) -> str:
+        values = [self.theirs.starts.get(e, 0) for e in variable.elements]
+        return written(values if variable.shape else values[0], flow=True)
+
+
+_ALONE = "only theirs has this input; or connect it under inputs"
 
 
 def _alike(ours: Variable, theirs: Variable) -> bool:
@@ -207,30 +208,10 @@ def _alike(ours: Variable, theirs: Variable) -> bool:
 
 
 def _entry(match: _Match) -> str:
-    names = [_quoted(name) for name in match.candidate.names]
-    theirs = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
-    if not match.extra:
-        return theirs
-    more = ", ".join(f"{key}: {value}" for key, value in match.extra.items())
-    return f"{{theirs: {theirs}, {more}}}"
+    names = match.candidate.names
+    theirs = names[0] if len(names) == 1 else list(names)
+    return written({"theirs": theirs, **match.extra} if match.extra else theirs, flow=True)
 
 
 def _comment(match: _Match) -> str:
     return ("unsure: " if match.unsure else "") + printable("; ".join(match.why)).replace("\n", " ")
-
-
-def _quoted(name: str) -> str:
-    """A name as YAML has it, whatever it holds."""
-    return (
-        name
-        if re.fullmatch(r"[A-Za-z_]\w*", name) and name.lower() not in _WORDS
-        else "'" + name.replace("'", "''") + "'"
-    )
-
-
-_WORDS = frozenset(("y", "n", "yes", "no", "on", "off", "true", "false", "null"))
-"""What YAML may read as something other than text."""
-
-
-def _plain(value: Any) -> Any:
-    return str(value).lower() if isinstance(value, bool) else value

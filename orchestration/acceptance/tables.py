@@ -1,4 +1,7 @@
-"""The two tables of a test vector, read with the line of what is wrong in them: parameters.csv and vector.csv."""
+"""Reads the two tables of a test vector, parameters.csv and vector.csv, and says the line of what is wrong.
+
+Tests: tests/orchestration/acceptance/test_vector.py.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ Lines = list[tuple[int, list[str]]]
 
 
 def read_table(path: Path) -> tuple[list[str], Floats]:
-    """Header and rows of a vector.csv, whose times are evenly spaced. Raises InputError."""
+    """Returns header and rows of a vector.csv, whose times are evenly spaced. Raises InputError."""
     (_, header), *rows = _lines(path, "a column 'time', then inputs and outputs, in two rows or more")
     if header[0] != "time" or len(rows) < 2:
         raise InputError(f"{path}: expected a column 'time', then inputs and outputs, in two rows or more")
@@ -45,7 +48,7 @@ def read_table(path: Path) -> tuple[list[str], Floats]:
 
 
 def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:
-    """The columns of the elements of each input and output. Raises InputError."""
+    """Returns the columns of the elements of each input and output. Raises InputError."""
     path = folder / "vector.csv"
     labels = {v.label(p): Element(v.name, p) for v in model.of("input", "output") for p in range(v.size)}
     columns: dict[str, dict[int, int]] = {}
@@ -63,7 +66,7 @@ def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[
 
 
 def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> dict[str, Any]:
-    """The vector's parameters, for a scenario; none where there is a header only. Raises InputError."""
+    """Returns the vector's parameters, for a scenario; none where there is a header only. Raises InputError."""
     path = folder / "parameters.csv"
     (_, header), *rows = _lines(path, "a header 'name,value', then a parameter a line")
     if header != ["name", "value"]:
@@ -85,7 +88,7 @@ def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> 
 
 
 def _lines(path: Path, expected: str) -> Lines:
-    """At least one. Raises InputError."""
+    """Returns at least one line. Raises InputError."""
     try:
         text = path.read_text("utf-8")
     except OSError as error:
@@ -118,7 +121,7 @@ def _value(variable: Variable, text: str, place: str) -> Any:
 
 
 def _number(text: str, place: str) -> float:
-    """A finite number. Raises InputError."""
+    """Returns a finite number. Raises InputError."""
     try:
         number = float(text)
     except ValueError:

@@ -1,8 +1,9 @@
-"""How far an output may differ from ours: absolute with a unit, or a share of our output's largest value.
+"""Reads how far an output may differ from ours: absolute with a unit, or a share of our output's largest value.
 
 Each output has a tolerance of its largest difference and one of the rms difference. A number or text is that of both;
-`{largest: ..., rms: ...}` gives each, `any` asks nothing of it, and one that is not given is the default. Under `default`
-stands what counts for outputs without their own: a share. Of a boolean it is the share of samples that differ.
+`{largest: ..., rms: ...}` gives each, `any` asks nothing of it, and one that is not given is the default.
+Under `default` stands what counts for outputs without their own: a share. Of a boolean it is the share of samples
+that differ. Tests: tests/orchestration/acceptance/test_compare.py.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ ANY = "any"
 
 @dataclass(frozen=True)
 class Bound:
-    """A bound on a difference. `share` is of our output's largest value, `absolute` in the port's unit; infinite for any."""
+    """A bound on a difference: a share of our largest value, or absolute in the port's unit, infinite for any."""
 
     share: float | None = None
     absolute: float | None = None
@@ -37,7 +38,7 @@ class Bound:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What is asked of one output."""
+    """The bounds that are asked of one output."""
 
     largest: Bound
     rms: Bound
@@ -50,7 +51,7 @@ class Tolerance:
 
 
 def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
-    """The tolerance of each output, from options such as `0.1 %`, `dipole=0.2 A.m2` and `tolerances.yaml`.
+    """Returns the tolerance of each output, from options such as `0.1 %`, `dipole=0.2 A.m2` and `tolerances.yaml`.
 
     Raises InputError where one is no tolerance, or of an output that there is not.
     """

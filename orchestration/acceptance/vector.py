@@ -69,7 +69,7 @@ def record(scenario: Path, block: str, folder: Path) -> int:
 
 
 def scenario_of(block: str) -> Path:
-    """A run of the project in which a block of it has a part: the kits' own, where it has, else the shortest. Raises InputError."""
+    """Returns a run of the project in which a block has a part: the kits' own, else the shortest. Raises InputError."""
     if name_of(load(kit.SCENARIO), block):
         return kit.SCENARIO
     runs = {run: load(run) for run in sorted(kit.SCENARIO.parent.glob("*.yaml"))}
@@ -81,7 +81,7 @@ def scenario_of(block: str) -> Path:
 
 
 def name_of(scenario: Scenario, block: str) -> str | None:
-    """What a block of the project is called in a scenario; None where it has no part in it."""
+    """Returns how a block of the project is called in a scenario; None where it has no part in it."""
     return next((name for name, entry in scenario.blocks.items() if entry.fmu == block), None)
 
 
@@ -92,13 +92,14 @@ def _ports(scenario: Scenario, name: str, block: str) -> list[str]:
 
 
 def play(fmu: Path, fitted: Fit, interface: str, folder: Path, tolerance: float) -> list[Finding]:
-    """How far an FMU's outputs are from those of a test vector, one finding an output.
+    """Returns how far an FMU's outputs are from those of a test vector, one finding an output.
 
     `interface`: the block of the project, or the FMU, in whose place it stands.
     """
     if fitted.fed:
         names = ", ".join(f"{signal} for {name}" for name, signal in fitted.fed.items())
-        text = f"not run, since a test vector holds the ports of {fitted.reference.name} only, and the mapping needs {names}"
+        text = f"not run, since a test vector holds the ports of {fitted.reference.name} only, "
+        text += f"and the mapping needs {names}"
         return [Finding("error", "vector", text, "orchestrate compare, which takes them from a run of the scenario")]
     model = fitted.reference.model
     header, table = read_table(folder / "vector.csv")

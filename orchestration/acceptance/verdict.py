@@ -1,4 +1,7 @@
-"""A comparison in words: what was compared, the rows of its table, and the verdict."""
+"""Puts a comparison in words: what was compared, the rows of its table, and the verdict.
+
+Tests: tests/orchestration/acceptance/test_compare.py, test_words.py.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ DIFFERENCES = ("output", "our largest", "largest difference", "rms difference", 
 
 
 def summary(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as plain data."""
+    """Returns the comparison as plain data."""
     return {
         "block": comparison.block,
         "fmu": comparison.fmu,
@@ -36,7 +39,7 @@ def summary(comparison: Comparison) -> dict[str, Any]:
 
 
 def verdict(comparison: Comparison) -> str:
-    """The verdict in a sentence."""
+    """Returns the verdict in a sentence."""
     compared = [d for d in comparison.differences if d.largest is not None]
     within = sum(d.passed for d in compared)
     outcomes = comparison.theirs.outcomes
@@ -55,23 +58,26 @@ def verdict(comparison: Comparison) -> str:
 
 
 def colour(comparison: Comparison) -> str:
-    """The colour of the verdict: a difference that is no small one is not shown in green."""
+    """Returns the colour of the verdict: a difference that is no small one is not shown in green."""
     return "red" if not comparison.passed else "yellow" if wide(comparison) else "green"
 
 
 def wide(comparison: Comparison) -> list[Difference]:
-    """The differences that only a wide tolerance allows."""
+    """Returns the differences that only a wide tolerance allows."""
     return [difference for difference in comparison.differences if difference.wide]
 
 
 def meaning(comparison: Comparison) -> list[str]:
-    """Sentences that say what was compared, and what the verdict rests on."""
+    """Returns sentences that say what was compared, and what the verdict rests on."""
     every = f", every {comparison.interval:.10g} s" if comparison.interval else ""
     sentences = [
-        f"Equivalent means: given what ours was given in its run, theirs gave each output within its tolerance at {comparison.instants} instants{every}, from 0 to {comparison.end:.10g} s.",
-        "The largest difference is that of all elements and instants, the rms difference that of the worst element over all instants; "
+        "Equivalent means: given what ours was given in its run, theirs gave each output within its tolerance "
+        f"at {comparison.instants} instants{every}, from 0 to {comparison.end:.10g} s.",
+        "The largest difference is that of all elements and instants, "
+        "the rms difference that of the worst element over all instants; "
         "beside each, in brackets, its share of our largest value.",
-        f"A difference up to {ROUNDING:g} of the nominal value (1 in the output's unit, where the FMU declares none) is rounding and counts as 0.",
+        f"A difference up to {ROUNDING:g} of the nominal value (1 in the output's unit, where the FMU declares none) "
+        "is rounding and counts as 0.",
     ]
     for d in wide(comparison):
         what = d.note + " differ" if d.note else f"its largest difference is {d.share:.2g} of our largest value"
@@ -80,14 +86,14 @@ def meaning(comparison: Comparison) -> list[str]:
 
 
 def status(difference: Difference) -> str:
-    """The status of an output in a word; empty where nothing was compared."""
+    """Returns the status of an output in a word; empty where nothing was compared."""
     if difference.largest is None:
         return "" if difference.passed else "differs"
     return "differs" if not difference.passed else "allowed" if difference.wide else "ok"
 
 
 def rows_of_differences(comparison: Comparison) -> list[tuple[str, tuple[str, ...]]]:
-    """The status and the cells of each output, as DIFFERENCES names them."""
+    """Returns the status and the cells of each output, as DIFFERENCES names them."""
     return [(status(d), _cells(d)) for d in comparison.differences]
 
 

@@ -1,1 +1,1 @@
-"""The commands, the console, the summary, exit statuses."""
+"""Holds the commands, the console, the summary and exit statuses."""

@@ -1,4 +1,4 @@
-"""`orchestrate build`: the project's own blocks as FMUs."""
+"""`orchestrate build`: builds the project's own blocks as FMUs. Tests: tests/orchestration/cli/test_cli.py."""
 
 from __future__ import annotations
 

@@ -1,17 +1,18 @@
-"""`orchestrate campaign`: a scenario flown again and again, and a verdict on each requirement."""
+"""`orchestrate campaign`: a scenario flown again and again, and a verdict on each requirement.
+
+Tests: tests/orchestration/campaign/test_campaign.py, test_report.py.
+"""
 
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..campaign import engine
 from ..campaign.case import Case, read_campaign
-from ..campaign.flying.batches import CrewLost, Progress
+from ..campaign.flying import batches
 from ..campaign.replay import Replayed, replay, worst
 from ..campaign.report.page import value_text
 from ..campaign.sums import read
@@ -20,13 +21,13 @@ from ..expectations.metrics import MetricError
 from ..quantities import with_unit
 from ..results.place import check_writable
 from .campaign_summary import summary
-from .console import complain, is_terminal, notes, open_page, say, table
+from .console import Progress, complain, notes, open_page, say, say_table
 from .help import examples
 from .options import OPEN, SET, out_folder
 from .overrides import settings
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
-from .summary import mark, save
+from .summary import judged, save
 from .summary import summary as run_summary
 
 
@@ -78,8 +79,9 @@ def command(
 ) -> None:
     """Fly a scenario many times, with values that vary.
 
-    FILE is a campaign: the scenario, what varies, and requirements on the runs. The same command goes on where it was stopped. Exit status: 0 all requirements met, 1 one not met or undecided, 2 wrong input,
-    3 every run failed.
+    FILE is a campaign: the scenario, what varies, and requirements on the runs.
+    The same command goes on where it was stopped.
+    Exit status: 0 all requirements met, 1 one not met or undecided, 2 wrong input, 3 every run failed.
     """
     overrides = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
     case = read_campaign(file, overrides, settings(sets))
@@ -88,10 +90,18 @@ def command(
         ctx.exit(_replay(case, index, target, quiet))
     if not quiet:
         notes(case.notes)
-    bar = _Bar(case.runs, not quiet)
+    bar = Progress(case.runs, not quiet, "runs")
+
+    def tell(at: batches.Progress) -> None:
+        rate = f"{at.fresh / at.seconds:.3g} runs/s" if at.seconds > 0.0 else ""
+        bar.status = rate + (f", {at.failed} failed" if at.failed else "")
+        bar(at.flown)
+
     try:
-        finished = engine.fly(case, target, workers, scheduler, dashboard, bar, (lambda text: None) if quiet else _note)
-    except CrewLost as error:
+        finished = engine.fly(
+            case, target, workers, scheduler, dashboard, tell, (lambda text: None) if quiet else _note
+        )
+    except batches.CrewLost as error:
         complain(str(error))
         ctx.exit(BLOCK_FAILED)
     finally:
@@ -154,29 +164,27 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
 def _print_replay(case: Case, index: str, again: Replayed) -> None:
     notes(again.result.warnings)
     say(f"{'worst case' if index == 'worst' else f'run {index}'} of the campaign {case.campaign.name}", bold=True)
-    for line in table(("varied", "value"), _varied(case, again)):
-        say(line)
+    say_table(("varied", "value"), _varied(case, again))
     units = {m.metric.name: "" if str(m.unit) == "1" else str(m.unit) for m in case.job.measures}
     metrics = {name: _measured(x, units[name]) for name, x in again.metrics.items()}
-    rows = list(metrics.items())
-    if rows:
+    if metrics:
         say()
-        for line in table(("metric", "value"), rows):
-            say(line)
+        say_table(("metric", "value"), metrics.items())
+    rows = []
     for one in case.job.requirements:
         why = ""
         if not again.met[one.name]:
             name = None if one.metric is None else case.job.measures[one.metric].metric.name
             why = ", the run failed" if again.result.failure else f"; {name} is {metrics[name]}" if name else ""
-        text = f"{one.name}: {one.expected}{why}"
-        say(text, head=mark("met") if again.met[one.name] else mark("not met"))
+        rows.append(("met" if again.met[one.name] else "not met", (f"{one.name}: {one.expected}{why}",)))
+    judged(("",), rows)
     say()
     if len(again.result.time):
         run_summary(again.result)
 
 
 def _varied(case: Case, again: Replayed) -> list[tuple[str, str]]:
-    """What varies with its values, each with the unit that it is in."""
+    """Returns what varies with its values, each with the unit that it is in."""
     ports = {
         draw.name: draw.port for draw in case.job.draws.draws if draw.numbers and not draw.unit and not draw.suffix
     }
@@ -186,35 +194,3 @@ def _varied(case: Case, again: Replayed) -> list[tuple[str, str]]:
 
 def _measured(value: float | None, unit: str) -> str:
     return "none" if value is None else "never" if value == math.inf else with_unit(value, unit)
-
-
-class _Bar:
-    """How many runs have been flown, how many in a second, and the time that is left."""
-
-    def __init__(self, wanted: int, shown: bool) -> None:
-        self.wanted, self.shown = wanted, shown and is_terminal(sys.stdout)
-        self._bar: Any = None
-        self._task: Any = None
-
-    def __call__(self, at: Progress) -> None:
-        if not self.shown:
-            return
-        if self._bar is None:
-            from rich import progress  # here, since a campaign whose output is no terminal does without  # noqa: PLC0415
-
-            columns = (
-                progress.TextColumn("{task.completed} / {task.total} runs"),
-                progress.BarColumn(),
-                progress.TextColumn("{task.fields[rate]}"),
-                progress.TimeRemainingColumn(),
-            )
-            self._bar = progress.Progress(*columns, transient=True)
-            self._task = self._bar.add_task("runs", total=self.wanted, rate="")
-            self._bar.start()
-        rate = f"{at.fresh / at.seconds:.3g} runs/s" if at.seconds > 0.0 else ""
-        self._bar.update(self._task, completed=at.flown, rate=rate + (f", {at.failed} failed" if at.failed else ""))
-
-    def close(self) -> None:
-        """Removes the bar."""
-        if self._bar is not None:
-            self._bar.stop()

@@ -1,4 +1,4 @@
-"""What the console shows of a campaign at its end."""
+"""Prints what the console shows of a campaign at its end. Tests: tests/orchestration/campaign/test_report.py."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any
 
 from ..campaign.statistics.verdicts import percent, probability
 from ..quantities import with_unit
-from .console import say, table
+from .console import say, say_table
+from .summary import colour
 
-_COLOURS = {"met": "green", "not met": "red", "undecided": "yellow"}
 _DASH = "\N{EN DASH}"
 _NAMED = 4
 """Varied entries that are named for each metric at most."""
@@ -25,7 +25,8 @@ def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
     few = f" of {runs['wanted']:,}" if runs["flown"] < runs["wanted"] else ""
     say(f"{manifest['campaign']}: {runs['flown']:,}{few} runs, {manifest['state']}, in {seconds:.3g} s", bold=True)
     if runs["failed"]:
-        failed = f"{runs['failed']:,} run{'s' * (runs['failed'] > 1)} failed and meet{'s' * (runs['failed'] == 1)} no requirement"
+        fail = "runs failed and meet" if runs["failed"] > 1 else "run failed and meets"
+        failed = f"{runs['failed']:,} {fail} no requirement"
         say(f"{failed}; the first: {reason}" if reason else failed, fg="yellow")
     if manifest["verdicts"]:
         _verdicts(manifest)
@@ -42,13 +43,12 @@ def _verdicts(manifest: Mapping[str, Any]) -> None:
     for v in manifest["verdicts"]:
         share = f"{v['share']:.5g}" if v["share"] is not None else _DASH
         required = f"{v['probability']:g} at {percent(v['confidence'])}"
-        bounds = f"(\N{GREATER-THAN OR EQUAL TO} {probability(v['low'])}, \N{LESS-THAN OR EQUAL TO} {probability(v['high'], up=True)})"
+        low, high = probability(v["low"]), probability(v["high"], up=True)
+        bounds = f"(\N{GREATER-THAN OR EQUAL TO} {low}, \N{LESS-THAN OR EQUAL TO} {high})"
         rows.append((v["status"], v["name"], asked[v["name"]]["expected"], required, f"{share} {bounds}"))
-    header, *lines = table(("verdict", "requirement", "bound", "required", "share, bounds"), rows)
     say()
-    say(header)
-    for line, v in zip(lines, manifest["verdicts"], strict=True):
-        say(line, fg=_COLOURS[v["status"]])
+    styles = [colour(v["status"]) for v in manifest["verdicts"]]
+    say_table(("verdict", "requirement", "bound", "required", "share, bounds"), rows, styles, whole=True)
 
 
 def _influence(found: Mapping[str, Any] | None) -> None:

@@ -1,11 +1,12 @@
-"""`orchestrate check`: whether an FMU can take a block's place."""
+"""`orchestrate check`: finds out whether an FMU can take a block's place.
+
+Tests: tests/orchestration/acceptance/test_check.py.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -16,7 +17,7 @@ from ..errors import InputError
 from ..fmu.archive import shown
 from ..session.read import load, read
 from ..swap.findings import Finding
-from .console import folded, say, say_json
+from .console import folded, say, say_json, say_table
 from .help import examples
 from .paths import PATH
 from .status import DOES_NOT_FIT
@@ -77,8 +78,9 @@ def command(
     """Check whether an FMU can replace a block.
 
     Lists what fits and what to change.
-    The FMU is run only with --vector, and where it carries reference data. With --suggest a mapping is printed instead of the
-    findings. Exit status: 0 it fits, 1 it does not, 2 wrong input.
+    The FMU is run only with --vector, and where it carries reference data.
+    With --suggest a mapping is printed instead of the findings.
+    Exit status: 0 it fits, 1 it does not, 2 wrong input.
     """
     if not 0.0 <= tolerance < math.inf:
         raise InputError(f"--tolerance {tolerance:g}: expected a number from 0, such as 1e-6")
@@ -106,19 +108,12 @@ def _errors(findings: list[Finding]) -> list[Finding]:
 def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> None:
     say(f"{shown(fmu)} as {as_}" + (f", with {shown(map_)}" if map_ else ""), bold=True)
     say()
-    styles: Mapping[str, dict[str, Any]] = {
-        "ok": {"fg": "green"},
-        "note": {},
-        "warning": {"fg": "yellow"},
-        "error": {"fg": "red", "bold": True},
-    }
-    width = max(len(finding.topic) for finding in findings)
-    for finding in findings:
-        level = "ERROR" if finding.level == "error" else finding.level
-        head = click.style(f"{level:<8}", **styles[finding.level])
-        margin = " " * (8 + width + 2)
-        body = folded(finding.text + (f"\n-> {finding.remedy}" if finding.remedy else ""), margin)
-        say(f"{finding.topic:<{width}}  {body[len(margin) :]}", head=head)
+    styles = {"ok": "green", "note": "", "warning": "yellow", "error": "bold red"}
+    rows = [
+        (f.level.replace("error", "ERROR"), f.topic, f.text + (f"\n-> {f.remedy}" if f.remedy else ""))
+        for f in findings
+    ]
+    say_table(("", "", ""), rows, [styles[f.level] for f in findings])
     counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}
     counted = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
     say()

@@ -1,9 +1,11 @@
-"""`orchestrate compare`: another team's FMU back to back with ours."""
+"""`orchestrate compare`: compares another team's FMU back to back with ours.
+
+Tests: tests/orchestration/acceptance/test_compare.py.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -13,18 +15,18 @@ from ..acceptance.page import write
 from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
 from ..errors import BlockError, InputError, writing
 from ..results.place import put, refuse_foreign
-from ..session.read import load, read
-from ..swap.option import swapped, swaps_of
-from .console import complain, folded, notes, open_page, say, say_json, table
+from ..session.read import load
+from ..swap.option import swapped
+from .console import complain, folded, notes, open_page, say, say_json
 from .help import examples
-from .options import DURATION, OPEN, SET, STEP, out_folder
-from .overrides import overridden
+from .options import OPEN, changes, out_folder
+from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
-from .summary import mark, save
+from .summary import judged, save
 
 FILES = ("ours", "theirs", "comparison.html", "comparison.json")
-"""What it leaves in its folder."""
+"""Names of what it leaves in its folder."""
 
 
 @click.command(
@@ -37,10 +39,7 @@ FILES = ("ours", "theirs", "comparison.html", "comparison.json")
     ),
 )
 @click.argument("scenario", type=PATH)
-@click.option(
-    "--swap", "swaps", multiple=True, required=True, metavar="BLOCK=FILE.fmu", help="The FMU in a block's place."
-)
-@click.option("--map", "maps", multiple=True, metavar="FILE", help="Mapping of its ports to ours.")
+@changes("swaps", "maps", "sets", "step", "duration")
 @click.option(
     "--tolerance",
     "wanted",
@@ -48,36 +47,28 @@ FILES = ("ours", "theirs", "comparison.html", "comparison.json")
     metavar="[OUTPUT=]VALUE|FILE",
     help="Of an output ('0.2 A.m2', '1 %'), of all ('0.1 %'), or a YAML of them; default: 1e-6 of our largest value.",
 )
-@SET
 @out_folder("Folder of the report; default: results/NAME-BLOCK.")
-@STEP
-@DURATION
 @OPEN
 @click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
 @click.pass_context
 def command(
     ctx: click.Context,
     scenario: Path,
-    swaps: tuple[str, ...],
-    maps: tuple[str, ...],
+    change: Changes,
     wanted: tuple[str, ...],
-    sets: tuple[str, ...],
     out: Path | None,
-    step: str | None,
-    duration: str | None,
     open_: bool,
     json_: bool,
 ) -> None:
     """Compare an FMU with the block that it replaces.
 
-    It is compared on the same inputs, and in the loop. Writes a page, comparison.html, with both runs. Exit status: 0 equivalent within the tolerances and all expectations met,
-    1 not, 2 wrong input, 3 an FMU failed.
+    It is compared on the same inputs, and in the loop. Writes a page, comparison.html, with both runs.
+    Exit status: 0 equivalent within the tolerances and all expectations met, 1 not, 2 wrong input, 3 an FMU failed.
     """
-    if len(swaps) != 1:
+    if len(change.swaps) != 1:
         raise InputError("--swap: one block is compared at a time")
-    source = overridden(read(scenario), sets, step=step, duration=duration)
-    (swap,) = swaps_of(swaps, maps)
-    block, theirs = swap.block, swapped(source, [swap])
+    source, (block,) = change.unswapped(scenario), change.blocks
+    theirs = swapped(source, change.given)
     target = out or Path("results") / f"{load(source).name}-{block}"
     refuse_foreign(target, FILES)
     try:
@@ -111,25 +102,15 @@ def _print(comparison: Comparison, page: Path) -> None:
     notes(comparison.theirs.warnings)
     say(f"{scenario.name}: {comparison.block} against {Path(comparison.fmu).name}", bold=True)
     say(f"\nopen loop: what ours was given, every {comparison.interval:.10g} s, given to theirs")
-    rows = rows_of_differences(comparison)
-    _table(DIFFERENCES, rows)
+    judged(DIFFERENCES, rows_of_differences(comparison))
     say("\nclosed loop: the expectations of the scenario")
-    claims = [(a.name, a.text, "not evaluated" if b is None else b.text, a.expected) for a, b in comparison.claims]
-    statuses = ("not evaluated" if b is None else b.status for _, b in comparison.claims)
-    _table(("expectation", "ours", "theirs", "expected"), list(zip(statuses, claims, strict=True)))
+    left = "not evaluated"
+    rows = [
+        (b.status if b else left, (a.name, a.text, b.text if b else left, a.expected)) for a, b in comparison.claims
+    ]
+    judged(("expectation", "ours", "theirs", "expected"), rows)
     say()
     say(folded(verdict(comparison)), bold=True, fg=colour(comparison))
     for sentence in meaning(comparison):
         say(folded(sentence, "  "))
     say(f"report in {page}")
-
-
-def _table(header: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]) -> None:
-    """Prints a table, before each row its status."""
-    if not rows:
-        return
-    width = 2 + max(len(status) for status, _ in rows)
-    first, *lines = table(header, [cells for _, cells in rows], width)
-    say(first, head=mark(width=width))
-    for (status, _), line in zip(rows, lines, strict=True):
-        say(line, head=mark(status, width))

@@ -1,4 +1,7 @@
-"""The console: lines, colours, streams that are closed or full, and the progress of a run."""
+"""Prints lines, tables and the progress of a run, in colours, also where a stream is closed or full.
+
+Tests: tests/orchestration/cli/test_cli.py, test_info.py, tests/orchestration/results/test_endings.py.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import shutil
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import wrap
@@ -21,10 +25,10 @@ from ..errors import printable, printable_json, reason
 
 _PATIENCE = 0.3
 """Seconds that a run may last without a progress bar."""
-_WORD = 8
-"""Letters of a word up to which the narrowest table leaves it in one piece."""
+_WIDEST = 1_000_000
+"""Columns of a table whose lines may have any length."""
 _lost: list[OSError] = []
-"""Why what was to be printed could not be."""
+"""The errors of what could not be printed."""
 
 
 def say(text: str = "", error: bool = False, head: str = "", **style: Any) -> None:
@@ -119,7 +123,7 @@ class Progress:
 
     def __init__(self, duration: float, wanted: bool, counted: str = "") -> None:
         self.duration, self.wanted, self.counted = duration, wanted and is_terminal(sys.stdout), counted
-        self.status: Callable[[], str] | None = None
+        self.status: str | Callable[[], str] = ""
         """A few words that stand behind the bar."""
         self._begun = perf_counter()
         self._bar: Any = None
@@ -140,7 +144,8 @@ class Progress:
             )
             self._task = self._bar.add_task("run", total=self.duration, status="")
             self._bar.start()
-        self._bar.update(self._task, completed=time, status=self.status() if self.status else "")
+        words = self.status() if callable(self.status) else self.status
+        self._bar.update(self._task, total=self.duration, completed=time, status=words)
 
     def close(self) -> None:
         if self._bar is not None:
@@ -148,41 +153,45 @@ class Progress:
 
 
 def width() -> int | None:
-    """The columns of the terminal, or those that COLUMNS states; None where lines may have any length."""
+    """Returns the columns of the terminal, or those that COLUMNS states; None where lines may have any length."""
     if not is_terminal(sys.stdout) and not os.environ.get("COLUMNS"):
         return None
     return shutil.get_terminal_size().columns
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: int = 0) -> list[str]:
-    """Lines of a table, its columns in line; where a terminal is narrower, long cells run over several lines.
+def table(
+    header: Sequence[str], rows: Iterable[Sequence[str]], styles: Iterable[str] = (), whole: bool = False
+) -> list[str]:
+    """Returns the lines of a table; where a terminal is narrower, long cells run over several lines.
 
-    `indent` is the width of what is printed before each line; what runs on is moved by it.
+    A header of empty texts is left out. `styles` are those of each row's first cell, or where `whole` of all its cells.
     """
-    cells = [[printable(cell) for cell in row] for row in [header, *rows]]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    limit = width()
-    room = sum(widths) if limit is None else limit - indent - 2 * (len(widths) - 1)
-    words = [max(len(word) for cell in column for word in cell.split() or [""]) for column in zip(*cells, strict=True)]
-    longest = next((n for n in range(max(words), _WORD, -1) if sum(min(word, n) for word in words) <= room), _WORD)
-    floors = [min(word, longest) for word in words]
-    room = max(room, sum(floors))
-    while sum(widths) > room:
-        spare = [w - floor for w, floor in zip(widths, floors, strict=True)]
-        widest = max((w for w, left in zip(widths, spare, strict=True) if left > 0))
-        widths[next(i for i, w in enumerate(widths) if w == widest and spare[i] > 0)] -= 1
-    return [_row(row, widths, " " * indent) for row in cells]
+    from rich.console import Console  # here, since its modules take 50 ms, which --quiet saves  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    made = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="", show_header=any(header))
+    for name in header:
+        made.add_column(Text(name), overflow="fold")
+    for cells, style in zip_longest(rows, styles, fillvalue=""):
+        made.add_row(*(Text(printable(cell), style if whole or not i else "") for i, cell in enumerate(cells)))
+    console = Console(
+        file=StringIO(), width=width() or _WIDEST, force_terminal=True, color_system="standard", legacy_windows=False
+    )
+    console.print(made)
+    return [line.rstrip() for line in console.file.getvalue().splitlines()]  # type: ignore[attr-defined]
 
 
-def _row(cells: Sequence[str], widths: Sequence[int], indent: str) -> str:
-    parts = [wrap(cell, w, break_on_hyphens=False) for cell, w in zip(cells, widths, strict=True)]
-    lines = zip_longest(*parts, fillvalue="") if any(parts) else [["" for _ in parts]]
-    filled = ("  ".join(part.ljust(w) for part, w in zip(line, widths, strict=True)).rstrip() for line in lines)
-    return f"\n{indent}".join(filled)
+def say_table(
+    header: Sequence[str], rows: Iterable[Sequence[str]], styles: Iterable[str] = (), whole: bool = False
+) -> None:
+    """Prints a table, as `table` takes it."""
+    for line in table(header, rows, styles, whole):
+        say(head=line)
 
 
 def folded(text: str, indent: str = "") -> str:
-    """A text in lines that fit the terminal, each after the indent."""
+    """Returns a text in lines that fit the terminal, each after the indent."""
     limit = width()
     lines = text.splitlines()
     if limit is not None:

@@ -1,4 +1,7 @@
-"""`orchestrate export`: the system as a file for other tools."""
+"""`orchestrate export`: writes the system as a file for other tools.
+
+Tests: tests/orchestration/system/test_optional.py, tests/orchestration/results/test_place.py.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,11 @@ from ..export.system import check_plain, flat
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..scenario.scenario import Scenario
-from ..session.read import load, read
+from ..session.read import load
 from .console import say
 from .help import examples
-from .options import FLAVOUR, STEP
-from .overrides import overridden
+from .options import changes
+from .overrides import Changes
 from .paths import PATH
 
 
@@ -42,23 +45,22 @@ from .paths import PATH
     is_flag=True,
     help="Keep rates, faults and delays in the SSP archive's annotation, which only orchestrate reads.",
 )
-@STEP
-@FLAVOUR
+@changes("step", "flavour")
 def command(
     scenario: Path,
     ssp: Path | None,
     container: Path | None,
     for_orchestrate: bool,
-    step: str | None,
-    flavour: str | None,
+    change: Changes,
 ) -> None:
     """Write a scenario as a file that other FMI tools read.
 
-    The FMUs are run for one step, so that inputs get their values at t = 0 as start values. FMUs of others run in separate processes.
+    The FMUs are run for one step, so that inputs get their values at t = 0 as start values.
+    FMUs of others run in separate processes.
     """
     if ssp is None and container is None:
         raise InputError("expected --ssp FILE.ssp or --container FILE.fmu, or both")
-    source = overridden(read(scenario), step=step, flavour=flavour)
+    source = change.unswapped(scenario)
     targets = [(path, suffix) for path, suffix in ((ssp, ".ssp"), (container, ".fmu")) if path is not None]
     for path, suffix in targets:
         if path.suffix != suffix:
@@ -82,7 +84,7 @@ def command(
 
 
 def _guards(scenario: Scenario) -> list[str]:
-    """What the scenario says of how its FMUs are run, by its keys."""
+    """Returns the keys by which the scenario says how its FMUs are run."""
     blocks = scenario.blocks.values()
     keys = ("isolation", "timeout", "memory", "validation")
     return [k for k in keys if any(k in entry.model_fields_set for entry in (scenario, *blocks))]

@@ -1,4 +1,4 @@
-"""`orchestrate fmus`: where the project's own FMUs are, and copies of them."""
+"""`orchestrate fmus`: lists or copies the project's own FMUs. Tests: tests/orchestration/cli/test_cli.py."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def command(copy: Path | None, flavour: str) -> None:
 
 
 def copied(path: Path, folder: Path) -> Path:
-    """A copy of a file in a folder, which is made if it is missing. Raises ResultsError."""
+    """Copies a file into a folder, which is made if it is missing, and returns it. Raises ResultsError."""
     target = folder.absolute() / path.name
     with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""`orchestrate info`: what a block or an FMU is: its equations, its ports and parameters, their units, defaults, ranges and frames."""
+"""`orchestrate info`: shows the equations, ports and parameters of a block or an FMU, with units, ranges and frames."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from click.shell_completion import CompletionItem
 from ..acceptance.facts import HELPER, facts
 from ..errors import InputError, hint
 from ..fmu.interfaces import own
-from .console import folded, say, say_json, table
+from .console import folded, say, say_json, say_table, table
 from .help import examples
 from .paths import PATH
 
@@ -100,14 +100,13 @@ def _head(data: dict[str, Any]) -> None:
             f"{key} {value:.10g}" if isinstance(value, float) else f"{key} {value}" for key, value in experiment.items()
         ),
     }
-    for line in table(("", ""), [(key, text) for key, text in lines.items() if text])[1:]:
-        say(line)
+    say_table(("", ""), [(key, text) for key, text in lines.items() if text])
     for problem in data.get("not_valid", ()):
         say(folded(f"not valid: {problem}"), fg="yellow")
 
 
 def _equations(data: dict[str, Any]) -> None:
-    """Equations and limits of a block, and what its numbers in brackets are; an FMU states none."""
+    """Prints equations and limits of a block, and what its numbers in brackets are; an FMU states none."""
     if equations := data.get("equations"):
         say("\nEquations", bold=True)
         for entry in equations:
@@ -122,14 +121,17 @@ def _equations(data: dict[str, Any]) -> None:
 
 
 def _table(title: str, entries: Sequence[dict[str, Any]]) -> None:
-    """A table with what each variable is below its row."""
+    """Prints a table with what each variable is below its row."""
     say(f"\n{title}", bold=True)
     columns = [c for c in zip(_COLUMNS, *map(_cells, entries), strict=True) if any(c[1:])]
-    header, *lines = table([c[0] for c in columns], list(zip(*(c[1:] for c in columns), strict=True)))
-    say(header)
-    for entry, line in zip(entries, lines, strict=True):
-        name, rest = line[: len(_name(entry))], line[len(_name(entry)) :]
-        say(rest, head=click.style(name, bold=True)) if name == _name(entry) else say(line)
+    described = iter(entries)
+    blank = [""] * len(columns)  # a line of the table behind each row, in whose place its description is printed
+    rows = [cells for row in zip(*(c[1:] for c in columns), strict=True) for cells in (row, blank)]
+    for line in table([c[0] for c in columns], rows, ["bold", ""] * len(entries)):
+        if line:
+            say(head=line)
+            continue
+        entry = next(described)
         items = f"one of {', '.join(entry['items'])}" if entry["items"] else ""
         if about := "; ".join(filter(None, (" ".join(entry["description"].split()), items))):
             say(folded(about, "    "), dim=True)
@@ -146,7 +148,7 @@ def _cells(entry: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _value(value: Any) -> str:
-    """A start value in words: a matrix that has nothing beside its diagonal by that."""
+    """Returns a start value in words: a matrix that has nothing beside its diagonal by that."""
     if value is None:
         return ""
     if isinstance(value, bool):

@@ -1,4 +1,7 @@
-"""The keyboard of a terminal during a run: the keys that were pressed, without waiting for one and without an echo."""
+"""Reads the keys that are pressed at a terminal during a run, without waiting for one and without an echo.
+
+Tests: tests/orchestration/cli/test_realtime.py.
+"""
 
 from __future__ import annotations
 

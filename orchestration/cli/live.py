@@ -1,4 +1,7 @@
-"""`orchestrate live`: a scenario as a page that flies in the browser."""
+"""`orchestrate live`: writes a page that flies a scenario in the browser.
+
+Tests: tests/orchestration/live/test_live.py.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,8 @@ from ..results.place import put
 from ..session.run import whole
 from .console import notes, open_page, say
 from .help import examples
-from .options import DURATION, OPEN, STEP
-from .overrides import loaded
+from .options import OPEN, changes
+from .overrides import Changes
 from .paths import PATH
 
 
@@ -28,19 +31,19 @@ from .paths import PATH
 )
 @click.argument("scenario", type=PATH)
 @click.option("-o", "--out", type=PATH, required=True, metavar="PAGE.html", help="The page's file.")
-@STEP
-@DURATION
+@changes("step", "duration")
 @OPEN
-def command(scenario: Path, out: Path, step: str | None, duration: str | None, open_: bool) -> None:
+def command(scenario: Path, out: Path, change: Changes, open_: bool) -> None:
     """Write a page that flies a scenario in the browser.
 
-    The page needs no network. It has the sliders and faults of `live` in SCENARIO, and says the hash of each run, which is that of the native run.
+    The page needs no network. It has the sliders and faults of `live` in SCENARIO.
+    It says the hash of each run, which is that of the native run.
     """
     if out.suffix != ".html":
         raise InputError(f"--out {out}: expected a name that ends in .html")
     if not out.absolute().parent.is_dir():
         raise InputError(f"--out {out}: there is no folder {out.parent}")
-    chosen = loaded(scenario, step=step, duration=duration)
+    chosen = change.scenario(scenario)
     live = prepare(chosen)
     notes(live.opened.plan.notes)
     native = whole(chosen)

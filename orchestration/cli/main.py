@@ -1,8 +1,8 @@
 """The command `orchestrate`.
 
-Exit status: 0 all well; 1 an expectation failed or was not reached; 2 the input is wrong, no step was run; 3 an FMU failed;
-4 the results could not be written; 70 an error of this program; 128 + n ended by signal n, so 130 by Ctrl-C;
-141 the reader of its output closed the pipe before anything was read.
+Exit status: 0 all well; 1 an expectation failed or was not reached; 2 the input is wrong, no step was run;
+3 an FMU failed; 4 the results could not be written; 70 an error of this program;
+128 + n ended by signal n, so 130 by Ctrl-C; 141 the reader of its output closed the pipe before anything was read.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ COMMANDS = {
     "validate": "orchestration.cli.validate",
     "view": "orchestration.cli.view",
 }
-"""The commands, and the modules whose `command` they are; each is imported when it is called, for a quick start."""
+"""The commands, and the modules whose `command` they are; each is imported when it is called."""
 
 
 @cache
@@ -108,8 +108,12 @@ def _may_be_scenario(text: str) -> bool:
     return not _is_command(text) and os.path.exists(text)
 
 
+_EXAMPLES = examples(
+    *("orchestrate scenarios --copy mine", "orchestrate mine/minimal.yaml --open"),
+    *("orchestrate info plant", "orchestrate run -h"),
+)
 _EPILOG = f"""
-{examples("orchestrate scenarios --copy mine", "orchestrate mine/minimal.yaml --open", "orchestrate info plant", "orchestrate run -h")}
+{_EXAMPLES}
 
 \b
 Completion of commands, options and files by bash (also zsh and fish):

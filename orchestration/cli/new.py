@@ -1,4 +1,7 @@
-"""`orchestrate new`: a small project for another team, for its FMU or its device, with a test vector from our block."""
+"""`orchestrate new`: writes a small project for another team's FMU or device, with a test vector from our block.
+
+Tests: tests/orchestration/cli/test_new_satellite.py, tests/fmus/kit/.
+"""
 
 from __future__ import annotations
 
@@ -65,11 +68,13 @@ def command(
 ) -> None:
     """Write a project for another team, or a satellite's file.
 
-    The project's FMU has the exact interface of BLOCK. The project contains the build files (C needs only a compiler and make), a README and a test vector.
-    With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device, and the
-    FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
+    The project's FMU has the exact interface of BLOCK.
+    The project contains the build files (C needs only a compiler and make), a README and a test vector.
+    With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device,
+    and the FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
 
-    For a satellite it writes its file and a scenario that flies it, which is called after DIR; without --set NAME=VALUE the command says which values it needs.
+    For a satellite it writes its file and a scenario that flies it, which is called after DIR;
+    without --set NAME=VALUE the command says which values it needs.
     """
     if block in template.names():
         options = {"--lang": lang, "--link": link_, "--scenario": scenario}
@@ -113,7 +118,7 @@ def command(
 
 @contextmanager
 def _undone(folder: Path) -> Iterator[None]:
-    """What fails inside leaves nothing in a folder that was missing or empty."""
+    """Leaves nothing of what fails inside in a folder that was missing or empty."""
     new = next((path for path in (*reversed(folder.parents), folder) if not path.exists()), None)
     empty = new is None and not any(folder.iterdir())
     try:
@@ -127,7 +132,7 @@ def _undone(folder: Path) -> Iterator[None]:
 
 
 def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
-    """How to judge the block: only one with our equations can give the outputs of the vector."""
+    """Prints how to judge the block: only one with our equations can give the outputs of the vector."""
     say("\nWith the same equations as ours, compare it with the test vector:")
     for command in (*more, f"orchestrate check {fmu} --as {block} --vector vector"):
         say(f"  {command}")
@@ -136,7 +141,7 @@ def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
 
 
 def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:
-    """The values that follow from given ones, and from those. Raises InputError for one that is no number."""
+    """Returns the values that follow from given ones, and from those. Raises InputError for one that is no number."""
     values: dict[str, str] = {}
     for name, entry in found.values.items():
         if "expression" not in entry:
@@ -156,7 +161,7 @@ def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]
 
 
 def _number(name: str, value: Any, entry: dict[str, Any]) -> float:
-    """In the unit and the range that are stated for it."""
+    """Returns the number in the unit and the range that are stated for it. Raises InputError."""
     try:
         unit = parse_unit(entry["unit"])
         number = value_in(str(value), unit)
@@ -171,7 +176,10 @@ def _number(name: str, value: Any, entry: dict[str, Any]) -> float:
 
 
 def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
-    """Writes the files of a template, none that is there already, and flies a sample, so that a value that no block takes is told now."""
+    """Writes the files of a template, none that is there already, and flies a sample.
+
+    So a value that no block takes is told now.
+    """
     if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
         given = {"name": own, **given}
     files = {folder / name: text for name, text in found.filled(given, _computed(found, given)).items()}

@@ -1,8 +1,13 @@
-"""Options that take the place of a scenario's entries: --set, --step, --duration, --flavour."""
+"""Changes a scenario as the options of a command say: --set, --swap, --map, --step, --duration, --flavour, --realtime.
+
+Tests: tests/orchestration/cli/test_options.py, test_realtime.py, test_cli.py.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +17,15 @@ from ..scenario.scenario import Scenario
 from ..scenario.source import Source
 from ..scenario.text import parse
 from ..session.read import load, read
-from ..swap.option import Swap, swapped
+from ..swap.option import Swap, swapped, swaps_of
 from .console import is_quiet, notes
 
 
 def settings(sets: Iterable[str]) -> dict[str, Any]:
-    """The value of each --set by the name that it is for; of several for one name the last, and the user is told. Raises InputError."""
+    """Returns the value of each --set by the name that it is for. Raises InputError.
+
+    Of several for one name the last counts, and the user is told.
+    """
     values: dict[str, Any] = {}
     given: dict[str, str] = {}
     for text in sets:
@@ -33,7 +41,7 @@ def settings(sets: Iterable[str]) -> dict[str, Any]:
 
 
 def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -> Source:
-    """The scenario with `block.parameter=value` of each --set, and the given values of `step` and the like.
+    """Returns the scenario with `block.parameter=value` of each --set, and the given values of `step` and the like.
 
     Raises InputError.
     """
@@ -45,37 +53,52 @@ def overridden(source: Source, sets: Iterable[str] = (), **values: str | None) -
     return source
 
 
-def loaded(
-    path: Path,
-    sets: Iterable[str] = (),
-    swaps: Sequence[Swap] = (),
-    pace: Mapping[str, Any] | None = None,
-    **values: str | None,
-) -> Scenario:
-    """The scenario of a file as the options change it; `pace` as `paced` takes it. Raises InputError."""
-    source = swapped(read(path), swaps)
-    return load(paced(overridden(source, sets, **values), **(pace or {})))
+@dataclass(frozen=True)
+class Changes:
+    """The options of a command that change the scenario before it is used. All methods raise InputError."""
 
+    sets: Sequence[str] = ()
+    swaps: Sequence[str] = ()
+    maps: Sequence[str] = ()
+    step: str | None = None
+    duration: str | None = None
+    flavour: str | None = None
+    realtime: float | str | None = None
+    late: str | None = None
+    late_tolerance: str | None = None
 
-def paced(
-    source: Source,
-    realtime: float | str | None = None,
-    late: str | None = None,
-    late_tolerance: str | None = None,
-) -> Source:
-    """The scenario paced as the options say. Raises InputError."""
-    options = {
-        "factor": ("--realtime", realtime),
-        "late": ("--late", late),
-        "tolerance": ("--late-tolerance", late_tolerance),
-    }
-    given = {key: (name, value) for key, (name, value) in options.items() if value is not None}
-    stated = isinstance(source.data, dict) and source.data.get("realtime") is not None
-    if given and (realtime == OFF or (realtime is None and not stated)):
-        for name, value in (entry for key, entry in given.items() if key != "factor"):
-            raise InputError(f"{name} {value}: only a run in real time has late steps; remedy: --realtime")
-    places = {
-        key: f"{name} {value:g}" if key == "factor" and value != OFF else f"{name} {value}"
-        for key, (name, value) in given.items()
-    }
-    return with_pace(source, {key: value for key, (_, value) in given.items()}, places) if given else source
+    @cached_property
+    def given(self) -> list[Swap]:
+        """The swaps of --swap and --map."""
+        return swaps_of(self.swaps, self.maps)
+
+    @property
+    def blocks(self) -> list[str]:
+        """The blocks that are swapped."""
+        return [swap.block for swap in self.given]
+
+    def unswapped(self, path: Path) -> Source:
+        """Returns the scenario of a file with all of them but --swap and --map."""
+        return self._changed(read(path))
+
+    def scenario(self, path: Path) -> Scenario:
+        """Returns the scenario of a file with all of them."""
+        return load(self._changed(swapped(read(path), self.given)))
+
+    def _changed(self, source: Source) -> Source:
+        source = overridden(source, self.sets, step=self.step, duration=self.duration, flavour=self.flavour)
+        options = {
+            "factor": ("--realtime", self.realtime),
+            "late": ("--late", self.late),
+            "tolerance": ("--late-tolerance", self.late_tolerance),
+        }
+        given = {key: (name, value) for key, (name, value) in options.items() if value is not None}
+        stated = isinstance(source.data, dict) and source.data.get("realtime") is not None
+        if given and (self.realtime == OFF or (self.realtime is None and not stated)):
+            for name, value in (entry for key, entry in given.items() if key != "factor"):
+                raise InputError(f"{name} {value}: only a run in real time has late steps; remedy: --realtime")
+        places = {
+            key: f"{name} {value:g}" if key == "factor" and value != OFF else f"{name} {value}"
+            for key, (name, value) in given.items()
+        }
+        return with_pace(source, {key: value for key, (_, value) in given.items()}, places) if given else source

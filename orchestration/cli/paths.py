@@ -1,4 +1,4 @@
-"""The type of options and arguments that are paths."""
+"""Holds the type of options and arguments that are paths. Tests: tests/orchestration/cli/test_options.py."""
 
 from __future__ import annotations
 

@@ -1,7 +1,11 @@
-"""`orchestrate polarity`: what shows a wrong sign, axis, unit or attitude at each port of a loop."""
+"""`orchestrate polarity`: finds what shows a wrong sign, axis, unit or attitude at each port of a loop.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import click
@@ -9,17 +13,17 @@ import click
 from ..acceptance.polarity import page
 from ..acceptance.polarity.card import card
 from ..acceptance.polarity.fly import Loop
-from ..acceptance.polarity.mend import as_yaml
+from ..acceptance.polarity.mend import SMALL, Mended, as_yaml
 from ..acceptance.polarity.swaps import Looked, look
 from ..acceptance.polarity.trials import Trials, run
 from ..results.place import check_writable
 from ..scenario.source import Source
-from ..session.read import load, read
-from ..swap.option import swapped, swaps_of
-from .console import Progress, complain, folded, notes, say, say_json, table
+from ..session.read import load
+from ..swap.option import swapped
+from .console import Progress, complain, folded, notes, say, say_json, say_table
 from .help import examples
-from .options import DURATION, MAP, SET, SWAP, out_folder
-from .overrides import overridden
+from .options import changes, out_folder
+from .overrides import Changes
 from .paths import PATH
 from .status import EXPECTATION_FAILED
 
@@ -33,11 +37,8 @@ from .status import EXPECTATION_FAILED
     ),
 )
 @click.argument("scenario", type=PATH)
-@SWAP
-@MAP
+@changes("swaps", "maps", "sets", "duration")
 @click.option("--port", "chosen", multiple=True, metavar="BLOCK.PORT", help="Only this port; may be repeated.")
-@SET
-@DURATION
 @click.option("--workers", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
 @out_folder("Folder for the tables; default: results/NAME-polarity.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
@@ -45,31 +46,28 @@ from .status import EXPECTATION_FAILED
 def command(
     ctx: click.Context,
     scenario: Path,
-    swaps: tuple[str, ...],
-    maps: tuple[str, ...],
+    change: Changes,
     chosen: tuple[str, ...],
-    sets: tuple[str, ...],
-    duration: str | None,
     workers: int | None,
     out: Path | None,
     json_: bool,
 ) -> None:
     """Show which wrong signs, axes and units are detected.
 
-    Every port is wired wrongly in every usual way, including transposed attitudes, and the loop is flown until an expectation or a consistency check of the
-    scenario fails. Writes the tables and a ground test card. With --swap the ports of that block only; where the FMU behaves
-    as one that is wired wrongly, the mapping that corrects it is printed.
+    Every port is wired wrongly in every usual way, including transposed attitudes, and the loop is flown until an
+    expectation or a consistency check of the scenario fails. Writes the tables and a ground test card.
+    With --swap the ports of that block only; where the FMU behaves as one that is wired wrongly,
+    the mapping that corrects it is printed.
 
     Exit status: 0 the loop as wired is sound, 1 it is not, 2 wrong input, 3 an FMU failed.
     """
-    ours = source = overridden(read(scenario), sets, duration=duration)
-    given = swaps_of(swaps, maps)
-    blocks = [swap.block for swap in given] or None
+    ours = source = change.unswapped(scenario)
+    blocks = change.blocks or None
     target = out or Path("results") / f"{load(source).name}-polarity"
     check_writable(target)
     looked: Looked | None = None
-    if given:
-        looked = look(ours, swapped(source, given), blocks or [])
+    if change.given:
+        looked = look(ours, swapped(source, change.given), change.blocks)
         source = looked.source
         if not json_:
             _tell(looked, target)
@@ -78,7 +76,8 @@ def command(
     if trials.nominal is not None:
         by, time = trials.nominal.by, trials.nominal.time
         complain(
-            f"the loop as it is wired does not pass at {time:.5g} s ({by}), so wrong wirings cannot be distinguished from it"
+            f"the loop as it is wired does not pass at {time:.5g} s ({by}), "
+            "so wrong wirings cannot be distinguished from it"
         )
         ctx.exit(EXPECTATION_FAILED)
     made = card(Loop(source)) if not chosen else None
@@ -114,15 +113,16 @@ def _tell(looked: Looked, target: Path) -> None:
     """Prints which mappings were proposed, and what mends the swapped FMUs."""
     for block in looked.proposed:
         say(f"{block}: its ports do not fit without a mapping; one is proposed: {target / f'{block}.proposed.yaml'}")
+        if names := ", ".join(looked.ignored[block]):
+            say(
+                f"{block}: no input of its FMU is left for {names} of ours, so what flows there is ignored", fg="yellow"
+            )
     if looked.wrong is None:
         return
     complain(f"as wired the loop does not pass: {looked.wrong.by}, at {looked.wrong.time:.5g} s")
     for mended in looked.mended:
         if not mended.behaves:
-            say(
-                f"{mended.block}: no other sign, axis, unit or attitude of one of its ports brings it nearer to ours",
-                fg="yellow",
-            )
+            say(folded(_symptom(mended)), fg="yellow")
             continue
         say(f"{mended.block} behaves as wired wrongly:", bold=True)
         for port, wrong in mended.behaves.items():
@@ -141,12 +141,22 @@ def _tell(looked: Looked, target: Path) -> None:
     say()
 
 
+def _symptom(mended: Mended) -> str:
+    """Returns how theirs differs from ours where no wrong wiring explains it."""
+    if not math.isfinite(mended.before):
+        text = "it refuses the inputs that ours has in its run, or gives what is not finite"
+    else:
+        text = f"on the same inputs its outputs differ by {100 * mended.before:.3g} % of ours"
+    best = f"the best leaves {100 * mended.after:.3g} %" if math.isfinite(mended.after) else "none helps"
+    no = "no other sign, axis, unit or attitude of its ports explains that"
+    return f"{mended.block}: {text}; {no}: {best}, and a cause is named up to {100 * SMALL:g} %"
+
+
 def _print(trials: Trials, files: list[Path]) -> None:
     notes(trials.notes)
     say(f"{trials.scenario}: {page.verdict(trials)}", bold=True)
     say()
-    for line in table(page.HEADER, page.table(trials)):
-        say(line)
+    say_table(page.HEADER, page.table(trials))
     for name, wrongs, reason, remedy in page.unobservable(trials):
         some = ", ".join(wrongs[:4]) + (f" and {len(wrongs) - 4} more" if len(wrongs) > 4 else "")
         say()

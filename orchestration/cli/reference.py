@@ -1,4 +1,7 @@
-"""`orchestrate reference`: the reference data that an FMU is to carry."""
+"""`orchestrate reference`: writes the reference data that an FMU is to carry.
+
+Tests: tests/orchestration/acceptance/test_references.py.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,8 @@ from .paths import PATH
 def command(fmu: str, vector: Path | None, out: Path) -> None:
     """Write the reference data that an FMU is to carry.
 
-    These are inputs, outputs and tolerances (FMI-LS-REF). FMU is a file with the test vector of its kit, or a block of this project, whose inputs are taken from one of its runs.
+    These are inputs, outputs and tolerances (FMI-LS-REF). FMU is a file with the test vector of its kit,
+    or a block of this project, whose inputs are taken from one of its runs.
     """
     check_writable(out)
     if is_path(fmu):

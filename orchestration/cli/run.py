@@ -1,11 +1,13 @@
-"""`orchestrate run`: runs a scenario, prints a summary and writes the folder of the results."""
+"""`orchestrate run`: runs a scenario, prints a summary and writes the folder of the results.
+
+Tests: tests/orchestration/cli/test_cli.py, test_realtime.py, tests/orchestration/results/test_outputs.py.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -16,14 +18,13 @@ from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..session import run as runner
 from ..session.realtime import pacer
-from ..swap.option import swaps_of
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
-from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, OPEN, SET, STEP, SWAP, out_folder, pacing
-from .overrides import loaded
+from .options import FIGURES, FORMAT, OPEN, changes, out_folder
+from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
 from .summary import save, summary
@@ -41,16 +42,10 @@ from .summary import save, summary
     ),
 )
 @click.argument("scenario", type=PATH)
-@SET
-@SWAP
-@MAP
+@changes()
 @out_folder(
     "Folder for the results; default: results/NAME, NAME being the scenario's, or the file's of an SSP archive."
 )
-@STEP
-@DURATION
-@FLAVOUR
-@pacing
 @FORMAT
 @FIGURES
 @OPEN
@@ -66,28 +61,21 @@ from .summary import save, summary
 def command(
     ctx: click.Context,
     scenario: Path,
-    sets: tuple[str, ...],
-    swaps: tuple[str, ...],
-    maps: tuple[str, ...],
+    change: Changes,
     out: Path | None,
-    step: str | None,
-    duration: str | None,
-    flavour: str | None,
     format_: str,
     figures: bool,
     open_: bool,
     loop: str,
     log: bool,
     quiet: bool,
-    **pace: Any,
 ) -> None:
     """Run a scenario (the default command).
 
     SCENARIO is a YAML file or an SSP archive. Writes signals, a manifest and a report, and prints a summary.
     """
     formats.check(format_)
-    given = swaps_of(swaps, maps)
-    chosen = loaded(scenario, sets, given, pace, step=step, duration=duration, flavour=flavour)
+    chosen = change.scenario(scenario)
     if figures:
         require(chosen)
     target = out or Path("results") / (scenario.stem if scenario.suffix == ".ssp" else chosen.name)
@@ -110,9 +98,9 @@ def command(
                 result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
             finally:
                 progress.close()
-        for swap in given:
-            outputs = [variable.name for variable in result.models[swap.block].of("output")]
-            result.warnings += [str(finding) for finding in own_claims(result.scenario, swap.block, outputs)]
+        for block in change.blocks:
+            outputs = [variable.name for variable in result.models[block].of("output")]
+            result.warnings += [str(finding) for finding in own_claims(result.scenario, block, outputs)]
         if not quiet:
             notes(result.warnings)
             if len(result.time):
@@ -129,7 +117,7 @@ def command(
 
 
 def _status(result: Result, quiet: bool) -> int:
-    """The exit status of a run; prints why it is not 0, where the summary has not."""
+    """Returns the exit status of a run; prints why it is not 0, where the summary has not."""
     if result.failure is not None:
         complain(str(result.failure))
         return BLOCK_FAILED

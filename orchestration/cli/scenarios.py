@@ -1,4 +1,4 @@
-"""`orchestrate scenarios`: the project's own scenarios, and copies of them to start from."""
+"""`orchestrate scenarios`: lists or copies the project's own scenarios. Tests: tests/packaging/test_wheel.py."""
 
 from __future__ import annotations
 

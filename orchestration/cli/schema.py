@@ -1,4 +1,7 @@
-"""`orchestrate schema`: what a scenario file, or a campaign file, may hold, as a JSON Schema."""
+"""`orchestrate schema`: prints the JSON Schema of scenarios or campaigns.
+
+Tests: tests/orchestration/cli/test_cli.py.
+"""
 
 from __future__ import annotations
 

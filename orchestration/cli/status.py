@@ -1,4 +1,7 @@
-"""Exit statuses, and the group of commands that turns every error into one line and a status."""
+"""Holds exit statuses, and the group of commands that turns every error into one line and a status.
+
+Tests: tests/orchestration/cli/test_cli.py, tests/orchestration/results/test_endings.py.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _PIPE = 13
 
 
 class Commands(click.Group):
-    """A group whose commands end with a line and a status where they raise, or lose what they print, without a traceback."""
+    """A group whose commands end with a line and a status, without a traceback, where they raise."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         open_streams()

@@ -1,27 +1,29 @@
-"""What the console shows of a run at its end."""
+"""Prints what the console shows of a run at its end. Tests: tests/orchestration/cli/test_cli.py."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-
-import click
 
 from ..quantities import with_unit
 from ..results.result import Result
 from ..system import acting
-from .console import folded, notes, say, table
+from .console import folded, notes, say, say_table
 
 _LISTED = 5
 """Late steps that are printed."""
 
 
-def mark(word: str = "", width: int = 13) -> str:
-    """A verdict before a line of a table, in its colour and as wide as the widest of the table."""
-    if word in ("met", "ok"):
-        return click.style(f"{word:<{width}}", fg="green")
-    if word in ("not evaluated", "allowed"):
-        return click.style(f"{word:<{width}}", fg="yellow")
-    return click.style(f"{word:<{width}}", fg="red", bold=True) if word else " " * width
+def colour(status: str) -> str:
+    """Returns the colour of a verdict: red for all that is neither met nor left open."""
+    colours = {"met": "green", "ok": "green", "not evaluated": "yellow", "allowed": "yellow", "undecided": "yellow"}
+    return colours.get(status, "bold red")
+
+
+def judged(header: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]) -> None:
+    """Prints a table, before each row its status in its colour."""
+    if rows:
+        say_table(("", *header), [(status, *cells) for status, cells in rows], [colour(status) for status, _ in rows])
 
 
 def save(result: Result, folder: Path, format_: str = "csv") -> None:
@@ -52,17 +54,12 @@ def summary(result: Result) -> None:
     if result.highlights:
         rows = [(h.signal, with_unit(h.final, h.unit), h.text) for h in result.highlights]
         say()
-        for line in table(("key figure", "at the end", "largest"), rows):
-            say(line)
+        say_table(("key figure", "at the end", "largest"), rows)
     if outcomes := [*result.outcomes, *result.not_evaluated]:
-        width = 2 + max(len(outcome.status) for outcome in outcomes)
-        lines_ = [
-            (o.name, o.text, o.expected, "" if o.margin is None else with_unit(o.margin, o.unit)) for o in outcomes
-        ]
-        header, *lines = table(("expectation", "found", "expected", "margin"), lines_, width)
-        say(header, head=f"\n{mark(width=width)}")
-        for outcome, line in zip(outcomes, lines, strict=True):
-            say(line, head=mark(outcome.status, width))
+        say()
+        margins = ["" if o.margin is None else with_unit(o.margin, o.unit) for o in outcomes]
+        cells = [(o.status, (o.name, o.text, o.expected, m)) for o, m in zip(outcomes, margins, strict=True)]
+        judged(("expectation", "found", "expected", "margin"), cells)
         if left := len(result.not_evaluated):
             met = sum(outcome.passed for outcome in result.outcomes)
             failed = f", {n} not met" if (n := len(result.outcomes) - met) else ""

@@ -1,9 +1,9 @@
-"""`orchestrate validate`: all checks of a scenario that need no run, and what a run of it would be."""
+"""`orchestrate validate`: makes all checks of a scenario that need no run, and says what a run would be."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -18,13 +18,12 @@ from ..scenario.scenario import Scenario
 from ..session.limits import limits
 from ..session.open import Opened, open_scenario
 from ..session.read import read
-from ..swap.option import swaps_of
 from ..swap.own_claims import own_claims
 from ..system import acting
-from .console import folded, notes, say, table
+from .console import folded, notes, say, say_table
 from .help import examples
-from .options import DURATION, FIGURES, FLAVOUR, FORMAT, MAP, SET, STEP, SWAP, pacing
-from .overrides import loaded, settings
+from .options import FIGURES, FORMAT, changes
+from .overrides import Changes, settings
 from .paths import PATH
 
 
@@ -39,13 +38,7 @@ from .paths import PATH
     ),
 )
 @click.argument("scenario", type=PATH)
-@SET
-@SWAP
-@MAP
-@STEP
-@DURATION
-@FLAVOUR
-@pacing
+@changes()
 @FORMAT
 @FIGURES
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
@@ -53,31 +46,25 @@ from .paths import PATH
 def command(
     ctx: click.Context,
     scenario: Path,
-    sets: tuple[str, ...],
-    swaps: tuple[str, ...],
-    maps: tuple[str, ...],
-    step: str | None,
-    duration: str | None,
-    flavour: str | None,
+    change: Changes,
     format_: str,
     figures: bool,
     quiet: bool,
-    **pace: Any,
 ) -> None:
     """Check a scenario or campaign and say what would run.
 
-    Takes the options of run that change what would run (not --out, --open, --loop, --log); with a campaign only --set. The FMUs are opened and
-    compared with the scenario, but none of their code runs: what an FMU refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
+    Takes the options of run that change what would run (not --out, --open, --loop, --log); with a campaign only --set.
+    The FMUs are opened and compared with the scenario, but none of their code runs:
+    what an FMU refuses in its initialization shows in a run only. Exit status: 0 it can run, 2 it cannot.
     """
     formats.check(format_)
     if _is_campaign(scenario):
-        case = _campaign(ctx, scenario, sets)
+        case = _campaign(ctx, scenario, change.sets)
         if not quiet:
             notes(case.notes)
             _print_campaign(case)
         return
-    given = swaps_of(swaps, maps)
-    chosen = loaded(scenario, sets, given, pace, step=step, duration=duration, flavour=flavour)
+    chosen = change.scenario(scenario)
     if figures:
         require(chosen)
     opened = open_scenario(chosen)
@@ -86,7 +73,7 @@ def command(
         return
     claims = (
         str(finding)
-        for block in (swap.block for swap in given)
+        for block in change.blocks
         for finding in own_claims(opened.plan.scenario, block, [v.name for v in opened.plan.models[block].of("output")])
     )
     notes([*opened.plan.notes, *claims, *_of_live(chosen)])
@@ -94,7 +81,7 @@ def command(
 
 
 def _of_live(scenario: Scenario) -> list[str]:
-    """What in `live` does not fit the blocks: no run takes notice of it."""
+    """Returns what in `live` does not fit the blocks: no run takes notice of it."""
     if scenario.live is None:
         return []
     try:
@@ -110,7 +97,7 @@ def _is_campaign(path: Path) -> bool:
     return isinstance(data, dict) and "scenario" in data and "blocks" not in data
 
 
-def _campaign(ctx: click.Context, path: Path, sets: tuple[str, ...]) -> Case:
+def _campaign(ctx: click.Context, path: Path, sets: Sequence[str]) -> Case:
     for option in ctx.command.params:
         given = ctx.get_parameter_source(option.name or "") is click.core.ParameterSource.COMMANDLINE
         if given and option.name not in ("scenario", "sets", "quiet"):
@@ -134,8 +121,7 @@ def _print_campaign(case: Case) -> None:
             for one in job.requirements
         ),
     ]
-    for line in table(("", ""), facts)[1:]:
-        say(line)
+    say_table(("", ""), facts)
 
 
 def _head(name: str, kind: str, description: str | None) -> None:
@@ -156,8 +142,7 @@ def _print(opened: Opened, path: Path) -> None:
         where = "own process" if limits(scenario, name) else "this process"
         own = str(shown(fmu.path)) if is_path(entry.fmu) else entry.fmu
         rows.append((name, f"{own}{kind}", f"{entry.every * clock.step:.10g} s", where, str(len(plan.starts[name]))))
-    for line in table(("block, in order", "FMU", "stepped every", "runs in", "start values"), rows):
-        say(line)
+    say_table(("block, in order", "FMU", "stepped every", "runs in", "start values"), rows)
     say()
     duration, interval = clock.time(clock.steps), clock.time(clock.interval)
     samples = clock.steps // clock.interval + 1 + (clock.steps % clock.interval > 0)
@@ -173,5 +158,4 @@ def _print(opened: Opened, path: Path) -> None:
         *(("fault", text) for text in acting.fault_sentences(scenario, plan.models)),
         *(("timeline", text) for text in acting.timeline_sentences(scenario)),
     ]
-    for line in table(("", ""), facts)[1:]:
-        say(line)
+    say_table(("", ""), facts)

@@ -1,4 +1,4 @@
-"""`orchestrate view`: opens the page of results that are there."""
+"""`orchestrate view`: opens the page of results that are there. Tests: tests/orchestration/cli/test_options.py."""
 
 from __future__ import annotations
 

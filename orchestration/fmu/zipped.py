@@ -122,7 +122,7 @@ def _check_entries(path: Path, entries: list[zipfile.ZipInfo]) -> None:
             raise InputError(f"{shown(path)} holds a symbolic link, {name}; expected files only")
         if entry.flag_bits & 1:
             raise InputError(f"{shown(path)} is encrypted: {name}; expected an archive that opens without a password")
-    (name, count), *_ = Counter(entry.filename for entry in entries).most_common(1) or [("", 0)]
+    (name, count), *_ = Counter(entry.filename for entry in entries if not entry.is_dir()).most_common(1) or [("", 0)]
     if count > 1:
         raise InputError(f"{shown(path)} holds {name} {count} times; expected each name once")
 

@@ -31,6 +31,11 @@ _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _ERROR, _FATAL = 3, 4
 
 
+def asks_to_end(error: BlockError) -> bool:
+    """Whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its answer (3.0)."""
+    return error.call.endswith("DoStep") and error.problem in (f"gave status {_STATUS[2]}", ANSWERS[1])
+
+
 class Slave:
     """One instance of an FMU. See `block.Block`."""
 

@@ -196,6 +196,9 @@ class _Writer(yaml.SafeDumper):
 _Writer.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, None)
 
 
-def written(data: Any) -> str:
-    """Plain data as YAML that reads back as the same data."""
-    return yaml.dump(data, Dumper=_Writer, sort_keys=False, allow_unicode=True, width=10**6)
+def written(data: Any, flow: bool = False) -> str:
+    """Returns plain data as YAML that reads back as the same data; with `flow` on one line, without its end."""
+    text: str = yaml.dump(
+        data, Dumper=_Writer, sort_keys=False, allow_unicode=True, width=10**6, default_flow_style=flow
+    )
+    return text.removesuffix("...\n").rstrip("\n") if flow else text

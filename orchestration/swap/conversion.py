@@ -89,9 +89,10 @@ def _conversion(fitted: Fit, ours: Variable, theirs: Variable, entry: PortMap, l
     scale = entry.scale if entry.scale is not None else entry.divide
     if scale is None:
         if not own.fits(unit):
-            remedy = "give a 'scale' with a unit in the mapping, or change the FMU"
+            wrong = f"where the FMU declares a wrong unit, state the right one in the mapping, such as 'unit: {own}'"
+            remedy = f"give a 'scale' with a unit in the mapping, or change the FMU; {wrong}"
             if ours.causality != "parameter" and is_rate(own, unit):
-                remedy = f"none in a mapping: {NO_MEMORY}; change the FMU"
+                remedy = f"none in a mapping: {NO_MEMORY}; change the FMU; or, {wrong}"
             if own.exponents[:-1] == unit.exponents[:-1]:
                 remedy = f"they differ by the radian only: state what it is, such as 'unit: {own}', in the mapping"
             raise Misfit("unit", f"the units do not fit: ours is {own}, theirs {unit}", remedy)

@@ -1,4 +1,7 @@
-"""One block alone, given chosen inputs step by step, again and again with a new instance each time."""
+"""Gives one block alone chosen inputs step by step, again and again.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ from .fly import Loop
 
 
 def flown_inputs(loop: Loop, block: str, signals: Mapping[Node, Floats]) -> dict[str, Floats]:
-    """What flows in a run to each input that is connected as a whole, (samples, elements) by name."""
+    """Returns what flows in a run to each input that is connected as a whole, (samples, elements) by name."""
     variables = loop.plan.models[block].variables
     given: dict[str, dict[int, Floats]] = {}
     for link in loop.plan.wiring.links:
@@ -31,7 +34,7 @@ def flown_inputs(loop: Loop, block: str, signals: Mapping[Node, Floats]) -> dict
 
 
 class Bench:
-    """A block of an opened scenario, in this process. One instance serves for all plays, unless a reset does not clear it."""
+    """A block of an opened scenario, in this process. One instance serves for all plays, where a reset clears it."""
 
     def __init__(self, loop: Loop, block: str, stack: ExitStack) -> None:
         self.opened, self.block = loop.opened, block
@@ -46,11 +49,16 @@ class Bench:
         self._names, self._ends = [v.name for v in reals], np.cumsum([v.size for v in reals])[:-1]
         self._outputs = [e for v in reals for e in v.elements]
         self._into = np.zeros(len(self._outputs))
+        sources = [node for link in loop.plan.wiring.links for node in link.source if node.block == block]
+        self._handed_on = list(dict.fromkeys(node.element for node in sources))
         self._slave: Slave | None = None
         stack.callback(self._close)
 
     def play(self, inputs: Mapping[str, Floats]) -> dict[str, Floats] | None:
-        """Its real outputs (instants, elements) by name on inputs (instants, elements); None where it refuses them."""
+        """Returns its real outputs (instants, elements) by name on inputs (instants, elements).
+
+        Returns None where it refuses them, or gives what is not finite.
+        """
         try:
             if self._slave is not None:
                 self._reset()
@@ -62,14 +70,12 @@ class Bench:
             return None
         if not self.keeps_instance:
             self._close()
-        return (
-            dict(zip(self._names, np.split(whole, self._ends, axis=1), strict=True))
-            if np.isfinite(whole).all()
-            else None
-        )
+        if not np.isfinite(whole).all():
+            return None
+        return dict(zip(self._names, np.split(whole, self._ends, axis=1), strict=True))
 
     def _reset(self) -> None:
-        """Back to the start; without an instance where this one cannot."""
+        """Sets the instance back to its start, or closes it where it cannot."""
         try:
             if self._slave is not None:
                 self._slave.reset()
@@ -93,7 +99,7 @@ class Bench:
         block.set(self.starts)
         block.enter(self.step * len(table))
         block.set(zip(self._elements, table[0].tolist(), strict=True))
-        block.get(self._outputs)  # as a master does, which hands them on
+        block.get(self._handed_on)  # as a master does; others need not exist yet
         if self._given is None:
             self._given = block.wire(self._elements, self._outputs, [len(self._outputs), 0, 0, 0], into)
         given = self._given

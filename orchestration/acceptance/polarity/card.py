@@ -1,7 +1,10 @@
-"""The ground test card: a stimulus at each port, and what the block's outputs then do, by sign and size.
+"""Makes the ground test card: a stimulus at each port, and what the block's outputs then do, by sign and size.
 
-Each block stands alone. Its inputs keep the values of that instant of the run at which the smallest of them, beside its own
-largest value, is largest. One of them is changed for a second, or for one step of the block where that is longer. What the outputs differ by from those without the change is expected.
+Each block stands alone. Its inputs keep the values of that instant of the run at which the smallest of them,
+beside its own largest value, is largest. One of them is changed for a second, or for one step of the block where that
+is longer. What the outputs differ by from those without the change is expected.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ _TURN = math.radians(10.0)
 _HOLD = 1.0
 """Seconds that a stimulus lasts."""
 _SMALL = 1e-3
-"""Share of an output's largest value in the scenario below which its change is not listed, and of its largest element."""
+"""Share of an output's largest value below which its change is not listed, and of its largest element."""
 _OUTPUTS = 3
 """So many outputs are listed at most, those first that change most."""
 
@@ -53,7 +56,7 @@ class Card:
 
 
 def card(loop: Loop) -> Card:
-    """The test card of a loop's blocks."""
+    """Returns the test card of a loop's blocks."""
     fed = [node for link in loop.plan.wiring.links for node in link.source]
     models = loop.plan.models.items()
     reals = [Node(block, e) for block, m in models for v in m.of("output") if v.type == "real" for e in v.elements]
@@ -96,7 +99,7 @@ class _Stand:
                 card.steps.extend(self._axis(name, values, axis, at_rest))
 
     def _axis(self, name: str, values: Floats, axis: int, at_rest: dict[str, Floats]) -> list[Step]:
-        """The lines of one axis of an input; where nothing answers, because a limit or a hold acts, with less of it."""
+        """Returns the lines of one axis of an input, with less of it where a limit or a hold keeps all as it is."""
         port, hold = f"{self.block}.{name}", self.count * self.clock.step
         lines: list[Step] = []
         for share in (1.0, 0.1, 0.01):
@@ -120,7 +123,7 @@ class _Stand:
         return lines
 
     def _last(self, inputs: dict[str, Floats]) -> dict[str, Floats] | str:
-        """The outputs at the end, or why there are none."""
+        """Returns the outputs at the end, or why there are none."""
         try:
             _, played, failure = play_opened(self.loop.opened, self.block, inputs, self.clock)
         except BlockError as error:
@@ -129,7 +132,7 @@ class _Stand:
 
 
 def _stimulus(variable: Variable, values: Floats, row: int, axis: int, share: float) -> tuple[str, Floats] | None:
-    """What an input is set to on one of its axes, in words and in numbers; None where that is nothing."""
+    """Returns to what an input is set on one of its axes, in words and in numbers; None where that is nothing."""
     first, n = values[row], values.shape[1]
     if variable.type == "boolean":
         return "inverted", 1.0 - first
@@ -160,7 +163,7 @@ def _factor(variable: Variable) -> float:
 
 
 def _vector(variable: Variable, values: Floats, sign: bool = False) -> str:
-    """Values in the unit in which they are shown; without what is small beside the largest."""
+    """Returns values in the unit in which they are shown, without what is small beside the largest."""
     factor, unit = _factor(variable), _shown_in(variable)
     largest = float(np.abs(values).max())
     cells = [f"{x * factor:{'+' if sign else ''}.3g}" if abs(x) > _SMALL * largest else "0" for x in values]

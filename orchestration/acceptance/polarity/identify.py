@@ -1,14 +1,16 @@
-"""Which wrong wiring another team's FMU behaves as: its outputs beside ours, on the inputs that ours had in a run.
+"""Finds as which wrong wiring another team's FMU behaves: its outputs beside ours, on the inputs of ours in a run.
 
-Both are given instants of the run, spread over its lively part, one a step. What is handed to theirs is changed port by port,
-and what it gives is compared with ours in every order and sign, until the two agree. No output has to agree to the last digit,
-since theirs may round, saturate or filter; what matters is that one wiring is far better than as wired.
+Both are given instants of the run, spread over its lively part, one a step. What is handed to theirs is changed port by
+port, and what it gives is compared with ours in every order and sign, until the two agree.
+No output has to agree to the last digit, since theirs may round, saturate or filter; `mend.SMALL` says how near.
+
+Tests: tests/orchestration/acceptance/test_polarity.py, tests/torture/polarity.py.
 """
 
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations, islice
 from time import monotonic
 
@@ -27,11 +29,11 @@ INSTANTS, COARSE = 24, 6
 ALIKE = 1e-6
 """A share of an output's size by which two agree to rounding."""
 _CHANGE, _MINUS = 2e-3, 1e-6
-"""What a change of a port counts, as a difference does, and each minus sign in it: of two that serve, the plainer is taken."""
+"""What a change of a port and each minus sign in it count as difference: of two that serve, the plainer is taken."""
 _LIVELY = 1.0 / 3.0
 """Share of the run, from its start, of which the instants are."""
 SECONDS = 120.0
-"""What the search may take."""
+"""The search ends after so long."""
 
 Changes = dict[str, Wrong]
 """By input: what is handed over instead."""
@@ -105,16 +107,16 @@ class Identifier:
             self._theirs.keeps_instance = False
 
     def candidates(self, name: str) -> list[Wrong]:
-        """What may be handed to an input instead."""
-        quaternion = name in self.quaternions
-        return [
-            w
-            for w in wrongs(self.ports[name])
-            if (w.turn is None and not (quaternion and w.name != "transposed")) or (quaternion and w.turn is not None)
-        ]
+        """Returns what may be handed to an input instead: what undoes each of its wrong wirings."""
+        tried = wrongs(self.ports[name])
+        if name not in self.quaternions:
+            return [w for w in tried if w.turn is None]
+        turns = [w for w in tried if w.turn is not None or w.name == "transposed"]
+        # Who inverts what he reads is helped by the quaternion of the inverse.
+        return [replace(w, turn=(f"inverse, {w.turn[0]}", False)) if w.turn and w.turn[1] else w for w in turns]
 
     def error(self, changes: Changes, count: int = INSTANTS) -> Score:
-        """How far theirs is from ours with these changes, on some of the instants."""
+        """Returns how far theirs is from ours with these changes, on some of the instants."""
         chosen = slice(None) if count >= INSTANTS else slice(0, None, INSTANTS // count)
         handed = {n: changes[n].apply(v[chosen]) if n in changes else v[chosen] for n, v in self.inputs.items()}
         played = self._theirs.play(handed)
@@ -131,7 +133,7 @@ class Identifier:
         return Score(error, error + sum(map(_count, (*changes.values(), *outputs.values()))), outputs)
 
     def as_wired(self) -> float:
-        """How far theirs is from ours with nothing changed."""
+        """Returns how far theirs is from ours with nothing changed."""
         played = self._theirs.play(self.inputs)
         if played is None:
             return np.inf
@@ -140,7 +142,7 @@ class Identifier:
         return sum(self._weights[n] * min(x, 2.0) for n, x in apart.items()) / sum(self._weights.values())
 
     def _nearest(self, name: str, ours: Floats, theirs: Floats) -> tuple[Wrong | None, float]:
-        """The change of an output that brings it nearest to ours, None for none; and how far it is then."""
+        """Returns the change of an output that brings it nearest to ours, None for none; and how far it is then."""
         changes, stacked, counts = self._finals[name]
         square = float((ours * ours).sum()) or 1.0
         # |theirs M^T - ours|^2 of all M at once, from the products of the two with each other.
@@ -201,7 +203,7 @@ class Identifier:
         return score, changes
 
     def _near(self, name: str, now: Wrong | None) -> list[Wrong]:
-        """Every change of an input, and those made of the present one and another."""
+        """Returns every change of an input, and those made of the present one and another."""
         every = self.candidates(name)
         if now is None or now.matrix is None:
             return every
@@ -212,28 +214,29 @@ class Identifier:
 
 
 def _count(wrong: Wrong) -> float:
-    """What a change counts beside the difference."""
+    """Returns what a change counts beside the difference."""
     minus = 0 if wrong.matrix is None else int((wrong.matrix < 0.0).sum())
     return _CHANGE + _MINUS * minus
 
 
 def _finals(port: Port) -> tuple[list[Wrong | None], Floats, Floats]:
-    """Changes of an output, first none: axes and signs, each also with a usual factor; their matrices, and what each counts."""
+    """Returns changes of an output, first none: axes and signs, each also with a usual factor; matrices, and costs."""
     every = [w for w in wrongs(port) if w.matrix is not None]
     n = len(port.positions)
     turned = [w for w in every if w.kind in ("axes", "sign")] if port.kind in ("vector", "scalar") else []
     units = [w for w in every if w.kind == "unit"]
-    every += [Wrong(f"{a.name}, {u.name}", "axes", u.matrix @ a.matrix) for a in turned for u in units]  # type: ignore[operator]
+    pairs = [(f"{a.name}, {u.name}", a.matrix, u.matrix) for a in turned for u in units]
+    every += [Wrong(name, "axes", u @ a) for name, a, u in pairs if a is not None and u is not None]
     matrices = [np.eye(n), *(w.matrix for w in every if w.matrix is not None)]
     return [None, *every], np.array(matrices), np.array([0.0, *map(_count, every)])
 
 
 def open_identifier(ours: Source, theirs: Source, block: str, stack: ExitStack) -> Identifier:
-    """Both opened for a bench in this process."""
+    """Opens both for a bench in this process."""
     return Identifier(Loop(ours), Loop(theirs), block, stack)
 
 
 def identify(ours: Source, theirs: Source, block: str) -> Identified:
-    """Which wrong wiring the block of the second scenario behaves as. Raises InputError."""
+    """Returns as which wrong wiring the block of the second scenario behaves. Raises InputError."""
     with ExitStack() as stack:
         return open_identifier(ours, theirs, block, stack).search()

@@ -1,7 +1,11 @@
-"""The mapping that mends a swapped FMU which behaves as one of the wrong wirings, confirmed in the loop."""
+"""Finds the mapping that mends a swapped FMU which behaves as one of the wrong wirings, and confirms it.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -17,29 +21,32 @@ from ...scenario.mapping import Mapping as PortMapping
 from ...scenario.mapping import PortMap
 from ...scenario.references import Name
 from ...scenario.source import Source
+from ...scenario.text import written
 from .fly import Found, Loop
 from .identify import identify
 from .ports import Port
 from .wrongs import USUAL, Wrong, wrongs
 
+SMALL = 0.01
+"""Share of ours by which theirs may still differ for a cause to be named; beyond it, the difference alone is told."""
 _FACTOR = 1e-6
 """How near a factor has to be to that of a usual unit."""
 
 
 @dataclass(frozen=True)
 class Mended:
-    """What a swapped FMU behaves as, and its mapping that mends it."""
+    """The wrong wiring as which a swapped FMU behaves, and the mapping that mends it."""
 
     block: str
     behaves: dict[str, str]
-    """By port of ours: the wrong wiring that theirs behaves as."""
+    """By port of ours: the wrong wiring that theirs behaves as; empty where none leaves a small difference only."""
     mapping: dict[str, Any]
     """As data for `map:`."""
     before: float
     after: float
     """Difference from ours on the same inputs, as a share: as wired and as mended."""
     left: Found | None
-    """What the loop still does not meet with it; None where all is met."""
+    """The first that the loop does not meet with it; None where all is met."""
     complete: bool
 
 
@@ -56,7 +63,8 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
     data = present.model_dump(exclude_none=True, exclude_defaults=True)
     data["ports"] = {name: _data(entry) for name, entry in present.ports.items()}
     behaves: dict[str, str] = {}
-    for causality, changes in (("input", found.inputs), ("output", found.outputs)):
+    explained = (("input", found.inputs), ("output", found.outputs)) if found.after <= SMALL else ()
+    for causality, changes in explained:
         for name, wrong in changes.items():
             behaves[name] = named(found.ports[name], wrong)
             entry = present.ports.get(name) or PortMap(theirs=[Name(name)], inverse=False)
@@ -86,7 +94,7 @@ def _data(entry: PortMap) -> dict[str, Any]:
 
 
 def _mended(entry: PortMap, port: Port, change: Wrong, causality: str, declared: float) -> dict[str, Any]:
-    """The entry of a port with a change in it: what is handed to theirs, or what is made of an output of theirs."""
+    """Returns the entry of a port with a change in it: of what is handed to theirs, or of an output of theirs."""
     data = _data(entry)
     if entry.quaternion is not None:
         return data | _quaternion(entry, change)
@@ -114,12 +122,12 @@ def _quaternion(entry: PortMap, change: Wrong) -> dict[str, Any]:
         inverse = not inverse
     else:
         order = "scalar last" if order == "scalar first" else "scalar first"
-        inverse = inverse != change.turn[1]
+        inverse = inverse != change.turn[0].startswith("inverse")
     return {"quaternion": order, "inverse": inverse}
 
 
 def _with_factor(data: dict[str, Any], size: float, port: Port, declared: float) -> dict[str, Any]:
-    """With another unit of theirs, where a usual one has the factor; else with a scale."""
+    """Returns the entry with another unit of theirs, where a usual one has the factor; else with a scale."""
     wanted = (parse_unit(data["unit"]).factor if "unit" in data else declared) / size
     for family in USUAL:
         for name in family:
@@ -141,7 +149,7 @@ def _with_sign(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _times(value: Any, by: float) -> Any:
-    """A factor times a number, with its unit."""
+    """Returns a factor times a number, with its unit."""
     if isinstance(value, str):
         number, unit = parse(value)
         return f"{number * by:.10g} {unit}" if unit is not None else number * by
@@ -153,37 +161,21 @@ def _whole(x: float) -> float:
 
 
 def as_yaml(mapping: Mapping[str, Any]) -> str:
-    """A mapping as YAML, an entry a line."""
-    lines = ["ports:" if mapping.get("ports") else "ports: {}"]
-    lines += [f"  {name}: {_flow(entry)}" for name, entry in mapping.get("ports", {}).items()]
-    for key in ("inputs", "start", "ignore"):
-        if mapping.get(key):
-            lines.append(f"{key}: {_flow(mapping[key])}")
-    return "\n".join(lines) + "\n"
-
-
-def _flow(value: Any) -> str:
-    if isinstance(value, Mapping):
-        if set(value) == {"theirs"}:
-            return _flow(value["theirs"])
-        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_flow, value))}]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        plain = value.replace("_", "a").replace(" ", "a").replace(".", "a").replace("/", "a")
-        return value if plain.isalnum() and value[0].isalpha() else "'" + value.replace("'", "''") + "'"
-    return repr(value)
+    """Returns a mapping as YAML, an entry a line."""
+    ports = {name: e["theirs"] if set(e) == {"theirs"} else e for name, e in mapping.get("ports", {}).items()}
+    lines = ["ports:" if ports else "ports: {}"]
+    lines += [f"  {name}: {written(entry, flow=True)}" for name, entry in ports.items()]
+    rest = {key: mapping[key] for key in ("inputs", "start", "ignore") if mapping.get(key)}
+    return "\n".join([*lines, *(f"{key}: {written(value, flow=True)}" for key, value in rest.items())]) + "\n"
 
 
 def summary(mended: Mended) -> dict[str, Any]:
-    """All of it as plain data."""
+    """Returns all of it as plain data."""
     return {
         "block": mended.block,
         "behaves_as": mended.behaves,
         "map": mended.mapping,
-        "difference_as_wired": mended.before,
-        "difference_as_mended": mended.after,
+        "difference_as_wired": mended.before if math.isfinite(mended.before) else None,
+        "difference_as_mended": mended.after if math.isfinite(mended.after) else None,
         "mends": bool(mended.behaves) and mended.left is None,
     }

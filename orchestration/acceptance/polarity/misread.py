@@ -1,4 +1,7 @@
-"""A block that reads the quaternion of an attitude matrix with its scalar in the wrong place; no matrix product says this."""
+"""Stands for a block that reads the quaternion of an attitude with its scalar in the wrong place.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What became of the wrong wirings, and the test card: tables for the console, Markdown, CSV and JSON."""
+"""Writes what became of the wrong wirings, and the test card: for the console, as Markdown, CSV and JSON.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ HEADER = ("port", "", "wrong", "detected", "first", "last", "mostly by")
 
 
 def ports(rows: Sequence[Row]) -> list[list[Row]]:
-    """The rows of each port."""
+    """Returns the rows of each port."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.port.name, row.port.causality), []).append(row)
@@ -31,7 +34,7 @@ def ports(rows: Sequence[Row]) -> list[list[Row]]:
 
 
 def table(trials: Trials) -> list[tuple[str, ...]]:
-    """A line for each port: how many wrong wirings, how many are detected, after how many seconds, and by what mostly."""
+    """Returns a line for each port: how many wrong wirings, how many detected, after how long, and by what mostly."""
     lines = []
     for rows in ports(trials.rows):
         port, found = rows[0].port, [row.found for row in rows if row.found is not None]
@@ -45,7 +48,7 @@ def table(trials: Trials) -> list[tuple[str, ...]]:
 
 
 def unobservable(trials: Trials) -> list[tuple[str, list[str], str, str]]:
-    """Port, wrong wirings, why nothing shows them, and what to add; those of one port that have one reason together."""
+    """Returns port, wrong wirings, why nothing shows them, and what to add, together where the reason is one."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in trials.rows:
         if row.unobservable is not None:
@@ -58,7 +61,7 @@ def unobservable(trials: Trials) -> list[tuple[str, list[str], str, str]]:
 
 
 def verdict(trials: Trials) -> str:
-    """The counts in a sentence."""
+    """Returns the counts in a sentence."""
     found = sum(row.found is not None for row in trials.rows)
     left = len(trials.rows) - found
     count = len(ports(trials.rows))
@@ -90,7 +93,7 @@ def _write(folder: Path, files: Mapping[str, str]) -> list[Path]:
 
 
 def markdown(trials: Trials, title: str) -> str:
-    """The tables as a page."""
+    """Returns the tables as a page."""
     lines = [f"# Polarity of {title}", "", f"{verdict(trials)}.", ""]
     header = ("port", "direction", "wrong wirings", "detected", "first after", "last after", "mostly by")
     lines += _table(header, table(trials))
@@ -113,7 +116,7 @@ def markdown(trials: Trials, title: str) -> str:
 
 
 def card_markdown(card: Card, title: str) -> str:
-    """The test card as a page."""
+    """Returns the test card as a page."""
     lines = [f"# Ground test card of {title}", ""]
     lines += [
         "Each block stands alone with the inputs below.",
@@ -128,7 +131,7 @@ def card_markdown(card: Card, title: str) -> str:
 
 
 def card_csv(card: Card) -> str:
-    """The test card as CSV."""
+    """Returns the test card as CSV."""
     return _rows(
         ("block", "port", "stimulus", "after_s", "output", "expected_change"),
         [(s.block, s.port, s.stimulus, s.hold, s.output, s.expected) for s in card.steps],
@@ -157,7 +160,7 @@ def _csv(trials: Trials) -> str:
 
 
 def summary(trials: Trials, looked: Looked | None = None) -> dict[str, Any]:
-    """All of it as plain data."""
+    """Returns all of it as plain data."""
     as_wired = None if looked is None or looked.wrong is None else asdict(looked.wrong)
     return {
         "scenario": trials.scenario,

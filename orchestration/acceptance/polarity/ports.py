@@ -1,4 +1,7 @@
-"""The ports of a loop that something is connected to: whole variables, or the part that one connection group feeds."""
+"""Lists the ports of a loop that something is connected to: variables, or the part that one connection group feeds.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,7 @@ class Port:
 def ports(
     models: Mapping[str, Model], wiring: Wiring, signals: Mapping[Node, Floats], blocks: Iterable[str] | None = None
 ) -> list[Port]:
-    """Inputs, group by group, and outputs that something is connected to. `signals` (samples,) tell what is a rotation."""
+    """Returns inputs, group by group, and outputs that are connected. `signals` (samples,) tell what is a rotation."""
     groups: dict[tuple[str, str, str, str], list[tuple[Node, Node]]] = {}
     outputs: dict[tuple[str, str], dict[Node, None]] = {}
     for link in wiring.links:
@@ -84,7 +87,7 @@ def _port(block: str, variable: Variable, causality: str, positions: list[int], 
 
 
 def kind_of(variable: Variable, positions: Sequence[int], values: Floats) -> str:
-    """What a group of elements is, by its shape and by its values (samples, elements) in a run."""
+    """Returns the kind of a group of elements, by its shape and by its values (samples, elements) in a run."""
     if variable.type == "boolean":
         return "flag"
     if variable.type != "real":
@@ -102,7 +105,7 @@ def _is_rotation(values: Floats) -> bool:
 
 
 def miswired(wiring: Wiring, port: Port, matrix: Floats, offset: float = 0.0) -> Wiring:
-    """The wiring with a port's elements taken as a matrix says, which has one entry in each row: given' = M given + c.
+    """Returns the wiring with a port's elements as a matrix with one entry a row says: given' = M given + c.
 
     At an input that of the connection, at an output those of all connections from it. Both are in their own unit.
     """

@@ -1,4 +1,7 @@
-"""Why nothing shows a wrong wiring, and what to add to a scenario so that something does."""
+"""Finds why nothing shows a wrong wiring, and what to add to a scenario so that something does.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,7 @@ class Nominal:
         self.peaks = _peaks(self.values)
 
     def why(self, port: Port, wrong: Wrong) -> Unobservable:
-        """Why nothing shows it."""
+        """Returns why nothing shows it."""
         loop, models = self.loop, self.loop.plan.models
         sources = loop.plan.wiring.sources() | {node: node for node in port.nodes}
         given = [self.values.get(sources[node] if port.causality == "input" else node) for node in port.nodes]
@@ -57,11 +60,13 @@ class Nominal:
         largest = max(own, key=own.__getitem__, default=None)
         if largest is None or own[largest] <= SAME:
             names = " and ".join(sorted(readers))
-            text = f"no output of {names} changes: {names} uses no part of {port.label} that this wiring alters in this run"
+            text = f"no output of {names} changes: "
+            text += f"{names} uses no part of {port.label} that this wiring alters in this run"
             return Unobservable(text, f"none, if {names} is not meant to use it; or a stimulus in which it does")
         watched = [node for node in loop.watched if node in changes]
         if all(changes[node] <= SAME for node in watched):
-            text = f"{label(largest, models)} changes, but nothing that is looked at does: the loop is the same in exchanged axes"
+            text = f"{label(largest, models)} changes, but nothing that is looked at does: "
+            text += "the loop is the same in exchanged axes"
             return Unobservable(
                 text, "unequal values on these axes (inertia, rods), or an expectation of single elements"
             )
@@ -81,7 +86,7 @@ class Nominal:
 
 
 def _peaks(values: Mapping[Node, Floats]) -> dict[Node, float]:
-    """The largest magnitude of the whole variable that an element belongs to."""
+    """Returns the largest magnitude of the whole variable that an element belongs to."""
     whole: dict[tuple[str, str], float] = {}
     for node, column in values.items():
         key = node.block, node.element.variable
@@ -99,10 +104,11 @@ def _readers(port: Port, loop: Loop) -> set[str]:
 
 
 def _alike(port: Port, signal: Floats) -> str:
-    """What of a signal makes it the same."""
+    """Returns why a signal is the same when it is read wrongly."""
     if not signal.any():
         return "it is zero throughout"
     zero = [str(p + 1) for p, column in zip(port.positions, signal.T, strict=True) if not column.any()]
     if zero:
-        return f"element{'s' if len(zero) > 1 else ''} {', '.join(zero)} {'are' if len(zero) > 1 else 'is'} zero throughout"
+        which = f"elements {', '.join(zero)} are" if len(zero) > 1 else f"element {zero[0]} is"
+        return f"{which} zero throughout"
     return "the elements that are exchanged are equal throughout"

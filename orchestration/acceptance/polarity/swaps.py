@@ -1,4 +1,7 @@
-"""A swapped FMU before its ports are looked at: a mapping proposed where none is given, and mended where it is wrong."""
+"""Proposes a mapping of a swapped FMU where none is given, and mends it where it is wrong.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -27,11 +30,13 @@ class Looked:
     """With the mappings that are proposed or mended."""
     proposed: dict[str, str] = field(default_factory=dict)
     """By block: the mapping proposed, as YAML."""
+    ignored: dict[str, list[str]] = field(default_factory=dict)
+    """By block: inputs of ours that the mapping proposed ignores, since no input of theirs is left for them."""
     wrong: Found | None = None
-    """What the loop as wired did not meet."""
+    """The first that the loop as wired did not meet."""
     mended: list[Mended] = field(default_factory=list)
     left: Found | None = None
-    """What it does not meet in the end."""
+    """The first that it does not meet in the end."""
 
 
 def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
@@ -42,7 +47,11 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
             looked.proposed[block] = text
             data: Any = parse(text, f"the mapping proposed for {block}").data
             looked.source = looked.source.with_entry(("blocks", block, "map"), data)
-    looked.wrong, _ = Loop(looked.source).fly()
+    loop = Loop(looked.source)
+    for block in looked.proposed:
+        ignored = loop.opened.prepared.fits[block].ignored.values()
+        looked.ignored[block] = [variable.name for variable in ignored if variable.causality == "input"]
+    looked.wrong, _ = loop.fly()
     looked.left = looked.wrong
     for block in blocks if looked.wrong is not None else ():
         found = mend(ours, looked.source, block)
@@ -55,7 +64,7 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
 
 
 def _proposal(scenario: Scenario, block: str) -> str | None:
-    """The mapping proposed for a block; None where one is given, or the FMU fits without."""
+    """Returns the mapping proposed for a block; None where one is given, or the FMU fits without."""
     entry = scenario.blocks[block]
     if entry.map is not None or entry.interface is None:
         return None
@@ -68,7 +77,7 @@ def _proposal(scenario: Scenario, block: str) -> str | None:
 
 
 def inside(source: Source) -> Source:
-    """The scenario with its one FMU of another team in the process that flies it, which is one of its own already.
+    """Returns the scenario with its one FMU of another team in the process that flies it, which is its own already.
 
     Where there are more, each keeps its own process: modules of one name would get in each other's way.
     """

@@ -1,4 +1,7 @@
-"""All wrong wirings of a scenario's ports, flown in several processes."""
+"""Flies all wrong wirings of a scenario's ports, in several processes.
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _PART = 7
 
 @dataclass(frozen=True)
 class Row:
-    """What became of one wrong wiring."""
+    """One wrong wiring, and by what it was found."""
 
     port: Port
     wrong: str
@@ -34,12 +37,12 @@ class Row:
 
 @dataclass(frozen=True)
 class Trials:
-    """What became of all of them."""
+    """All wrong wirings, and by what they were found."""
 
     scenario: str
     duration: float
     nominal: Found | None
-    """What the loop as it is wired does not meet; then nothing else was flown."""
+    """The first that the loop as it is wired does not meet; then nothing else was flown."""
     rows: list[Row]
     skipped: list[Port]
     """Ports without wrong wirings, such as enumerations."""
@@ -59,7 +62,7 @@ def run(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Trials:
-    """Flies every wrong wiring of the ports of these blocks, or of the ports named. Raises InputError and BlockError."""
+    """Flies every wrong wiring of the ports of these blocks, or of those named. Raises InputError and BlockError."""
     loop = Loop(source)
     scenario = loop.plan.scenario
     nominal, _ = loop.fly()
@@ -80,14 +83,14 @@ def run(
 
 
 def ports_of(loop: Loop, blocks: Iterable[str] | None = None) -> list[Port]:
-    """The ports of a loop; which of them are rotations, a run tells."""
+    """Returns the ports of a loop; which of them are rotations, a run tells."""
     nodes = list(dict.fromkeys(node for link in loop.plan.wiring.links for node in link.source))
     _, signals = loop.record(nodes)
     return ports(loop.plan.models, loop.plan.wiring, signals, blocks)
 
 
 def _chosen(found: list[Port], names: Sequence[str]) -> list[Port]:
-    """The ports of these names, or all without names. Raises InputError where there is none."""
+    """Returns the ports of these names, or all without names. Raises InputError where there is none."""
     if not found:
         raise InputError("no port is connected, so none can be wired wrongly")
     for name in names:
@@ -120,7 +123,7 @@ def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], wo
 
 
 _here: list[tuple[Loop, Callable[[], Nominal]]] = []
-"""What a process has opened."""
+"""The loop that a process has opened, and its run as wired."""
 
 
 def _open(source: Source) -> None:

@@ -1,13 +1,17 @@
-"""The wrong wirings of a port: what a receiver makes of a signal that it reads in another way than it is meant.
+"""Lists the wrong wirings of a port: what a receiver makes of a signal that it reads in another way than it is meant.
 
 | port | wrong wirings |
 |---|---|
 | vector of 3 | the 47 signed permutations of its axes but for the right one; usual factors |
-| rotation matrix | transposed; 47 signed permutations on its left and 46 on its right (minus the matrix is both); its quaternion with the scalar in the other place, each also of the inverse rotation |
+| rotation matrix | transposed; 47 signed permutations on its left and 46 on its right (minus the matrix is both) |
+| | its quaternion with the scalar in the other place, each also of the inverse rotation |
 | quaternion | scalar in the other place, each also conjugated and with the opposite sign |
 | scalar | the opposite sign; usual factors |
 | flag | inverted |
-| other number of elements | each element and all with the opposite sign, neighbours exchanged, the order reversed; usual factors |
+| other number of elements | each element and all with the opposite sign; usual factors |
+| | neighbours exchanged, the order reversed |
+
+Tests: tests/orchestration/acceptance/test_polarity.py.
 """
 
 from __future__ import annotations
@@ -51,20 +55,23 @@ class Wrong:
     matrix: Floats | None = None
     offset: float = 0.0
     turn: tuple[str, bool] | None = None
-    """Of a rotation matrix: its quaternion is read with the scalar in the other place ("first as last", "last as first"),
-    and whether as that of the inverse rotation."""
+    """Of a rotation matrix: its quaternion is read with the scalar in the other place, "first as last" or
+    "last as first", and whether as that of the inverse rotation."""
 
     def apply(self, values: Floats) -> Floats:
-        """Values (n, elements) as they are read."""
+        """Returns values (n, elements) as they are read."""
         if self.matrix is not None:
             return np.asarray(values @ self.matrix.T + self.offset)
         return np.array([turned(row.tolist(), *(self.turn or ("", False))) for row in values])
 
 
 def turned(R: list[float], order: str, inverse: bool) -> list[float]:
-    """The rotation matrix that is read of the quaternion of R with its scalar taken to be in the other place."""
-    q = rotation.quaternion(R)
-    q = [q[3], q[0], q[1], q[2]] if order == "first as last" else [q[1], q[2], q[3], q[0]]
+    """Returns the rotation matrix that is read of the quaternion of R with its scalar taken to be in the other place.
+
+    An `order` that begins with "inverse" takes the quaternion of the inverse rotation; `inverse` inverts what is read.
+    """
+    q = rotation.quaternion(rotation.transposed(R) if order.startswith("inverse") else R)
+    q = [q[3], q[0], q[1], q[2]] if order.endswith("first as last") else [q[1], q[2], q[3], q[0]]
     norm = sum(x * x for x in q) ** 0.5
     read = rotation.matrix([x / norm for x in q])
     return rotation.transposed(read) if inverse else read
@@ -72,7 +79,7 @@ def turned(R: list[float], order: str, inverse: bool) -> list[float]:
 
 @cache
 def signed_permutations() -> tuple[tuple[str, Floats], ...]:
-    """All of three axes with their names, the right one first: "-y +x +z" takes minus y for x, x for y, z for z."""
+    """Returns all of three axes, named, the right one first: "-y +x +z" takes minus y for x, x for y, z for z."""
     made = []
     for order in permutations(range(3)):
         for signs in product((1.0, -1.0), repeat=3):
@@ -85,7 +92,7 @@ def signed_permutations() -> tuple[tuple[str, Floats], ...]:
 
 
 def wrongs(port: Port) -> list[Wrong]:
-    """The wrong wirings of a port."""
+    """Returns the wrong wirings of a port."""
     n = len(port.positions)
     if port.kind == "other":
         return []
@@ -106,7 +113,7 @@ def wrongs(port: Port) -> list[Wrong]:
 
 
 def factors(unit: Unit, n: int) -> list[Wrong]:
-    """The usual units that are taken for this one, both ways."""
+    """Returns the wrong wirings by usual units that are taken for this one, both ways."""
     made: dict[float, Wrong] = {}
     for name, factor in usual_factors(unit):
         if not any(abs(factor / known - 1.0) < 1e-6 for known in (1.0, *made)):
@@ -115,7 +122,7 @@ def factors(unit: Unit, n: int) -> list[Wrong]:
 
 
 def usual_factors(unit: Unit) -> list[tuple[str, float]]:
-    """What a number of this unit is multiplied by where it is taken for a usual other one, and the words for it."""
+    """Returns by what a number of this unit is multiplied where it is taken for a usual other one, and words for it."""
     if unit.exponents in (None, ONE.exponents):
         return []
     found = []

@@ -40,6 +40,21 @@ class Team:
     """Inputs that theirs has under another shape, and so are not copied."""
 
 
+_QUATERNION = """\
+const double x = u->att[0], y_ = u->att[1], z = u->att[2], w = {sign}u->att[3];
+const double R[3][3] = {{{{1 - 2 * (y_ * y_ + z * z), 2 * (x * y_ - w * z), 2 * (x * z + w * y_)}},
+ {{2 * (x * y_ + w * z), 1 - 2 * (x * x + z * z), 2 * (y_ * z - w * x)}},
+ {{2 * (x * z - w * y_), 2 * (y_ * z + w * x), 1 - 2 * (x * x + y_ * y_)}}}};
+memcpy(in.R_NB, R, sizeof R);"""
+_ATTITUDE = (
+    (
+        r"\[variables\.R_NB\]\n(?:.*\n)*?\n",
+        '[variables.att]\ncausality = "input"\nshape = [4]\ndescription = "Attitude quaternion"\n'
+        "start = [0.0, 0.0, 0.0, 1.0]\n\n",
+    ),
+    (r'"R_NB\[:,i\]"', '"att"'),
+    (r'"R_NB"', '"att"'),
+)
 TEAMS = {
     "signs": Team(
         "allocator",
@@ -85,21 +100,22 @@ TEAMS = {
     ),
     "quaternion": Team(  # scalar last, of which the description says nothing
         "controller",
-        "const double x = u->att[0], y_ = u->att[1], z = u->att[2], w = u->att[3];\n"
-        "const double R[3][3] = {{1 - 2 * (y_ * y_ + z * z), 2 * (x * y_ - w * z), 2 * (x * z + w * y_)},\n"
-        " {2 * (x * y_ + w * z), 1 - 2 * (x * x + z * z), 2 * (y_ * z - w * x)},\n"
-        " {2 * (x * z - w * y_), 2 * (y_ * z + w * x), 1 - 2 * (x * x + y_ * y_)}};\n"
-        "memcpy(in.R_NB, R, sizeof R);",
-        interface=(
-            (
-                r"\[variables\.R_NB\]\n(?:.*\n)*?\n",
-                '[variables.att]\ncausality = "input"\nshape = [4]\ndescription = "Attitude quaternion"\nstart = [0.0, 0.0, 0.0, 1.0]\n\n',
-            ),
-            (r'"R_NB\[:,i\]"', '"att"'),
-            (r'"R_NB"', '"att"'),
-        ),
+        _QUATERNION.format(sign=""),
+        interface=_ATTITUDE,
         behaves={"R_NB": "quaternion, scalar last as first"},
         rewritten=("R_NB",),
+    ),
+    "inverse": Team(  # the same, of the rotation from N to B
+        "controller",
+        _QUATERNION.format(sign="-"),
+        interface=_ATTITUDE,
+        behaves={"R_NB": "quaternion, scalar last as first, inverse"},
+        rewritten=("R_NB",),
+    ),
+    "other law": Team(  # a rate of the opposite sign, and gains that no wiring explains
+        "controller",
+        "for (int i = 0; i < 3; ++i) { in.omega_B[i] = -u->omega_B[i]; }",
+        "for (int i = 0; i < 3; ++i) { y->tau_cmd_B[i] *= 0.7 + 0.2 * i; }",
     ),
 }
 

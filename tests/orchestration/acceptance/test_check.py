@@ -14,6 +14,7 @@ import pytest
 from fmus.contents.description import Capabilities, model_description
 from fmus.interface import load, parse
 from orchestration.acceptance.check import check
+from orchestration.session.read import load as load_scenario
 from tests.commands import orchestrate
 from tests.machine import require_elf_tools
 
@@ -300,3 +301,38 @@ def test_an_interface_is_one_of_the_project_s_or_an_fmu(here):
         result = orchestrate("check", *arguments)
         assert result.exit_code == 2
         assert message in result.stderr
+
+
+# ---------------------------------------------------------------- what a run would refuse
+
+
+def test_an_output_that_others_need_is_not_ignored(tmp_path):
+    from fmus.build import ensure
+
+    (tmp_path / "mapping.yaml").write_text("ports: {}\nignore: [dipole_cmd]\n")
+    allocator, map_ = ensure("allocator", "native"), tmp_path / "mapping.yaml"
+    told = texts(findings(allocator, map_, "allocator", level="error"))
+    assert told.startswith(
+        "output dipole_cmd is ignored, but other blocks need it; remedy: map it: 'dipole_cmd: THEIRS'"
+    )
+    scenario = load_scenario(ROOT / "scenarios" / "paper_no_singularity.yaml")
+    found, _ = check(allocator, "allocator", map_, scenario=scenario)
+    assert "output dipole_cmd is ignored, but plant.dipole_cmd needs it" in texts(found)
+    (tmp_path / "mapping.yaml").write_text("ports: {}\nignore: [demand_fraction]\n")
+    assert findings(allocator, map_, "allocator", level="error") == []
+
+
+@pytest.mark.parametrize("declared", ['deg"><BaseUnit rad="1" factor="0.0174532925199433"/>', 'm"><BaseUnit m="1"/>'])
+def test_a_unit_that_a_mapping_can_correct_needs_no_other_fmu(here, declared):
+    """Gyros in deg/s whose FMU declares deg."""
+    unit = declared.partition('"')[0]
+    changes = ('<Unit name="rpm">', f'<Unit name="{declared}</Unit><Unit name="rpm">'), ('unit="rpm"', f'unit="{unit}"')
+    vendor.write(here, *changes, runnable=True)
+    (refused,) = findings(here / "vendor.fmu", here / "mapping.yaml", topic="unit", level="error")
+    assert (
+        "where the FMU declares a wrong unit, state the right one in the mapping, such as 'unit: rad/s'"
+        in refused.remedy
+    )
+    stated = vendor.MAPPING.replace("speed: rate", "speed: {theirs: rate, unit: deg/s}")
+    (here / "mapping.yaml").write_text(stated)
+    assert findings(here / "vendor.fmu", here / "mapping.yaml", level="error") == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -234,16 +235,32 @@ def test_the_test_card_has_the_signs_of_the_physics(paper):
 
 
 @pytest.mark.compile
-def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without_help(tmp_path):
-    fmu = teams.build("quaternion", tmp_path)
+@pytest.mark.parametrize(("name", "inverse"), [("quaternion", False), ("inverse", True)])
+def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without_help(name, inverse, tmp_path):
+    fmu = teams.build(name, tmp_path)
     ours = read(SCENARIOS / "paper_no_singularity.yaml")
     looked = look(ours, with_swap(ours, swaps_of([f"controller={fmu}"])), ["controller"])
     assert "R_NB: {theirs: att, quaternion: scalar first}  # unsure" in looked.proposed["controller"]
     assert looked.wrong is not None
     assert looked.left is None
     (mended,) = looked.mended
-    assert mended.behaves == teams.TEAMS["quaternion"].behaves
+    assert mended.behaves == teams.TEAMS[name].behaves
     assert mended.after < 1e-9
     assert parse(as_yaml(mended.mapping)).data == {
-        "ports": {"R_NB": {"theirs": "att", "quaternion": "scalar last", "inverse": False}}
+        "ports": {"R_NB": {"theirs": "att", "quaternion": "scalar last", "inverse": inverse}}
     }
+
+
+@pytest.mark.compile
+def test_no_cause_is_named_where_it_leaves_more_than_a_hundredth(tmp_path):
+    fmu = teams.build("other law", tmp_path)
+    told = orchestrate(
+        "polarity", SCENARIOS / "paper_no_singularity.yaml", "--swap", f"controller={fmu}", "--out", tmp_path / "out"
+    )
+    assert told.exit_code == 1
+    words = " ".join(told.stdout.split())
+    assert "behaves as wired wrongly" not in words
+    assert re.search(
+        r"controller: on the same inputs its outputs differ by \d+(\.\d+)? % of ours; no other sign", words
+    )
+    assert "and a cause is named up to 1 %" in words

@@ -53,7 +53,8 @@ def table(name: str, values: tuple[float, ...]) -> str:
 
 def regulator(folder: Path, **changed: str) -> Path:
     """regulator.fmu with reference data; a file is given by its name with an underscore for the dot, None leaves it out."""
-    path = fmus.write(folder / "regulator.fmu", fmus.description("regulator"), fmus.library())
+    xml = changed.pop("description", None) or fmus.description("regulator")
+    path = fmus.write(folder / "regulator.fmu", xml, fmus.library())
     files = {"fmi-ls-manifest.xml": MANIFEST, "all.exp": EXPERIMENT, "p.ssv": GAIN}
     files |= {"in.csv": table("speed", SPEED), "out.csv": table("voltage", VOLTAGE)}
     files |= {
@@ -160,6 +161,49 @@ def test_a_tolerance_is_that_of_the_signal_or_else_of_the_experiment_or_else_the
     for absolute, level in ((0.11, "ok"), (0.09, "error")):
         own = of_all.replace('"out.csv"/>', f'"out.csv">{note.format(absolute)}</References>')
         assert played(regulator(tmp_path, out_csv=near, all_exp=own), 0.0)[0][0][0] == level
+
+
+ENDS = """\
+<ssv:ParameterSet xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="p">
+<ssv:Parameters><ssv:Parameter name="gain"><ssv:Real value="-2"/></ssv:Parameter>
+<ssv:Parameter name="fault"><ssv:Integer value="{}"/></ssv:Parameter>
+<ssv:Parameter name="fault_time"><ssv:Real value="0.25"/></ssv:Parameter></ssv:Parameters>
+</ssv:ParameterSet>
+"""
+
+
+def test_an_fmu_that_ends_the_simulation_where_its_data_end_is_as_expected(tmp_path):
+    """As Stair of the Reference FMUs does, after ten seconds. One that fails there, or ends sooner, is wrong."""
+    until = {"out_csv": table("voltage", VOLTAGE[:4]), "p_ssv": ENDS.format(4)}
+    to_its_end = {**until, "out_csv": table("voltage", VOLTAGE[:5])}
+    told = "feedthrough: 1 outputs as expected over 0.3 s, to the last bit; it ends the simulation after 0.3 s"
+    assert played(regulator(tmp_path, **until))[0] == [("ok", told.partition("; it")[0])]
+    assert played(regulator(tmp_path, **to_its_end))[0] == [("ok", told)], "the step that it discards gives nothing"
+    longer = {**until, "out_csv": table("voltage", (*VOLTAGE, -16.0))}
+    longer["all_exp"] = EXPERIMENT.replace("0.4", "0.5")
+    told = "feedthrough: it ends the simulation after 0.3 s; its reference data go on to 0.5 s"
+    assert played(regulator(tmp_path, **longer))[0] == [("error", told)]
+    ((level, text),), _ = played(regulator(tmp_path, **{**to_its_end, "p_ssv": ENDS.format(1)}))
+    assert (level, "gave status error" in text) == ("error", True)
+
+
+def test_text_among_the_data_is_left_out_and_of_two_rows_at_an_event_either_will_do(tmp_path):
+    """As in Feedthrough of the Reference FMUs."""
+    rows = "time,voltage,name\n0,-2,a\n0.1,-2,b\n0.2,-2,b\n0.2,-4,c\n0.3,-8,d\n0.4,-16,e\n"
+    named = (
+        fmus.description("regulator")
+        .replace(
+            '<ScalarVariable name="samples[1]"',
+            '<ScalarVariable name="name" valueReference="0" causality="output" variability="discrete"><String/></ScalarVariable>'
+            '\n<ScalarVariable name="samples[1]"',
+        )
+        .replace('index="7"', 'index="9"')
+    )
+    path = regulator(tmp_path, out_csv=rows, description=named)
+    told = "feedthrough: 1 outputs as expected over 0.4 s, to the last bit; name is left out"
+    assert played(path)[0] == [("ok", told)]
+    rows = rows.replace("0.2,-4,c", "0.2,-3,c").replace("0.2,-2,b", "0.2,-1,b")
+    assert played(regulator(tmp_path, out_csv=rows, description=named))[0][0][0] == "error"
 
 
 def test_other_drafts_are_read(tmp_path):

@@ -87,3 +87,50 @@ def test_the_command_prints_a_file_that_a_swap_takes(tmp_path, monkeypatch):
     assert "  voltage: command  #" in result.stdout
     Path("proposed.yaml").write_text(result.stdout, "utf-8")
     assert orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--map", "proposed.yaml").exit_code == 0
+
+
+def team(folder: Path, *ports: str) -> Path:
+    """An FMU with these inputs of one value each, `name unit`."""
+    inputs = "".join(
+        f'<ScalarVariable name="{name}" valueReference="{i}" causality="input" variability="continuous">'
+        f'<Real unit="{unit}" start="0"/></ScalarVariable>\n'
+        for i, (name, unit) in enumerate(port.split() for port in ports)
+    )
+    units = (
+        '<Unit name="T"><BaseUnit kg="1" s="-2" A="-1"/></Unit><Unit name="N.m"><BaseUnit kg="1" m="2" s="-2"/></Unit>'
+    )
+    xml = fmus.description("regulator").replace("<UnitDefinitions>", f"<UnitDefinitions>{units}")
+    before, _, after = xml.partition("<ModelVariables>")
+    xml = f"{before}<ModelVariables>{inputs}{after[after.index('</ModelVariables>') :]}"
+    return fmus.write(
+        folder / "team.fmu", xml.replace(xml[xml.index("<Outputs>") : xml.index("</ModelStructure>")], "")
+    )
+
+
+@pytest.mark.parametrize(
+    "names", ["B_meas_{}", "b_meas{}", "bs_{}", "B_{}_meas", "field{}_T"], ids=lambda name: name.format("X")
+)
+def test_scalars_are_the_elements_of_one_vector_wherever_their_index_stands(tmp_path, names):
+    """The s of B_meas_X, gyros_x and torques_y is no index, since there is no such name with another one."""
+    fields, rates, torques = (
+        [f"{name.format(axis)} {unit}" for axis in "XYZ"]
+        for name, unit in ((names, "T"), ("gyros_{}", "rad/s"), ("torques_{}", "N.m"))
+    )
+    fitted = check(team(tmp_path, *rates, *fields, *torques), "allocator")[1]
+    (tmp_path / "proposed.yaml").write_text(suggest(fitted), "utf-8")
+    mapping = load(tmp_path / "proposed.yaml")[0]
+    assert [str(name) for name in mapping.ports["b_B"].theirs] == [names.format(axis) for axis in "XYZ"]
+    assert [str(name) for name in mapping.ports["omega_B"].theirs] == ["gyros_X", "gyros_Y", "gyros_Z"]
+    assert [str(name) for name in mapping.ports["tau_cmd_B"].theirs] == ["torques_X", "torques_Y", "torques_Z"]
+
+
+def test_no_required_input_is_ignored_and_none_gets_a_constant_while_theirs_may_have_it(tmp_path):
+    three = [f"gyros_{axis} rad/s" for axis in "xyz"]
+    text = suggest(check(team(tmp_path, *three, "field_1 T", "other_2 T", "third T"), "allocator")[1])
+    assert "  # b_B: THEIRS  # not found: one of field_1, other_2, third? Else list it under ignore\n" in text
+    assert not {"b_B", "tau_cmd_B", "h_w"} & set(
+        text[text.index("ignore:") :].replace("[", " ").replace(",", " ").split()
+    )
+    assert "start:" not in text
+    text = suggest(check(team(tmp_path, *three), "allocator")[1])
+    assert "b_B, h_w" in text[text.index("ignore:") :], "theirs has nothing left that it could be"

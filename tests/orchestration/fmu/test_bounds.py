@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import struct
 import sys
+import warnings
 import zipfile
 from pathlib import Path
 
@@ -91,6 +92,13 @@ def test_encrypted_entries_and_names_twice_are_refused(motor: Path) -> None:
     with zipfile.ZipFile(motor, "a") as file, pytest.warns(UserWarning, match="Duplicate name"):
         file.writestr("modelDescription.xml", DESCRIPTION)
     assert "holds modelDescription.xml 2 times; expected each name once" in message(motor)
+
+
+def test_a_folder_that_an_archive_lists_twice_is_no_error(motor: Path) -> None:
+    with zipfile.ZipFile(motor, "a") as archive, warnings.catch_warnings(action="ignore"):
+        archive.writestr("binaries/", b"")
+        archive.writestr("binaries/", b"")
+    assert open_fmu(motor).model.name == "motor"
 
 
 # ---------------------------------------------------------------- descriptions
