@@ -1,1 +1,3 @@
-"""Campaigns: a scenario flown again and again with values that vary, and requirements decided by the share of runs that meet them."""
+"""Campaigns: a scenario flown again and again with values that vary, and requirements decided by the share of runs that
+meet them.
+"""

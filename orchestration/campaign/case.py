@@ -33,7 +33,7 @@ from .flying.job import CheckedRequirement, Job
 from .statistics.verdicts import hints
 
 _DECIDES_NO_ROW = set("name description figures record view live realtime holds consistency".split())
-"""What a scenario says that decides no row of a campaign."""
+"""Entries of a scenario that decide no row of a campaign."""
 
 
 @dataclass
@@ -53,7 +53,10 @@ class Case:
 
     @property
     def parts(self) -> dict[str, str]:
-        """What decides the rows, each part by the hash of its content. With `sampling: random` the number of runs does not count."""
+        """The parts that decide the rows, each by the hash of its content.
+
+        With `sampling: random` the number of runs does not count.
+        """
         opened, campaign = self.job.opened, self.campaign.model_dump(mode="json", exclude_none=True)
         scenario = opened.plan.scenario.model_dump(mode="json", exclude=_DECIDES_NO_ROW)
         starts = {name: block.pop("start", {}) for name, block in scenario["blocks"].items()}
@@ -91,7 +94,8 @@ def read_campaign(
 ) -> Case:
     """A campaign file, or the same as data, held against its scenario and FMUs. Raises InputError with what is wrong.
 
-    `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by name.
+    `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by
+    name.
     """
     source = extends.extended(campaign) if isinstance(campaign, Source) else extends.read(Path(campaign))
     if isinstance(source.data, dict):
@@ -191,7 +195,10 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
 
 
 def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:
-    """Sets the values at some points of the unit cube, so that a wrong name, unit or item is known before a run. Raises InputError."""
+    """Sets the values at some points of the unit cube, so that a wrong name, unit or item is known before a run.
+
+    Raises InputError.
+    """
     places = {name: source.where(("vary", name)) for name in campaign.vary}
     for point in samples(draws):
         try:

@@ -1,4 +1,6 @@
-"""A campaign from its first run to its verdicts: what is left is flown, rows are written as they come, requirements are decided."""
+"""A campaign from its first run to its verdicts: what is left is flown, rows are written as they come, requirements are
+decided.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ except ModuleNotFoundError:  # in a place without PyArrow, of which `fly` tells
 
 @dataclass
 class Finished:
-    """What came of a campaign, or of the part that was flown."""
+    """The outcome of a campaign, or of the part that was flown."""
 
     state: str
     """`completed`, `stopped early` or `interrupted`."""
@@ -60,8 +62,8 @@ def fly(
 ) -> Finished:
     """Flies what is left of a campaign, and writes its folder: `campaign.json` and the dataset `runs/`.
 
-    `workers` 0 flies in this process; `scheduler` is the address of a Dask cluster. Ctrl-C ends it, and what is written is valid.
-    Raises InputError where the folder holds another campaign, ResultsError where it cannot be written.
+    `workers` 0 flies in this process; `scheduler` is the address of a Dask cluster. Ctrl-C ends it, and what is written
+    is valid. Raises InputError where the folder holds another campaign, ResultsError where it cannot be written.
     """
     if Dataset is None:
         raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
@@ -84,7 +86,10 @@ class _Campaign:
         tell: Tell | None,
         remark: Callable[[str], None],
     ) -> None:
-        """Takes over what an earlier start left in the folder. Raises InputError where it is damaged or another campaign's."""
+        """Takes over what an earlier start left in the folder.
+
+        Raises InputError where it is damaged or another campaign's.
+        """
         self._case, self._folder, self._hired, self._stack, self._tell, self._remark = (
             case, folder, hired, stack, tell, remark,
         )  # fmt: skip
@@ -98,7 +103,7 @@ class _Campaign:
 
     @property
     def finished(self) -> Finished:
-        """What came of it."""
+        """The outcome up to now."""
         counts = int(self._data.done.sum()), int(self._data.failed.sum())
         wall = perf_counter() - self._begun
         return Finished(self._state, *counts, self._verdicts, self._data.reason, wall, self._signal)
@@ -152,7 +157,9 @@ class _Campaign:
         return "completed", self._so_far()
 
     def _so_far(self) -> list[Verdict]:
-        """The verdicts of the runs that are there, up to the first that is not: among later ones the quick runs would count too often."""
+        """Returns the verdicts of the runs that are there, up to the first that is not: among later ones the quick runs
+        would count too often.
+        """
         return self._of_first(self._case.runs if self._data.done.all() else int(self._data.done.argmin()))
 
     def _of_first(self, count: int) -> list[Verdict]:

@@ -1,4 +1,4 @@
-"""What is made of a campaign once its runs are flown: its analyses, and the folders of runs whose signals are kept."""
+"""The analyses of a campaign once its runs are flown, and the folders of runs whose signals are kept."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ ANALYSES = ("sensitivity", "search")
 def analyse(
     case: Case, folder: Path, hands: Callable[[], Crew], more: dict[str, Any], remark: Callable[[str], None]
 ) -> None:
-    """Makes the analyses that the campaign asks for, and puts their results into `more`; those of an earlier start stay.
+    """Makes the analyses that the campaign asks for, and puts their results into `more`; those of an earlier start
+    stay.
 
     The scenario of the worst case is written to `folder/worst.yaml`.
     """

@@ -15,7 +15,10 @@ from .replay import scenario_text
 
 
 class FlownMetrics:
-    """The metric function of runs that are flown. Each coordinate is uniform in [0, 1) under the campaign's distributions."""
+    """The metric function of runs that are flown.
+
+    Each coordinate is uniform in [0, 1) under the campaign's distributions.
+    """
 
     def __init__(self, case: Case, flying: Crew) -> None:
         self._case, self._crew = case, flying
@@ -51,7 +54,7 @@ class FlownMetrics:
         return {name: metrics[:, i] for i, name in enumerate(self.metrics)}
 
     def values(self, unit: Floats) -> dict[str, Any]:
-        """What a point (dimension,) stands for: start values by name, as `--set` takes them."""
+        """Returns the start values at a point (dimension,) by name, as `--set` takes them."""
         draws = self._case.job.draws
         return draws.given(draws.at(np.asarray(unit, float).tolist()))
 

@@ -33,7 +33,10 @@ def manifest(
     earlier: Mapping[str, Any],
     announced: Announced,
 ) -> dict[str, Any]:
-    """Returns the manifest, ready for JSON. `earlier` is that of an earlier start, whose begin and wall time count, too."""
+    """Returns the manifest, ready for JSON.
+
+    `earlier` is that of an earlier start, whose begin and wall time count, too.
+    """
     campaign, job = case.campaign, case.job
     written = campaign.model_dump(mode="json", exclude_none=True, by_alias=True)
     now = datetime.now(UTC).isoformat(timespec="seconds")

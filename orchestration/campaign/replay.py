@@ -41,10 +41,11 @@ class Replayed:
 
 
 def replay(case: Case, index: int, folder: Path, results: Path | None = None) -> Replayed:
-    """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError, ResultsError.
+    """Writes the scenario of a run to `folder/scenario.yaml`, and flies it. Raises InputError, MetricError,
+    ResultsError.
 
-    With `results` its columns are held against the campaign's row there, and it is refused where they are another campaign's.
-    A signal that ends it raises Stopped.
+    With `results` its columns are held against the campaign's row there, and it is refused where they are another
+    campaign's. A signal that ends it raises Stopped.
     """
     earlier = earlier_start(case, results) if results else {}
     runs = max(case.runs, earlier.get("runs", {}).get("wanted", 0))
@@ -78,7 +79,10 @@ def worst(case: Case, results: Path, folder: Path) -> Replayed:
 
 
 def _row(case: Case, results: Path, earlier: Mapping[str, Any], runs: int, index: int) -> Sequence[Cell] | None:
-    """Returns the campaign's row of a run; None where it has not been flown. Raises InputError where a part is damaged."""
+    """Returns the campaign's row of a run; None where it has not been flown.
+
+    Raises InputError where a part is damaged.
+    """
     from .flying.dataset import Dataset  # it needs PyArrow, which other commands do without  # noqa: PLC0415
 
     rows = Dataset(results, case.job, runs, earlier)

@@ -1,7 +1,8 @@
-"""SHA-256 of a campaign's files: `campaign.json` ends with its own, and holds those of the parts of the dataset `runs/`.
+"""SHA-256 of a campaign's files: `campaign.json` ends with its own, and holds those of the parts of the dataset
+`runs/`.
 
-So a flipped bit, a part that was copied or put there, and a part of another campaign are refused by their names.
-A part is listed before it takes its name: one that is listed and not there was never written, and its runs are flown again.
+So a flipped bit, a part that was copied or put there, and a part of another campaign are refused by their names. A part
+is listed before it takes its name: one that is listed and not there was never written, and its runs are flown again.
 """
 
 from __future__ import annotations
@@ -66,8 +67,8 @@ def parts(folder: Path, files: Mapping[str, str], withdrawn: Sequence[str] = (),
 
     Those that are `withdrawn`, whose rows were written again, are left out.
 
-    Raises InputError, which names the file, where one is damaged or no part of this campaign, or where one is missing of
-    what should be `whole`.
+    Raises InputError, which names the file, where one is damaged or no part of this campaign, or where one is missing
+    of what should be `whole`.
     """
     there = sorted((folder / RUNS).glob("[!.]*.parquet")) if (folder / RUNS).is_dir() else []
     there = [path for path in there if path.name not in withdrawn]
@@ -89,6 +90,9 @@ def parts(folder: Path, files: Mapping[str, str], withdrawn: Sequence[str] = (),
 
 
 def check(folder: Path) -> None:
-    """Checks the manifest and the parts of a campaign's folder. Raises InputError, which names the file that was changed."""
+    """Checks the manifest and the parts of a campaign's folder.
+
+    Raises InputError, which names the file that was changed.
+    """
     record = read(folder)
     parts(folder, record["files"], record["withdrawn"])

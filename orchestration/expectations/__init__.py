@@ -1,1 +1,1 @@
-"""What a scenario expects of a run, and whether the run met it."""
+"""The expectations of a scenario, and whether a run met them."""

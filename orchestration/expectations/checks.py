@@ -88,5 +88,5 @@ def _check(
 
 
 def changes_of_sign(count: int) -> str:
-    """What `zeros` expects, in words."""
+    """Returns in words what `zeros` expects."""
     return "no change of sign" if count == 0 else f"{count} change{'s' if count > 1 else ''} of sign"

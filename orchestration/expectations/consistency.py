@@ -129,7 +129,8 @@ class ConsistencyObserver:
         self.relation = relation
         self.broken: Broken | None = None
         self.closest = math.inf
-        """The least of what is allowed over what the sides are apart: how often larger the difference could have been."""
+        """The least of what is allowed over what the sides are apart: how often larger the difference could have been.
+        """
         self._kept: tuple[Floats, dict[Node, Floats]] | None = None
         self._count = 0
         """Base steps that it has been shown."""

@@ -1,7 +1,7 @@
 """Expressions of signals, evaluated on many instants at once: `cross(plant.omega_B, plant.H_B)`.
 
-An expression has a shape and a unit, both known before the run. Values are in SI base units; the radian is no unit here,
-since a rate times a momentum is a torque.
+An expression has a shape and a unit, both known before the run. Values are in SI base units; the radian is no unit
+here, since a rate times a momentum is a torque.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""What expressions of signals are made of: values of many instants at once with a shape and a unit, and the functions of them.
+"""The parts of expressions of signals: values of many instants at once with a shape and a unit, and the functions of
+them.
 
 Values are in SI base units; the radian is no unit here, since a rate times a momentum is a torque.
 """
@@ -33,7 +34,7 @@ class Samples:
 
 @dataclass(frozen=True)
 class Expression:
-    """What a text stands for: values (n, *shape) of samples."""
+    """A text as values (n, *shape) of samples."""
 
     shape: tuple[int, ...]
     unit: Exponents
@@ -81,7 +82,10 @@ def times(left: Expression, right: Expression, sign: int = 1) -> Exponents:
 def elementwise(
     function: Callable[..., Floats], left: Expression, right: Expression, unit: Exponents, misfit: str
 ) -> Expression:
-    """Returns a function of two values of one shape, or of a scalar and a value of any. Raises ExpressionError, a misfit."""
+    """Returns a function of two values of one shape, or of a scalar and a value of any.
+
+    Raises ExpressionError, a misfit.
+    """
     if left.shape != right.shape and left.shape and right.shape:
         raise ExpressionError(misfit)
     shape = left.shape or right.shape

@@ -28,7 +28,7 @@ LATCHED = "latched"
 
 @dataclass(frozen=True)
 class Hold:
-    """What became of one hold. Times in s."""
+    """The course of one hold. Times in s."""
 
     name: str
     signal: str

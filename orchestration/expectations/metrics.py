@@ -21,7 +21,8 @@ from ..system.wiring import Node
 from .span import Limits, Sight, limits, one_number, sight, window
 
 Function = Callable[[Floats, dict[str, Floats]], float]
-"""A metric in Python: of the times (n,) s and the signals by name, (n,) or (n, elements) in the units of their ports."""
+"""A metric in Python: of the times (n,) s and the signals by name, (n,) or (n, elements) in the units of their ports.
+"""
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Measure:
     metric: Metric
     unit: Unit
     text: str
-    """What it is, in words."""
+    """The metric in words."""
     sight: Sight | None
     """None for a Python function."""
     limits: Limits | None = None

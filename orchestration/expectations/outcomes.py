@@ -19,7 +19,7 @@ from .checks import Check, changes_of_sign
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the run shows of an expectation. `margin` is positive where the bound is met; both are in `unit`."""
+    """The outcome of an expectation. `margin` is positive where the bound is met; both are in `unit`."""
 
     name: str
     signal: str
@@ -28,8 +28,8 @@ class Outcome:
     found: float | str | None
     """The worst value for `always`, the best one for `ever`, the count for `zeros`; None without a sample.
 
-    That of an enumeration is the name of its item, and that of the signal of `phases` the name of its phase, where it has
-    one of that number.
+    That of an enumeration is the name of its item, and that of the signal of `phases` the name of its phase, where it
+    has one of that number.
     """
     unit: str
     margin: float | None

@@ -1,5 +1,5 @@
-"""The samples of a signal that are looked at, for expectations and metrics alike: every base step, recorded or not, in the window
-`after` to `before` at which `when` is true, in the phases of `during`.
+"""The samples of a signal that are looked at, for expectations and metrics alike: every base step, recorded or not, in
+the window `after` to `before` at which `when` is true, in the phases of `during`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The points of the unit cube at which a campaign's runs are flown.
 
-With `random`, point i is drawn by a generator of its own, made of the seed and i alone. Latin hypercubes and Sobol's sequence are
-designs of all runs together, made of the seed, their number and the number of coordinates. A grid goes through its points in turn, the
-last entry first, and draws its other coordinates as `random` does.
+With `random`, point i is drawn by a generator of its own, made of the seed and i alone. Latin hypercubes and Sobol's
+sequence are designs of all runs together, made of the seed, their number and the number of coordinates. A grid goes
+through its points in turn, the last entry first, and draws its other coordinates as `random` does.
 """
 
 from __future__ import annotations
@@ -92,7 +92,9 @@ def design(sampling: str, seed: int, runs: int | None, draws: Draws) -> Design:
 
 
 def samples(draws: Draws) -> Iterator[list[float]]:
-    """The centre of the unit cube, and the points beside it that have each value of each choice and grid; of steps the two ends."""
+    """The centre of the unit cube, and the points beside it that have each value of each choice and grid; of steps the
+    two ends.
+    """
     centre = [0.5] * draws.dimension
     yield centre
     for draw in draws.draws:

@@ -1,4 +1,6 @@
-"""What a campaign varies, held against the blocks: from a point of the unit cube to start values, and to columns of the dataset."""
+"""The values that a campaign varies, held against the blocks: from a point of the unit cube to start values, and to
+columns of the dataset.
+"""
 
 from __future__ import annotations
 
@@ -76,11 +78,9 @@ class Draw:
 
     def cells(self, value: Any) -> list[Any]:
         """The value in the columns of the dataset."""
-        if not self.columns:
-            return []
-        if self.numbers:
+        if self.columns and self.numbers:
             return [float(x) for x in np.ravel(value)]
-        return [value if isinstance(value, str) else json.dumps(value)]
+        return [value if isinstance(value, str) else json.dumps(value)] if self.columns else []
 
 
 class Draws:

@@ -118,7 +118,8 @@ def _pick(entry: Varied) -> tuple[samplers.Sampler, str]:
 def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[Floats], str]:
     """Numbers of quantities, or of lists of them, in one unit: the first that is given. Raises QuantityError.
 
-    Those at the places `differences` are of two values, as a deviation is, so that the offset of a unit has no part in them.
+    Those at the places `differences` are of two values, as a deviation is, so that the offset of a unit has no part in
+    them.
     """
     unit: Unit | None = None
     bare = False

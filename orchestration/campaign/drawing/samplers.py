@@ -1,6 +1,7 @@
 """Distributions as functions of the unit cube: each takes `count` numbers, uniform in [0, 1), and gives a value.
 
-So every way of sampling, plain random numbers, Latin hypercubes and Sobol's sequence, draws from the same distributions.
+So every way of sampling, plain random numbers, Latin hypercubes and Sobol's sequence, draws from the same
+distributions.
 """
 
 from __future__ import annotations
@@ -49,9 +50,11 @@ def _quantile(u: Any) -> Floats:
 
 
 def _far(below: Floats, above: Floats, share: Floats) -> Floats:
-    """Returns quantiles of the standard normal distribution between two ends in its lower tail, by logarithms of probabilities.
+    """Returns quantiles of the standard normal distribution between two ends in its lower tail, by logarithms of
+    probabilities.
 
-    With A and B the probabilities below `above` and `below`: log(share A + (1 - share) B) = log A + log(share + (1 - share) B/A).
+    With A and B the probabilities below `above` and `below`: log(share A + (1 - share) B) = log A + log(share + (1 -
+    share) B/A).
     """
     with np.errstate(all="ignore"):
         upper = log_ndtr(above)
@@ -128,7 +131,10 @@ class Correlated(Sampler):
 
 
 def root_of(covariance: Floats) -> Floats:
-    """Returns a matrix R with R R^T = covariance (n, n), which may be singular. Raises ValueError where it is no covariance."""
+    """Returns a matrix R with R R^T = covariance (n, n), which may be singular.
+
+    Raises ValueError where it is no covariance.
+    """
     if covariance.ndim != 2 or covariance.shape[0] != covariance.shape[1] or not np.isfinite(covariance).all():
         raise ValueError("expected a square matrix of finite numbers")
     if not np.allclose(covariance, covariance.T, rtol=1e-12, atol=0.0):

@@ -1,1 +1,1 @@
-"""What a campaign's file says, as it stands."""
+"""A campaign's file, as it stands."""

@@ -1,4 +1,4 @@
-"""What a campaign asks beyond its own runs: sensitivities from a design of their own, and a search for the worst case."""
+"""The analyses that a campaign asks for: sensitivities from a design of their own, and a search for the worst case."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Search(Model):
 
 
 def metric_problem(search: Search | None, metrics: Iterable[str]) -> str | None:
-    """What is wrong with the search's metric; None where nothing is."""
+    """Returns the problem of the search's metric; None where there is none."""
     metrics = list(metrics)
     if search is None or search.metric in metrics:
         return None

@@ -1,4 +1,4 @@
-"""What a campaign file may say: these models are its schema.
+"""The format of campaign files: these models are its schema.
 
 `orchestrate schema --campaign` prints it as JSON Schema, for editors.
 """

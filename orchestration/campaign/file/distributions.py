@@ -1,4 +1,4 @@
-"""What a campaign file may say of a value that varies: these models are part of its schema."""
+"""The format of a value that varies in a campaign file: these models are part of its schema."""
 
 from __future__ import annotations
 

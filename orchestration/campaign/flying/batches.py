@@ -111,7 +111,7 @@ Tell = Callable[[Progress], None]
 
 
 class Crew(Protocol):
-    """What flies batches."""
+    """Those who fly batches."""
 
     @property
     def slots(self) -> int:

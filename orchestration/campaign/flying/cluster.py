@@ -1,7 +1,7 @@
 """A Dask cluster as the crew of a campaign: workers of this machine, or those of a scheduler elsewhere.
 
-A worker that dies is replaced, and the batches that it had are flown again. A batch whose workers die several times is flown by itself
-in the end, then run by run, and a run that ends its worker each time becomes a failed row.
+A worker that dies is replaced, and the batches that it had are flown again. A batch whose workers die several times is
+flown by itself in the end, then run by run, and a run that ends its worker each time becomes a failed row.
 """
 
 from __future__ import annotations
@@ -35,8 +35,9 @@ except ImportError as error:
     ) from None
 
 _TRIES = 3
-"""So many workers may die of a batch before it is flown by itself, and of a run before it counts as failed. (A scheduler that is
-there has a number of its own.)"""
+"""So many workers may die of a batch before it is flown by itself, and of a run before it counts as failed. (A
+scheduler that is there has a number of its own.)
+"""
 _AHEAD = 2
 """Batches in flight for each that can be flown at a time, so that no worker waits for the next."""
 _PATIENCE = 30.0
@@ -110,7 +111,9 @@ class Cluster:
         return Flown(rows, batch, pilot)
 
     def _alone(self, batch: Batch) -> Iterator[Flown]:
-        """Flies a batch with nothing beside it, since Dask blames all that waits at a worker that dies; then run by run."""
+        """Flies a batch with nothing beside it, since Dask blames all that waits at a worker that dies; then run by
+        run.
+        """
         flown = self._flown(self._sent(batch), batch)
         if not isinstance(flown, BaseException):
             yield flown

@@ -37,7 +37,8 @@ class Here:
 def crew(
     job: Job, workers: int | None = None, scheduler: str | None = None, dashboard: bool = False
 ) -> Iterator[tuple[Crew, list[str]]]:
-    """A crew, and remarks on it. `workers` 0: this process; None: one for each core, or all of the cluster at `scheduler`.
+    """A crew, and remarks on it. `workers` 0: this process; None: one for each core, or all of the cluster at
+    `scheduler`.
 
     Raises InputError where the scheduler cannot be reached, or Dask is not installed.
     """

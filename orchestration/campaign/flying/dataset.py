@@ -27,7 +27,9 @@ _TYPES: dict[str, Any] = {"int64": pa.int64(), "string": pa.string(), "double": 
 _ROWS_MAX = 50_000
 """So many rows are held at most before they are written."""
 _EVERY, _SHARE = 2.0, 0.02
-"""Rows are written after so many seconds, or after this share of the time that the campaign has taken, whatever is longer."""
+"""Rows are written after so many seconds, or after this share of the time that the campaign has taken, whatever is
+longer.
+"""
 _PART = ".part-"
 _REMEDY = "remedy: remove it, and its runs are flown again"
 

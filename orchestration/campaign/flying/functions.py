@@ -1,4 +1,7 @@
-"""Metrics in Python: the code of a function, found once and sent to the workers. It runs as the user does, without any guard."""
+"""Metrics in Python: the code of a function, found once and sent to the workers.
+
+It runs as the user does, without any guard.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +60,10 @@ class NotLoaded(InputError):
 
 
 def find(reference: str, folder: Path, place: str) -> Code:
-    """The code of `module:function`: `module.py` beside the campaign file, else an installed module. Raises InputError."""
+    """The code of `module:function`: `module.py` beside the campaign file, else an installed module.
+
+    Raises InputError.
+    """
     name, _, function = reference.partition(":")
     path = folder.joinpath(*name.split(".")).with_suffix(".py")
     try:

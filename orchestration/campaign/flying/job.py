@@ -1,4 +1,6 @@
-"""What flies the runs of a campaign, in this process or in a worker's: from an index, or a point of the unit cube, to a row."""
+"""The pilot that flies the runs of a campaign, in this process or in a worker's: from an index, or a point of the unit
+cube, to a row.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +65,10 @@ Cell = float | int | str | bool | None
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs; it can be sent to one. The FMUs themselves go beside it, by the hashes of their contents."""
+    """All that a worker needs; it can be sent to one.
+
+    The FMUs themselves go beside it, by the hashes of their contents.
+    """
 
     opened: Opened
     draws: Draws
@@ -165,7 +170,9 @@ def lost(job: Job, index: int, point: Floats, reason: str) -> list[Cell]:
 
 
 def differing(columns: Sequence[str], row: Sequence[Cell], other: Sequence[Cell]) -> list[str]:
-    """Returns the names of the columns in which two rows of one run differ; the reasons of failures and times count not."""
+    """Returns the names of the columns in which two rows of one run differ; the reasons of failures and times count
+    not.
+    """
     return [
         name
         for name, x, y in zip(columns, row, other, strict=True)

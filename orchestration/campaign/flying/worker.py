@@ -1,4 +1,6 @@
-"""What runs in a worker of a Dask cluster: it takes in a job with its FMUs once, and then flies batches of it."""
+"""The part of a campaign that runs in a worker of a Dask cluster: it takes in a job with its FMUs once, and then flies
+batches of it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a campaign's page says first: what came of it, how it was made, and the verdicts."""
+"""The head of a campaign's page: its outcome, how it was made, and the verdicts."""
 
 from __future__ import annotations
 

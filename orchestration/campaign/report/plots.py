@@ -1,4 +1,4 @@
-"""What the plots of a campaign's page show, as data for results/assets/plots.js: distributions, scatter, a search."""
+"""The plots of a campaign's page as data for results/assets/plots.js: distributions, scatter, a search."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Metric:
 
     @property
     def label(self) -> str:
-        """What stands at an axis."""
+        """The text at an axis."""
         return f"{self.name}, {self.unit}" if self.unit not in ("", "1") else self.name
 
     @property
@@ -129,7 +129,7 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
 
 
 def bound_notes(metric: Metric, drawn: Sequence[dict[str, Any]]) -> list[str]:
-    """What is said of the required bounds below a distribution: of those that are drawn, and of those beyond the axis."""
+    """Returns the notes on required bounds below a distribution: on those that are drawn, and on those beyond the axis."""
     ends = [b for b in (metric.low, metric.high) if b is not None]
     marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
     beyond = [b for b in ends if b not in marked]
@@ -168,7 +168,9 @@ def scatter(
     index: NDArray[np.int64],
     arrays: Arrays,
 ) -> dict[str, Any]:
-    """A metric against a varied value (of the rows): runs that meet its requirement and others, endless and failed ones."""
+    """A metric against a varied value (of the rows): runs that meet its requirement and others, endless and failed
+    ones.
+    """
     y = metric.values[rows]
     if items is not None:  # texts: beside each other, spread for the eye
         x = x + np.random.default_rng(0).uniform(-0.25, 0.25, len(x))
@@ -203,7 +205,9 @@ def scatter(
 
 
 def search(searched: dict[str, Any], metric: Metric, arrays: Arrays) -> dict[str, Any] | None:
-    """The worst value up to a number of runs: of the search, and of the campaign's own runs in the order of their index."""
+    """The worst value up to a number of runs: of the search, and of the campaign's own runs in the order of their
+    index.
+    """
     history = [(runs, value) for runs, value in searched["history"] if value is not None]
     if not history:
         return None

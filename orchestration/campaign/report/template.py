@@ -1,4 +1,7 @@
-"""The template of a campaign's page, which stands beside this file. Tests: tests/orchestration/campaign/report/test_page.py."""
+"""The template of a campaign's page, which stands beside this file.
+
+Tests: tests/orchestration/campaign/report/test_page.py.
+"""
 
 from __future__ import annotations
 

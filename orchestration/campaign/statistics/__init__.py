@@ -1,1 +1,1 @@
-"""What the rows say: verdicts, sensitivities, the worst case."""
+"""Statistics of the rows: verdicts, sensitivities, the worst case."""

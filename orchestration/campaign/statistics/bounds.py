@@ -1,9 +1,10 @@
-"""Bounds of a probability that runs show, and of quantiles, for a number of runs that was fixed before and for any number.
+"""Bounds of a probability that runs show, and of quantiles, for a number of runs that was fixed before and for any
+number.
 
-Two kinds of bounds serve. Exact ones (Clopper and Pearson, Biometrika 26, 1934) hold for a number of runs that was fixed
-before. Those of a sequence hold after every run at once, so a campaign may look as often as it likes, stop when it is
-decided, and go on later where it was not; they ask for about one and a half times as many runs. They come of the mean
-likelihood ratio against P over all probabilities on the other side of P, q uniform in (P, 1) for `met`:
+Two kinds of bounds serve. Exact ones (Clopper and Pearson, Biometrika 26, 1934) hold for a number of runs that was
+fixed before. Those of a sequence hold after every run at once, so a campaign may look as often as it likes, stop when
+it is decided, and go on later where it was not; they ask for about one and a half times as many runs. They come of the
+mean likelihood ratio against P over all probabilities on the other side of P, q uniform in (P, 1) for `met`:
 
     E_n = mean over q of (q/P)^S ((1-q)/(1-P))^(n-S),   S of n runs have met the bound,
 
@@ -95,7 +96,10 @@ def elsewhere(successes: int, runs: int, required: float, confidence: float, ann
 
 
 def looks(runs: int) -> list[int]:
-    """Counts of runs, ascending, after which early stopping looks; the last is `runs`. Each is a seventh above the last."""
+    """Counts of runs, ascending, after which early stopping looks; the last is `runs`.
+
+    Each is a seventh above the last.
+    """
     counts, count = [], 30.0
     while count < runs:
         counts.append(round(count))
@@ -125,9 +129,9 @@ def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
 def quantile(values: Floats, share: float, confidence: float, repeated: bool = False) -> tuple[float, Bounds]:
     """A quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
 
-    The bounds are order statistics and hold for whatever distribution (Wilks, Ann. Math. Stat. 12, 1941): the k-th value
-    is an upper bound where k successes of n runs would show a probability of `share`. One is infinite where there are too
-    few values for it. Values may be infinite, but not nan. Without values all is nan.
+    The bounds are order statistics and hold for whatever distribution (Wilks, Ann. Math. Stat. 12, 1941): the k-th
+    value is an upper bound where k successes of n runs would show a probability of `share`. One is infinite where there
+    are too few values for it. Values may be infinite, but not nan. Without values all is nan.
     """
     n = len(values)
     if not n:

@@ -1,11 +1,12 @@
 """The worst case within what varies: a search that asks for runs where the worst ones before lie.
 
-Two fifths of the runs are spread evenly over the unit cube (scrambled Sobol' points); the worst of these starts a CMA-ES
-(Hansen, arXiv:1604.00772; the package `cma`), which adapts the spread of a normal distribution to the runs that it finds
-worst. Where it has settled, it starts again from the next worst of the first runs that lies elsewhere. It was taken
-since it goes by ranks alone, so that a metric may jump or be infinite, asks for runs in batches, and finds more in few
-runs than SciPy's differential evolution: on three functions of 3 and 6 coordinates with 100 to 1000 runs it found a worse
-case than as many random runs in 99% of 144 trials, differential evolution in 92% (tests/orchestration/campaign/bench_search.py).
+Two fifths of the runs are spread evenly over the unit cube (scrambled Sobol' points); the worst of these starts a
+CMA-ES (Hansen, arXiv:1604.00772; the package `cma`), which adapts the spread of a normal distribution to the runs that
+it finds worst. Where it has settled, it starts again from the next worst of the first runs that lies elsewhere. It was
+taken since it goes by ranks alone, so that a metric may jump or be infinite, asks for runs in batches, and finds more
+in few runs than SciPy's differential evolution: on three functions of 3 and 6 coordinates with 100 to 1000 runs it
+found a worse case than as many random runs in 99% of 144 trials, differential evolution in 92%
+(tests/orchestration/campaign/bench_search.py).
 
 What a search finds is a case, no probability. It depends on the seed and the batch, not on workers.
 """

@@ -2,9 +2,9 @@
 
 A Sobol' index is a share of the metric's variance: the first-order one is due to an entry alone, the total one includes
 its interactions (Saltelli et al., Comput. Phys. Commun. 181, 2010). Morris' mu* is the mean size of a metric's change
-when an entry moves across two thirds of its range, relative to the whole range, and sigma tells interaction or curvature
-(Technometrics 33, 1991; Campolongo et al., Environ. Model. Softw. 22, 2007). SALib draws the designs and evaluates them.
-The coordinates of one entry, such as the three of an attitude, move together.
+when an entry moves across two thirds of its range, relative to the whole range, and sigma tells interaction or
+curvature (Technometrics 33, 1991; Campolongo et al., Environ. Model. Softw. 22, 2007). SALib draws the designs and
+evaluates them. The coordinates of one entry, such as the three of an attitude, move together.
 
 A run that failed, or that has no finite value of a metric, has no place in these formulas. The base point or trajectory
 to which it belongs is left out. Where a tenth of them or more is lost, what is left is another distribution; then the
@@ -53,7 +53,7 @@ class MetricFunction(Protocol):
         ...
 
     def values(self, unit: Floats) -> dict[str, Any]:
-        """What a point (dimension,) stands for."""
+        """Returns the start values at a point (dimension,)."""
         ...
 
     def scenario(self, unit: Floats) -> str:
@@ -136,9 +136,9 @@ def _plain(values: Any) -> list[float | None]:
 def ranks(columns: Iterable[Floats], metric: Floats) -> list[dict[str, float] | None]:
     """Spearman's rank correlation of a metric (n,) with each of the columns (n,), and the partial one.
 
-    The partial one is what is left when the linear dependence of the ranks on all other columns is taken away. Bounds are
-    those of Bonett and Wright, Psychometrika 65, 2000. Runs with nan are left out, infinite values keep their rank; None
-    for a column that is constant.
+    The partial one is what is left when the linear dependence of the ranks on all other columns is taken away. Bounds
+    are those of Bonett and Wright, Psychometrika 65, 2000. Runs with nan are left out, infinite values keep their rank;
+    None for a column that is constant.
     """
     table = np.column_stack([metric, *columns])
     table = table[~np.isnan(table).any(axis=1)][:RANKED]

@@ -36,7 +36,7 @@ class Announced:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What runs say of a requirement."""
+    """The verdict of runs on a requirement."""
 
     name: str
     status: Literal["met", "not met", "undecided"]
