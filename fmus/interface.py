@@ -21,6 +21,7 @@ __all__ = [
     "BLOCKS",
     "FLAVOURS",
     "INTERFACES",
+    "TRUTH",
     "Element",
     "Interface",
     "InterfaceError",
@@ -36,6 +37,8 @@ BLOCKS = (
 LOOP = ("plant", "controller", "allocator")
 """Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between.
 """
+TRUTH = {"plant": "the plant's truth, for example by plant_judge"}
+"""The blocks that are the truth to the others: what they say of themselves is no opinion. With what to read of them."""
 INTERFACES = Path(__file__).parent / "interfaces"
 """The folder of the interfaces and the icons."""
 

@@ -116,7 +116,8 @@ class NoRoom(InputError):
 class BlockError(RuntimeError):
     """A block failed: in initialization (`time` is None) or during the run. Exit status 3.
 
-    `status` is what the call gave, where it gave one. `result` holds what was computed up to then, once the run has ended.
+    `status` is what the call gave, where it gave one.
+    `result` holds what was computed up to then, once the run has ended.
     """
 
     def __init__(

@@ -1,4 +1,7 @@
-"""Expressions in scenarios, campaigns and templates: arithmetic on what has a name, and nothing else that Python could do."""
+"""Expressions in scenarios, campaigns and templates: arithmetic on what has a name, and nothing else of Python.
+
+Tests: tests/orchestration/expectations/test_expressions.py, tests/orchestration/campaign/test_expression.py.
+"""
 
 from __future__ import annotations
 

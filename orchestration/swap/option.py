@@ -26,7 +26,10 @@ class Swap:
 
 
 def swaps_of(swaps: Sequence[str], maps: Sequence[str] = ()) -> list[Swap]:
-    """Returns what `allocator=vendor.fmu`, and `mapping.yaml` or `allocator=mapping.yaml`, ask for. Raises InputError."""
+    """Returns what `allocator=vendor.fmu`, and `mapping.yaml` or `allocator=mapping.yaml`, ask for.
+
+    Raises InputError.
+    """
     asked: dict[str, Swap] = {}
     for text in swaps:
         block, equals, file = (part.strip() for part in text.partition("="))
@@ -50,7 +53,10 @@ def swaps_of(swaps: Sequence[str], maps: Sequence[str] = ()) -> list[Swap]:
 
 
 def swapped(source: Source, swaps: Iterable[Swap]) -> Source:
-    """Returns a scenario's source with blocks swapped; relative paths start at the current folder. Raises InputError."""
+    """Returns a scenario's source with blocks swapped; relative paths start at the current folder.
+
+    Raises InputError.
+    """
     blocks = source.data.get("blocks") if isinstance(source.data, dict) else None
     for swap in swaps:
         entry = blocks.get(swap.block) if isinstance(blocks, dict) else None

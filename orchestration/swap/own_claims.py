@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from fmus.interface import TRUTH
+
 from ..scenario.scenario import Scenario
 from .findings import Finding
 
-TRUTH = "plant"
-"""The block that is the truth to the others, so that what it says of itself is no opinion."""
-
 
 def own_claims(scenario: Scenario, block: str, outputs: Iterable[str]) -> list[Finding]:
-    """A warning for each expectation of the scenario that reads one of these outputs of a swapped block."""
+    """Returns a warning for each expectation of the scenario that reads one of these outputs of a swapped block."""
     entry, names = scenario.blocks[block], set(outputs)
-    if TRUTH in (block, entry.interface, entry.fmu):
+    if TRUTH.keys() & {block, entry.interface, entry.fmu}:
         return []
     return [
         Finding(
             "warning",
             "claims",
             f"expectation '{claim.name}' reads {signal}, an output of the swapped block itself, which proves nothing",
-            "read the plant's truth, for example by plant_judge",
+            f"read {' or '.join(TRUTH.values())}",
             ("expect", number),
         )
         for number, claim in enumerate(scenario.expect)
