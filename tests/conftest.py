@@ -61,6 +61,7 @@ MARKERS = {
     ),
     "fly": (
         "authorities",
+        "design",
         "estimator",
         "plant/sensors/test_loop.py",
         "plant/test_gravity_gradient.py",
