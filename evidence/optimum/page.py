@@ -37,7 +37,9 @@ def figure(lines: Sequence[Line]) -> Any:
     ax.plot(np.arange(1, len(lines) + 1), np.sort(flown / best), "o-", color=BLUE, markersize=3, linewidth=0.8)
     limit(ax, float(np.median(flown / best)))
     ax.set_ylim(bottom=1.0)
-    name_axes(ax, "tumbles, in order", "time flown / best found", "time flown over the best time found (dashed: median)")
+    name_axes(
+        ax, "tumbles, in order", "time flown / best found", "time flown over the best time found (dashed: median)"
+    )
     ax = axes[0, 1]
     order = np.argsort(best)
     ax.plot(best[order], flown[order], "o", color=RED, markersize=3, label="flown")
