@@ -40,19 +40,19 @@ def overhead(scenario: dict[str, Any], row: Row) -> None:
     pilot = Pilot(case({**scenario, "duration": 386.1}, 100).job)
     points = pilot.job.design.points(range(101))
     pilot.fly(0, points[0])
-    loop, spent = CompiledLoop.run, [0.0]
+    loop, spent = CompiledLoop.advance, [0.0]
 
     def timed(self: Any, *arguments: Any) -> None:
         begun = time.process_time()
         loop(self, *arguments)
         spent[0] += time.process_time() - begun
 
-    CompiledLoop.run = timed
+    CompiledLoop.advance = timed
     begun = time.process_time()
     for index in range(1, 101):
         pilot.fly(index, points[index])
     whole = time.process_time() - begun
-    CompiledLoop.run = loop
+    CompiledLoop.advance = loop
     pilot.close()
     row("campaign: a run beside its loop", f"{10 * (whole - spent[0]):.2f} ms", "CPU time")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,10 +11,11 @@ from numpy.typing import NDArray
 
 from ..errors import BlockError
 from ..fmu.model import TYPES, Element, Floats, Model
-from ..master.master import Master
+from ..master.circuit import Circuit
 from ..scenario.load import load
 from ..scenario.source import Source
 from ..session.open import Opened, open_scenario
+from ..session.session import Blocks, Session
 from ..system.clock import Clock
 from ..system.order import Order
 from ..system.wiring import Link, Node, Wiring
@@ -120,17 +120,16 @@ def play_opened(
     record = Model("record", {v.name: replace(v, causality="output") for v in fed})
     recorded = Recorded(f"record of {name}", record, rows)
     sources, targets = (tuple(Node(block, element) for element in rows) for block in (recorded.name, name))
-    with ExitStack() as stack:
-        block = opened.adapted(opened.only(name).instantiate(stack)[name])
-        master = Master(
-            {recorded.name: recorded, name: block} if rows else {name: block},
-            Wiring([Link("playback", sources, targets)] if rows else []),
-            Order([recorded.name, name], [list(sources)]) if rows else Order([name], [[]]),
-            clock,
-            [Node(name, element) for variable in outputs for element in variable.elements],
-            {name: every},
-        )
-        recording = master.run(plan.starts)
+    wiring = Wiring([Link("playback", sources, targets)] if rows else [])
+    order = Order([recorded.name, name], [list(sources)]) if rows else Order([name], [[]])
+    columns = [Node(name, element) for variable in outputs for element in variable.elements]
+
+    def fed_by_record(blocks: Blocks) -> Blocks:
+        return {recorded.name: recorded, **blocks} if rows else blocks
+
+    with Session(opened.only(name)) as session:
+        circuit = Circuit(wiring, order, clock, {name: every})
+        recording = session.fly(plan.starts, columns=columns, circuit=circuit, around=fed_by_record).whole()
     values = iter(np.split(recording.values[::every], np.cumsum([v.size for v in outputs]), axis=1))
     played = {variable.name: part for variable, part in zip(outputs, values, strict=False)}
     return np.arange(0, len(recording.time), every), played, recording.failure

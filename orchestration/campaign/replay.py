@@ -108,7 +108,9 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
         put(file, text)
     pilot = Pilot(case.job)
     observers = pilot.observers()
-    result = whole(load(file), seers=([node for measure in case.job.measures for node in measure.needed], observers))
+    result = whole(
+        load(file), observers=([node for measure in case.job.measures for node in measure.needed], observers)
+    )
     expected = {outcome.name: outcome.passed for outcome in result.outcomes}
     whole_run = result.failure is None
     metrics: dict[str, float | None] = {

@@ -21,6 +21,8 @@ BEYOND = -8
 """In place of a status: a value that the type of its variable cannot hold."""
 ANSWERS = ("asks for event mode", "asks to end the simulation", "has returned early")
 """What DoStep of FMI 3.0 may say besides its status; in place of a status, minus the sum of 1, 2 and 4 for them."""
+_FEW = 6
+"""So many values are copied one by one sooner than by NumPy."""
 _NO_RESTORE = 1
 """noSetFMUStatePriorToCurrentPoint: the master never goes back."""
 
@@ -97,6 +99,10 @@ class Exchange:
             return direct
         return give if self.sets else take
 
+    def copies(self, part: Part) -> list[tuple[int, int]]:
+        """Returns place and slot of each value of this part."""
+        return list(zip(self.places.tolist(), self.slots.tolist(), strict=True))[: part.elements]
+
 
 def _span(places: NDArray[np.int64]) -> Any:
     """The places as a slice where they follow each other, which NumPy takes sooner."""
@@ -120,22 +126,23 @@ def sequence(wanted: Sequence[Call]) -> Call:
     return run
 
 
-def stride(set_inputs: Call, do_step: Stride, get: Call) -> Stride:
-    """A whole step of three calls."""
+def stride(gather: Call, set_inputs: Call, do_step: Stride, get: Call, step: float) -> Callable[[float], None]:
+    """Returns the function of time that makes a whole step of this length by the four calls."""
 
-    def three(time: float, step: float) -> None:
+    def make(time: float) -> None:
+        gather()
         set_inputs()
         do_step(time, step)
         get()
 
-    return three
+    return make
 
 
 class Stepper:
     """DoStep with its arguments, and where FMI 3.0 leaves its answers."""
 
     def __init__(self, name: str, function: Any, component: Any, answers: bool) -> None:
-        self.name = name
+        self.name, self.answers = name, answers
         self.time, self.step, self.asked = c.c_double(), c.c_double(), c.c_uint32(0)
         self._last = c.c_double()
         more: list[Any] = [c.c_int.from_param(_NO_RESTORE)]
@@ -167,32 +174,41 @@ class Stepper:
 
 
 def strider(
-    setters: Sequence[Exchange], getters: Sequence[Exchange], stepper: Stepper, component: Any, failed: Failed
-) -> Stride | None:
-    """A whole step in one function, where it sets doubles only and gets doubles first, as mostly; None where it does not."""
+    gather: Call,
+    setters: Sequence[Exchange],
+    getters: Sequence[Exchange],
+    stepper: Stepper,
+    component: Any,
+    failed: Failed,
+    step: float,
+) -> Callable[[float], None] | None:
+    """Returns `stride` in one function, which saves a third of its time.
+
+    It sets doubles only, gets doubles first and few other values, as mostly; None where that is not so.
+    """
     getters = [e for e in getters if e.live.references]
-    if len(setters) != 1 or not getters or not setters[0].direct or not getters[0].direct:
+    few = all(e.live.elements <= _FEW for e in getters[1:])
+    if len(setters) != 1 or not setters[0].direct or not getters or not getters[0].direct or not few:
         return None
     setter, getter = setters[0], getters[0]
-    others = [e.call(component, e.live, failed) for e in getters[1:]]
     put, advance, fetch = setter.bound(component, setter.all), stepper.invoke, getter.bound(component, getter.live)
-    at, length, asked, last = stepper.time, stepper.step, stepper.asked, 0.0
+    others = [(e.name, e.bound(component, e.live), e.buffer.data, e.copies(e.live)) for e in getters[1:]]
+    into, at, asked, answers = getter.values.data, stepper.time, stepper.asked, stepper.answers
+    stepper.step.value = step
 
-    def one(time: float, step: float) -> None:
-        nonlocal last
-        if step != last:
-            length.value = last = step
-        status = put()
-        if status > WARNING:
+    def make(time: float) -> None:
+        gather()
+        if (status := put()) > WARNING:
             raise failed(setter.name, status)
         at.value = time
-        status = advance()
-        if status > WARNING or asked.value:
+        if (status := advance()) > WARNING or (answers and asked.value):
             raise failed(stepper.name, stepper.status(status))
-        status = fetch()
-        if status > WARNING:
+        if (status := fetch()) > WARNING:
             raise failed(getter.name, status)
-        for other in others:
-            other()
+        for name, fetch_more, given, copies in others:
+            if (status := fetch_more()) > WARNING:
+                raise failed(name, status)
+            for place, slot in copies:
+                into[place] = given[slot]
 
-    return one
+    return make

@@ -8,12 +8,17 @@ from __future__ import annotations
 import atexit
 import ctypes as c
 import os
+import shutil
 import sys
+import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..fmu.archive import Fmu
+from ..interrupt import held
 from .log import Log
 
 Calls = Iterator[tuple[str, tuple[Any, ...]]]
@@ -25,9 +30,6 @@ if sys.platform == "win32":
 else:
     _unload = c.CDLL(None).dlclose
 _unload.argtypes = (c.c_void_p,)
-
-_libraries: dict[Path, c.CDLL] = {}
-"""Libraries that instances share, by their files."""
 
 
 def _arguments_2(name: bytes, guid: bytes, folder: Path, log: Log) -> Arguments:
@@ -104,26 +106,55 @@ VERSIONS = {
 """By what the names of FMI's functions begin with."""
 
 
+class Own:
+    """The libraries of the project's own native FMUs, each unpacked and loaded once for all instances of this process.
+
+    Such an FMU has no state but that of its instances, needs no file but its library and writes none, which is not known of
+    any other FMU. They are unloaded and removed when the process ends, not by one that was forked from it.
+    """
+
+    def __init__(self) -> None:
+        self._process, self._loaded = os.getpid(), dict[str, tuple[c.CDLL, Path]]()
+        self._lock = threading.Lock()
+
+    def load(self, fmu: Fmu, version: Version) -> tuple[c.CDLL, Path]:
+        """Returns the library and the folder in which its FMU is unpacked. Raises as `Library`, and InputError."""
+        with self._lock:
+            if fmu.sha256 not in self._loaded:
+                with held():
+                    folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
+                    atexit.register(self._remove, folder)
+                fmu.extract(folder, [fmu.library])
+                self._loaded[fmu.sha256] = _loaded(folder / fmu.library, version), folder
+                # What is registered later is called earlier, and Windows removes no file of a library that is loaded.
+                atexit.register(_unload, self._loaded[fmu.sha256][0]._handle)
+        return self._loaded[fmu.sha256]
+
+    def _remove(self, folder: Path) -> None:
+        if os.getpid() == self._process:
+            with held(firmly=True):
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+OWN = Own()
+_chdir = threading.Lock()
+"""Held while a library is loaded from the folder in which it stands, which is one for the whole process."""
+
+
 class Library:
     """A library that is loaded, and the instance that is made of it."""
 
-    def __init__(self, version: Version, folder: Path, file: str, shared: bool) -> None:
-        """Loads the file from the folder in which its FMU is unpacked. `shared`: once for all instances, until the process ends.
+    def __init__(self, version: Version, fmu: Fmu, folder: Path | None) -> None:
+        """Loads it from the folder in which its FMU is unpacked; None for one that is shared with all instances of it.
 
         Raises OSError where it cannot be loaded, and AttributeError where it lacks a function.
         """
-        self._version, self._folder, self._shared = version, folder, shared
+        self._version, self._shared = version, folder is None
         self.component: int | None = None
-        path = folder / file
-        if shared and path in _libraries:
-            self.dll = _libraries[path]
-            return
-        self.dll = _loaded(path)
-        for name in (version.instantiate, *(f"{version.prefix}{name}" for name in version.needed)):
-            getattr(self.dll, name)
-        if shared:
-            _libraries[path] = self.dll
-            atexit.register(_unload, self.dll._handle)  # Windows removes no file of a library that is loaded
+        if folder is None:
+            self.dll, self._folder = OWN.load(fmu, version)
+        else:
+            self.dll, self._folder = _loaded(folder / fmu.library, version), folder
 
     def instantiate(self, name: str, token: str, log: Log) -> None:
         """Leaves the instance in `component`; None where the FMU gives none."""
@@ -144,10 +175,14 @@ class Library:
             _unload(self.dll._handle)
 
 
-def _loaded(path: Path) -> c.CDLL:
-    here = os.getcwd()
-    os.chdir(path.parent)  # where some libraries look for others
-    try:
-        return c.CDLL(str(path))
-    finally:
-        os.chdir(here)
+def _loaded(path: Path, version: Version) -> c.CDLL:
+    with _chdir:
+        here = os.getcwd()
+        os.chdir(path.parent)  # where some libraries look for others
+        try:
+            dll = c.CDLL(str(path))
+        finally:
+            os.chdir(here)
+    for name in (version.instantiate, *(f"{version.prefix}{name}" for name in version.needed)):
+        getattr(dll, name)
+    return dll

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import BlockError
+from ..errors import BlockError, InputError
 from ..fmu.archive import Fmu
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..fmu.types import Native
@@ -39,15 +39,12 @@ def asks_to_end(error: BlockError) -> bool:
 class Slave:
     """One instance of an FMU. See `block.Block`."""
 
-    def __init__(
-        self, name: str, fmu: Fmu, folder: Path, verbose: bool | Callable[[str], None] = False, shared: bool = False
-    ) -> None:
+    def __init__(self, name: str, fmu: Fmu, folder: Path | None, verbose: bool | Callable[[str], None] = False) -> None:
         """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it.
 
-        `verbose` prints what it logs, or takes each line of it. `shared`: the library is loaded once for all instances,
-        which only suits one without a state of its own, and stays until the process ends.
+        `verbose` prints what it logs, or takes each line of it. Without a folder the library is loaded once for all
+        instances and stays until the process ends, which only suits one without a state of its own.
         """
-        self.shared = shared
         self.name: str = name
         self.model: Model = fmu.model
         self.version = VERSIONS[fmu.model.prefix]
@@ -66,9 +63,11 @@ class Slave:
         self.component = c.c_void_p(self._library.component)
         self._argument = c.c_void_p.from_param(self._library.component)  # converted once, for the calls of every step
 
-    def _load(self, fmu: Fmu, folder: Path) -> Library:
+    def _load(self, fmu: Fmu, folder: Path | None) -> Library:
         try:
-            return Library(self.version, folder, fmu.library, self.shared)
+            return Library(self.version, fmu, folder)
+        except InputError:
+            raise
         except Exception as error:
             raise self._error("loading its library", in_words(str(error).replace(f"{folder}{os.sep}", ""))) from None
 
@@ -187,11 +186,10 @@ class Slave:
     def do_step(self) -> Stride:
         return self._stepper.call(self.failed)
 
-    @cached_property
-    def stride(self) -> Stride:
-        """`set_inputs`, `do_step` and `get_live` in one."""
-        one = calls.strider(self.setters, self.getters, self._stepper, self._argument, self.failed)
-        return one or calls.stride(self.set_inputs, self.do_step, self.get_live)
+    def stride(self, gather: Call, step: float) -> Callable[[float], None]:
+        """Returns a whole step of this length, `gather`, `set_inputs`, `do_step` and `get_live` in one."""
+        one = calls.strider(gather, self.setters, self.getters, self._stepper, self._argument, self.failed, step)
+        return one or calls.stride(gather, self.set_inputs, self.do_step, self.get_live, step)
 
     # ------------------------------------------------------------ end
 

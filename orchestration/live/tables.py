@@ -70,7 +70,7 @@ class _Writer:
         self.plan, self.code = plan, code
         self.c = Text()
         blocks: dict[str, Any] = {name: _Tabled(name, model) for name, model in plan.models.items()}
-        self.bus: Bus = lay_out(blocks, plan.wiring, plan.order, plan.columns)
+        self.bus: Bus = lay_out(blocks, plan.circuit, plan.columns)
         self.seats = {seat.block.name: i for i, seat in enumerate(self.bus.seats)}
         self.places = {
             Node(seat.block.name, element): self._first(seat) + i

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ..fmu.model import TYPES, Element, Floats
 from ..instances.block import Block
-from ..system.order import Order
 from ..system.wiring import Node, Wiring
+from .circuit import Circuit
 
 
 @dataclass
@@ -92,7 +92,7 @@ class Bus:
     """In the order in which they are stepped."""
     columns: NDArray[np.intp]
     """Where the recorded elements lie."""
-    watched: NDArray[np.intp]
+    observed: NDArray[np.intp]
     """Where those lie that are looked at after every base step."""
     delay: Delay | None
     """None where no connection is delayed."""
@@ -105,7 +105,7 @@ class _Layout:
     columns: Sequence[Node]
     """What is recorded."""
     live: set[Node]
-    """What is fetched after every step: what other blocks need, or is watched."""
+    """What is fetched after every step: what other blocks need, or is observed."""
     place: dict[Node, int] = field(default_factory=dict)
     held: dict[Node, int] = field(default_factory=dict)
 
@@ -150,14 +150,11 @@ class _Layout:
 
 
 def lay_out(
-    blocks: Mapping[str, Block],
-    wiring: Wiring,
-    order: Order,
-    columns: Sequence[Node],
-    watched: Sequence[Node] = (),
+    blocks: Mapping[str, Block], circuit: Circuit, columns: Sequence[Node], observed: Sequence[Node] = ()
 ) -> Bus:
-    """Gives every value its place and wires the blocks to it. `watched` are fetched after every step."""
-    layout = _Layout(blocks, wiring, columns, {node for link in wiring.links for node in link.source} | set(watched))
+    """Gives every value its place and wires the blocks to it. `observed` are fetched after every step."""
+    wiring = circuit.wiring
+    layout = _Layout(blocks, wiring, columns, {node for link in wiring.links for node in link.source} | set(observed))
     outputs = {name: layout.outputs(name) for name in blocks}
     for name, elements in outputs.items():
         for element in elements:
@@ -166,9 +163,9 @@ def lay_out(
     first_held = len(layout.place)
     layout.held.update((node, first_held + i) for i, node in enumerate(delayed))
     values = np.zeros(first_held + len(delayed))
-    seats = [_seat(layout, name, outputs[name], values) for name in order.blocks]
+    seats = [_seat(layout, name, outputs[name], values) for name in circuit.order.blocks]
     delay = Delay(np.array([layout.place[node] for node in delayed], np.intp), first_held) if delayed else None
-    recorded, seen = (np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, watched))
+    recorded, seen = (np.array([layout.place[node] for node in nodes], np.intp) for nodes in (columns, observed))
     return Bus(values, seats, recorded, seen, delay)
 
 

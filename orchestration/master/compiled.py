@@ -10,10 +10,9 @@ import hashlib
 import os
 import platform
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -24,35 +23,25 @@ from ..fmu.platforms import PLATFORM, SUFFIX
 from ..fmu.types import CODES
 from ..instances.calls import Exchange
 from ..instances.slave import Slave
-from ..interrupt import interruptible
-from ..system.clock import EXACT, Clock
-from ..system.disturbances import KINDS, Disturbance
+from ..system.clock import EXACT
+from ..system.disturbances import KINDS
 from .bus import Bus
-from .injection import Changes
+from .circuit import Circuit
 from .layout import CDisturbance, CExchange, CLoop, CPart, CSeat, Pointer
-from .recording import REPORT_EVERY, Progress, Recording, Watch, check_finite
+from .recording import Observation, Recording, check_finite
 
 _SOURCE = Path(__file__).with_name("loop.c")
 _SET, _STEP, _GET = range(3)
 
 
-def compiled_loop(
-    bus: Bus,
-    clock: Clock,
-    every: Mapping[str, int],
-    parallel: bool,
-    watch: Watch | None,
-    recording: Recording,
-    disturbances: Sequence[Disturbance],
-) -> CompiledLoop | None:
-    """The loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
+def compiled_loop(bus: Bus, circuit: Circuit, observation: Observation, recording: Recording) -> CompiledLoop | None:
+    """Returns the loop in C; None where a block is no FMU in this process, or loop.c cannot be compiled here."""
     slaves = [seat.block for seat in bus.seats if isinstance(seat.block, Slave)]
+    clock = circuit.clock
     exact = clock.steps * clock.numerator < EXACT and clock.denominator < EXACT
     if len(slaves) != len(bus.seats) or not exact or (library := _library()) is None:
         return None
-    loop = CompiledLoop(library, bus, slaves, clock, every, parallel, watch, recording)
-    loop.disturb(disturbances)
-    return loop
+    return CompiledLoop(library, bus, slaves, circuit, observation, recording)
 
 
 class CompiledLoop:
@@ -63,42 +52,41 @@ class CompiledLoop:
         library: c.CDLL,
         bus: Bus,
         slaves: Sequence[Slave],
-        clock: Clock,
-        rates: Mapping[str, int],
-        parallel: bool,
-        watch: Watch | None,
+        circuit: Circuit,
+        observation: Observation,
         recording: Recording,
     ) -> None:
-        self._clock, self._bus, self._slaves, self._run = clock, bus, slaves, library.run_loop
+        self.bus, self.observation = bus, observation
+        self._clock, self._slaves, self._run = circuit.clock, slaves, library.run_loop
         self._kept: list[Any] = []  # what C has pointers to
+        clock = circuit.clock
         seats = (CSeat * len(slaves))()
         for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
-            every = rates.get(slave.name, 1)
+            every = circuit.rate(slave.name)
             into.component = slave.component
             into.do_step, into.version = c.cast(slave.step_function, Pointer), int(slave.model.fmi[0])
-            into.every, into.step = every, every * self._clock.numerator / self._clock.denominator
+            into.every, into.step = every, every * clock.numerator / clock.denominator
             into.sources, into.input_count = self._whole(seat.inputs.sources), len(seat.inputs.sources)
             into.factors, into.offsets = self._floats(seat.inputs.factors), self._floats(seat.inputs.offsets)
             into.inputs = self._floats(seat.inputs.values)
             into.setters, into.setter_count = self._exchanges(slave.setters), len(slave.setters)
             into.getters, into.getter_count = self._exchanges(slave.getters), len(slave.getters)
             into.outputs, into.output_count = self._floats(seat.view), len(seat.view)
-        loop = self._loop = CLoop(seats, len(seats), parallel, self._floats(bus.values))
+        loop = self._loop = CLoop(seats, len(seats), circuit.parallel, self._floats(bus.values))
         if bus.delay is not None:
             loop.delayed, loop.delayed_count = self._whole(bus.delay.sources), len(bus.delay.sources)
             loop.held = self._floats(bus.values[bus.delay.first :])
         loop.columns, loop.column_count = self._whole(bus.columns), len(bus.columns)
-        loop.rows = self._floats(recording.values)
-        loop.interval = self._clock.interval
-        self._watch = watch
-        loop.watched, loop.watched_count = self._whole(bus.watched), len(bus.watched)
-        loop.watched_rows = self._floats(self._watch.rows if self._watch else recording.values)
-        loop.numerator, loop.denominator = self._clock.numerator, self._clock.denominator
+        loop.rows, loop.interval = self._floats(recording.values), clock.interval
+        loop.observed, loop.observed_count = self._whole(bus.observed), len(bus.observed)
+        loop.observed_rows = self._floats(observation.rows)
+        loop.numerator, loop.denominator = clock.numerator, clock.denominator
         self._kept.append(seats)
+        self._disturb(circuit)
 
-    def disturb(self, disturbances: Sequence[Disturbance]) -> None:
+    def _disturb(self, circuit: Circuit) -> None:
         """Takes up the faults of signals."""
-        seats, loop = self._bus.seats, self._loop
+        seats, loop, disturbances = self.bus.seats, self._loop, circuit.faults.disturbances
         places = {seat.block.name: place for place, seat in enumerate(seats)}
         array = (CDisturbance * len(disturbances))()
         for into, fault in zip(array, disturbances, strict=True):
@@ -133,42 +121,21 @@ class CompiledLoop:
         self._kept.append(whole)
         return whole.ctypes.data
 
-    def run(self, recording: Recording, progress: Progress | None, changes: Changes) -> None:
-        """Runs to the end, to Ctrl-C or to a failure, in stretches short enough to report progress and to make the changes."""
-        loop, steps, stretch = self._loop, self._clock.steps, 16
-        begun = reported = perf_counter()
-        with interruptible() as interrupted:
-            try:
-                while loop.count < steps and not interrupted:
-                    changes.make(loop.count)
-                    if self._run(c.byref(loop), int(min(loop.count + stretch, steps, self._room(), changes.next))):
-                        self._fail()
-                    now = perf_counter()
-                    if now - reported < REPORT_EVERY / 2:
-                        stretch *= 2
-                        continue
-                    if now - reported > 2 * REPORT_EVERY:
-                        stretch = max(stretch // 2, 1)
-                    reported = now
-                    if progress is not None:
-                        progress(self._clock.time(loop.count))
-            finally:
-                recording.steps, recording.wall = loop.count, perf_counter() - begun
-                recording.interrupted = interrupted[0] if interrupted else 0
+    @property
+    def count(self) -> int:
+        """Returns how many base steps are done."""
+        return int(self._loop.count)
 
-    def _room(self) -> int:
-        """How far it may run until what is watched has to be handed on."""
-        if self._watch is None:
-            return self._clock.steps
-        if self._loop.count == self._watch.last:
-            self._watch.flush(self._loop.count)
-        self._loop.watched_first = self._watch.first
-        return self._watch.last
+    def advance(self, until: int, interrupted: Sequence[int]) -> None:
+        """Makes the base steps up to `until`, whatever interrupts it meanwhile. Raises BlockError."""
+        self._loop.observed_first = self.observation.first
+        if self._run(c.byref(self._loop), until):
+            self._fail()
 
     def _fail(self) -> None:
         """Raises the BlockError that the loop in Python raises at the same place."""
         loop = self._loop
-        slave, seat = self._slaves[loop.seat], self._bus.seats[loop.seat]
+        slave, seat = self._slaves[loop.seat], self.bus.seats[loop.seat]
         if loop.call in (_SET, _STEP, _GET):
             exchanges = slave.setters if loop.call == _SET else slave.getters
             name = "fmi2DoStep" if loop.call == _STEP else exchanges[loop.part].name

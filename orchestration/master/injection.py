@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -11,11 +11,11 @@ from typing import Any
 from ..errors import BlockError
 from ..fmu.model import Element
 from ..instances.block import Block
-from ..system.clock import Clock
 from ..system.disturbances import Disturbance
 from ..system.faults import Faults, Setting
 from ..system.wiring import Node
-from .bus import Bus, Seat
+from .bus import Seat
+from .circuit import Circuit
 
 
 def at_start(faults: Faults, target: Node, value: float) -> float:
@@ -26,44 +26,15 @@ def at_start(faults: Faults, target: Node, value: float) -> float:
     return value
 
 
-def with_faults(
-    faults: Faults,
-    bus: Bus,
-    every: Mapping[str, int],
-    parallel: bool,
-    clock: Clock,
-    advance: Callable[[], Callable[[int], None]],
-) -> Callable[[int], None]:
-    """The function that makes one base step, with the faults. `advance` makes the one without them, from `bus.seats`."""
-    now = _Now()
-    places = {seat.block.name: place for place, seat in enumerate(bus.seats)}
-    for seat in bus.seats:
-        acting = [
-            (fault, seat.inputs.elements.index(fault.target.element), fault.behind(parallel, places))
-            for fault in faults.disturbances
-            if fault.target.block == seat.block.name
-        ]
-        if acting:
-            seat.gather = _gatherer(seat, acting, now)
-    changes = Changes(faults, bus, every, clock)
-    step = advance()
-
-    def advance_with_faults(count: int) -> None:
-        now.count = count
-        changes.make(count - 1)
-        step(count)
-
-    return advance_with_faults
-
-
 class Changes:
     """The values that blocks are set to between two steps, in the order of their times."""
 
-    def __init__(self, faults: Faults, bus: Bus, every: Mapping[str, int], clock: Clock) -> None:
-        held = {seat.block.name: _Held(seat.block) for seat in bus.seats}
-        changes = [change for s in faults.settings for change in _changes(s, held[s.block], every.get(s.block, 1))]
+    def __init__(self, circuit: Circuit, blocks: Iterable[Block]) -> None:
+        held = {block.name: _Held(block) for block in blocks}
+        settings = circuit.faults.settings
+        changes = [change for s in settings for change in _changes(s, held[s.block], circuit.rate(s.block))]
         self._left = sorted(changes, key=lambda change: change.due)
-        self._clock = clock
+        self._clock = circuit.clock
 
     def make(self, count: int) -> None:
         """Makes those that are due once `count` base steps are done. Raises BlockError."""
@@ -79,11 +50,6 @@ class Changes:
     def next(self) -> float:
         """How many base steps are done when the next one is due."""
         return self._left[0].due if self._left else math.inf
-
-
-@dataclass
-class _Now:
-    count: int = 0
 
 
 @dataclass(frozen=True)
@@ -135,21 +101,30 @@ def _changes(setting: Setting, held: _Held, every: int) -> Iterable[_Change]:
         yield _Change(int(end), partial(held.end, setting))
 
 
-def _gatherer(seat: Seat, acting: Sequence[tuple[Disturbance, int, int]], now: _Now) -> Callable[[], None]:
-    gather, values = seat.gather, seat.inputs.values
+def gatherer(seat: Seat, circuit: Circuit, places: Mapping[str, int], making: Callable[[], int]) -> Callable[[], None]:
+    """Returns the function that takes a block's inputs from the bus, with the faults that act on them.
+
+    `places` are those of the blocks in the order of their steps; `making` returns the base step that is being made.
+    """
+    gather, values, elements = seat.gather, seat.inputs.values, seat.inputs.elements
+    acting = [
+        (fault, elements.index(fault.target.element), fault.behind(circuit.parallel, places))
+        for fault in circuit.faults.disturbances
+        if fault.target.block == seat.block.name
+    ]
     frozen: dict[int, float] = {}
 
     def gather_with_faults() -> None:
         gather()
         for number, (fault, place, behind) in enumerate(acting):
             first, last = fault.span
-            if first <= now.count - behind < last:
+            if first <= making() - behind < last:
                 if fault.kind == "freeze":
                     values[place] = frozen.setdefault(number, float(values[place]))
                 else:
                     values[place] = _disturbed(fault, float(values[place]))
 
-    return gather_with_faults
+    return gather_with_faults if acting else gather
 
 
 def _disturbed(fault: Disturbance, value: float) -> float:

@@ -249,9 +249,9 @@ int run_loop(Loop *loop, int64_t until)
                 row[i] = loop->bus[loop->columns[i]];
             }
         }
-        double *watched = loop->watched_rows + (size_t)(count - loop->watched_first) * loop->watched_count;
-        for (size_t i = 0; i < loop->watched_count; i++) {
-            watched[i] = loop->bus[loop->watched[i]];
+        double *observed = loop->observed_rows + (size_t)(count - loop->observed_first) * loop->observed_count;
+        for (size_t i = 0; i < loop->observed_count; i++) {
+            observed[i] = loop->bus[loop->observed[i]];
         }
     }
     return 0;

@@ -89,10 +89,10 @@ typedef struct {
     size_t column_count;
     double *rows;
     int64_t interval;
-    const int64_t *watched; /* what is kept after every base step, */
-    size_t watched_count;
-    double *watched_rows;  /* and where: */
-    int64_t watched_first; /* the base step of the first row */
+    const int64_t *observed; /* what is kept after every base step, */
+    size_t observed_count;
+    double *observed_rows;  /* and where: */
+    int64_t observed_first; /* the base step of the first row */
     double numerator;      /* of the base step, s */
     double denominator;
     Disturbance *disturbances;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +11,14 @@ import numpy as np
 from ..errors import BlockError
 from ..fmu.model import Element, Floats
 from ..instances.block import Block
+from ..interrupt import Stopped
 from ..system.clock import Clock
+from ..system.observer import Observer
 from ..system.wiring import Node
 from .bus import Seat
 
-Progress = Callable[[float], None]
-"""Called now and then with the simulated time."""
-
-REPORT_EVERY = 0.05
-"""Seconds of wall time from one report of the progress to the next, at least."""
-_ROWS = 4096
-"""How many base steps a watch keeps at a time."""
+ROWS = 4096
+"""Base steps of which an observation keeps the values at a time."""
 
 
 @dataclass
@@ -40,38 +37,44 @@ class Recording:
     failure: BlockError | None = None
     interrupted: int = 0
     """The number of the signal that ended it, such as that of Ctrl-C; 0 for none."""
+    closing: BlockError | None = None
+    """What went wrong when its blocks were ended."""
+
+    def whole(self) -> Recording:
+        """Returns itself; raises Stopped where a signal ended the run, for whom a part of it is of no use."""
+        if self.interrupted:
+            raise Stopped(self.interrupted)
+        return self
 
 
-class Watch:
-    """Hands on the values of some elements after every base step, where only some of the steps are recorded."""
+class Observation:
+    """Shows observers the values of some elements after every base step."""
 
-    def __init__(
-        self, columns: Sequence[Node], clock: Clock, see: Callable[[Floats, Floats], None], soon: int = _ROWS
-    ) -> None:
-        """`see` is given times (n,) and values (n, columns), piece by piece: first after `soon` base steps, then after
-        twice as many each time. What it raises ends the run.
-        """
-        self.columns, self._clock, self._see, self._soon = list(columns), clock, see, soon
-        self.rows = np.empty((min(_ROWS, clock.steps + 1), len(self.columns)))
+    def __init__(self, nodes: Sequence[Node], clock: Clock, observers: Sequence[Observer], soon: int = ROWS) -> None:
+        """The observers see them piece by piece: first after `soon` base steps, then after twice as many each time."""
+        self._nodes, self._clock, self._observers, self._soon = nodes, clock, observers, soon
+        self.rows = np.empty((min(ROWS, clock.steps + 1), len(nodes)))
         self.first = 0
         """The base step of the first row."""
 
+    def room(self, count: int) -> int:
+        """Returns the base step of the last row; what there is up to base step `count` is shown first where it is the last."""
+        if count == self._last:
+            self.flush(count)
+        return self._last
+
     @property
-    def last(self) -> int:
-        """The base step of the last row."""
+    def _last(self) -> int:
         return self.first + min(self._soon, len(self.rows)) - 1
 
-    def row(self, count: int) -> Floats:
-        """Where the values after base step `count` belong; it follows those before it."""
-        if count > self.last:
-            self.flush(count - 1)
-        return self.rows[count - self.first]
-
     def flush(self, count: int) -> None:
-        """Hands on what there is up to base step `count`."""
+        """Shows what there is up to base step `count`."""
         n = count + 1 - self.first
         if n > 0:
-            self._see(self._clock.times(self.first, n), self.rows[:n])
+            time = self._clock.times(self.first, n)
+            columns = {node: self.rows[:n, i] for i, node in enumerate(self._nodes)}
+            for observer in self._observers:
+                observer.see(time, columns)
             self.first += n
             self._soon *= 2
 

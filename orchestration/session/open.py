@@ -1,13 +1,8 @@
-"""From a scenario to blocks: its FMUs located, opened and checked, its swaps prepared, its plan made, instances made."""
+"""A scenario is opened: its FMUs located, read and checked, its swaps prepared and its plan made; no code of them runs."""
 
 from __future__ import annotations
 
-import atexit
-import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,13 +12,10 @@ from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, ensure_all
 from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
-from ..errors import BlockError, InputError, Kind, NoRoom, Problem, hint, reason
+from ..errors import InputError, Kind, Problem, hint, reason
 from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
-from ..instances.block import Block, Instance
-from ..instances.isolation import IsolatedBlock
-from ..instances.slave import Slave
-from ..interrupt import held
+from ..instances.block import Block
 from ..paths import located
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
@@ -54,109 +46,29 @@ class Opened:
         return self.prepared.adapted(substeps.before(block) if substeps else block)
 
     def only(self, name: str) -> Opened:
-        """The same with one block alone, for `instantiate`."""
+        """Returns the same with one block alone."""
         return replace(self, fmus={name: self.fmus[name]})
 
-    def instantiate(self, stack: ExitStack, verbose: bool = False) -> dict[str, Instance]:
-        """An instance of each FMU; closed, and its files removed, when the stack ends. Raises InputError.
 
-        `adapted` puts before an instance what it needs.
-        """
-        scenario = self.plan.scenario
-        bounds = {name: limits(scenario, name) for name in self.fmus}
-        shared = {name for name in self.fmus if bounds[name] is None and _is_own_native(scenario, name)}
-        work = Path()
-        if len(shared) < len(self.fmus):
-            work = stack.enter_context(_temporary())
-        blocks: dict[str, Instance] = {}
-        name = ""
-        try:
-            for name, fmu in self.fmus.items():
-                bound = bounds[name]
-                if name not in shared:
-                    fmu.extract(work / name)
-                if bound is None:
-                    place = _unpacked(fmu) if name in shared else work / name
-                    blocks[name] = Slave(name, fmu, place, verbose, shared=name in shared)
-                else:
-                    blocks[name] = IsolatedBlock(name, fmu, work / name, bound, verbose)
-                stack.callback(blocks[name].close)
-            for name in blocks:  # all processes have been started before the first is waited for
-                if isinstance(block := blocks[name], IsolatedBlock):
-                    block.started()
-        except NoRoom:
-            raise
-        except InputError as error:
-            raise InputError(*_with_remedies(error, scenario, name)) from None
-        except BlockError as error:
-            message = f"{shown(self.fmus[name].path)}: {error}"
-            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
-        return blocks
+def open_scenario(scenario: Scenario, fmus: dict[str, Fmu] | None = None) -> Opened:
+    """Locates and opens the FMUs, where they are not given, prepares what is swapped and plans the run.
 
-
-def _is_own_native(scenario: Scenario, name: str) -> bool:
-    entry = scenario.blocks[name]
-    return not is_path(entry.fmu) and (entry.flavour or scenario.flavour) == "native"
-
-
-def _unpacked(fmu: Fmu) -> Path:
-    """Where one of the project's own native FMUs is unpacked, once for all runs of this process.
-
-    It has no state but that of its instances, needs no file but its library and writes none, which is not known of any other FMU.
+    Raises InputError with all errors.
     """
-    known = os.getpid(), fmu.sha256
-    if known not in _folders or not (_folders[known] / fmu.library).exists():
-        with held():
-            folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
-            atexit.register(_remove, folder, os.getpid())
-        fmu.extract(folder, [fmu.library])
-        _folders[known] = folder
-    return _folders[known]
-
-
-_folders: dict[tuple[int, str], Path] = {}
-
-
-def _remove(folder: Path, process: int) -> None:
-    """Removes a folder when the process that made it ends; one that was forked from it has the list of it, too."""
-    if os.getpid() == process:
-        with held(firmly=True):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-@contextmanager
-def _temporary() -> Iterator[Path]:
-    """A folder that is removed, also where a signal comes meanwhile."""
-    with held():
-        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
-    try:
-        yield Path(folder.name)
-    finally:
-        with held():
-            folder.cleanup()
-
-
-def open_scenario(scenario: Scenario) -> Opened:
-    """Locates and opens the FMUs, prepares what is swapped and plans the run. Raises InputError with all errors."""
-    global _latest
-    with unchanging():
-        fmus = _open_fmus(scenario)
-    if _latest is not None and _latest[0] == scenario and all(_latest[1].fmus.get(n) is fmu for n, fmu in fmus.items()):
-        return _latest[1]
+    fmus = open_fmus(scenario) if fmus is None else fmus
     _refuse_second(scenario, fmus)
     prepared = prepare(scenario, fmus)
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = [*_not_valid(scenario, fmus), *prepared.notes, *timed.notes]
     ready.not_evaluated = prepared.not_evaluated
-    opened = Opened(fmus, prepared, timed, ready)
-    if not any(is_path(e.fmu) or e.interface or e.map for e in scenario.blocks.values()):  # these read more files
-        _latest = scenario, opened
-    return opened
+    return Opened(fmus, prepared, timed, ready)
 
 
-_latest: tuple[Scenario, Opened] | None = None
-"""The scenario that was opened last, for one that is run again and again: the same data from the same lines, on the same FMUs."""
+def open_fmus(scenario: Scenario) -> dict[str, Fmu]:
+    """Returns the FMUs of the blocks, located and opened. Raises InputError with all errors."""
+    with unchanging():
+        return _open_fmus(scenario)
 
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
@@ -173,7 +85,7 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
             lenient = entry.validation == "lenient"
             fmus[name] = known[path, lenient] = known.get((path, lenient)) or open_fmu(path, lenient)
         except InputError as error:
-            errors += _with_remedies(error, scenario, name)
+            errors += with_remedies(error, scenario, name)
     if errors:
         raise InputError(*errors)
     return fmus
@@ -234,7 +146,7 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         raise InputError(f"the block {fmu!r} cannot be built: {where}: {reason(error)}") from None
 
 
-def _with_remedies(error: InputError, scenario: Scenario, name: str) -> list[Problem]:
+def with_remedies(error: InputError, scenario: Scenario, name: str) -> list[Problem]:
     """Returns the errors of a block's FMU at its place, with what helps where its description is not valid, or where a file
     of this project's own has been spoilt."""
     entry = scenario.blocks[name]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from ..errors import InputError, Problem
@@ -11,6 +12,7 @@ from ..expectations import checks, holds
 from ..expectations.checks import Check
 from ..expectations.holds import HoldCheck
 from ..fmu.model import Model
+from ..master.circuit import Circuit
 from ..scenario.expectations import Expectation
 from ..scenario.scenario import Scenario
 from ..system import agreement, order, panels, periods, signals, starts, timeline, view, wiring
@@ -41,6 +43,13 @@ class Plan:
     faults: Faults = field(default_factory=Faults)
     not_evaluated: list[tuple[Expectation, str]] = field(default_factory=list)
     """Expectations that a swap took out of the scenario, each with the reason."""
+
+    @cached_property
+    def circuit(self) -> Circuit:
+        """Returns how the blocks are connected and stepped."""
+        every = {name: entry.every for name, entry in self.scenario.blocks.items()}
+        parallel = self.scenario.exchange == "parallel"
+        return Circuit(self.wiring, self.order, self.clock, every, parallel, self.faults)
 
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:

@@ -14,28 +14,25 @@ from ..expectations.checks import Check
 from ..expectations.flags import FlagObserver
 from ..expectations.holds import HoldCheck, HoldObserver
 from ..expectations.outcomes import ExpectationObserver, highlights, not_evaluated
-from ..fmu.model import Floats, Model
-from ..instances.block import Block
+from ..fmu.model import Model
 from ..interrupt import Stopped
-from ..master.master import Master
+from ..master.master import Options, Progress
 from ..master.pacing import Pacer
-from ..master.recording import Progress, Watch
 from ..results.place import refuse_foreign, reserved
 from ..results.result import Result, target
 from ..scenario.realtime import with_pace
 from ..scenario.scenario import Scenario
 from ..system import signals
+from ..system.observer import Observer
 from ..system.wiring import Node
-from .flight import Seer
 from .manifest import manifest
-from .open import open_scenario
-from .plan import Plan
 from .read import load
 from .realtime import PYTHON_LOOP, pacer
 from .refusal import refusal
-from .standby import Standby, standby
+from .session import Blocks, Session
+from .warm import WARM
 
-Seers = tuple[Sequence[Node], Sequence[Seer]]
+Observers = tuple[Sequence[Node], Sequence[Observer]]
 
 
 def run(
@@ -82,92 +79,62 @@ def execute(
     verbose: bool = False,
     compiled: bool = True,
     check: Callable[[Iterable[Node], Mapping[str, Model]], None] | None = None,
-    seers: Seers = ((), ()),
+    observers: Observers = ((), ()),
     pacer: Pacer | None = None,
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
 
-    `check` is shown what will be recorded before the run, and may refuse it by an InputError. `seers` are shown signals of the run: which, and who.
-    Without a pacer the run is as fast as it goes, whatever the scenario says of real time.
+    `check` is shown what will be recorded before the run, and may refuse it by an InputError. `observers` are those who
+    are shown signals of the run, behind the nodes that they need. Without a pacer the run is as fast as it goes, whatever
+    the scenario says of real time.
     """
-    opened = open_scenario(scenario)
-    ready = opened.plan
-    if check is not None:
-        check(ready.columns, ready.models)
-    with standby(opened, tuple(seers[0]), verbose) as made:
-        result = run_blocks(ready, made.blocks, progress, compiled, seers, pacer, made)
-        made.sound = result.failure is None and not result.interrupted
-    for block in made.instances.values():
-        result.failure = result.failure or getattr(block, "failure", None)  # what went wrong in closing it
-    result.described = partial(manifest, opened.described, tuple(ready.notes), datetime.now(UTC))
+    with WARM.session(scenario, verbose) as session:
+        opened = session.opened
+        if check is not None:
+            check(opened.plan.columns, opened.plan.models)
+        result = evaluated(session, Options(compiled, progress, pacer), observers)
+    result.described = partial(manifest, opened.described, tuple(opened.plan.notes), datetime.now(UTC))
     return result
 
 
-def whole(scenario: Scenario, seers: Seers = ((), ())) -> Result:
-    """Runs a scenario as `execute` does, for a caller to whom a part of a run is of no use: a signal that ends it raises Stopped.
+def whole(scenario: Scenario, observers: Observers = ((), ())) -> Result:
+    """Runs a scenario as `execute` does, for a caller to whom a part of a run is of no use.
 
-    A failing FMU ends the run, and the result says so.
+    A failing FMU ends the run, and the result says so; a signal that ends it raises Stopped.
     """
-    result = execute(scenario, seers=seers)
+    result = execute(scenario, observers=observers)
     if result.interrupted:
         raise Stopped(result.interrupted)
     return result
 
 
-def run_blocks(
-    ready: Plan,
-    blocks: Mapping[str, Block],
-    progress: Progress | None = None,
-    compiled: bool = False,
-    seers: Seers = ((), ()),
-    pacer: Pacer | None = None,
-    made: Standby | None = None,
+def evaluated(
+    session: Session,
+    options: Options = Options(),  # noqa: B008  (it is frozen)
+    observers: Observers = ((), ()),
+    around: Callable[[Blocks], Blocks] | None = None,
 ) -> Result:
-    """Runs a plan on any blocks, and holds what they give against its expectations. `made` keeps the bus from run to run."""
-    scenario = ready.scenario
-    every = {name: entry.every for name, entry in scenario.blocks.items()}
-    parallel = scenario.exchange == "parallel"
+    """Flies a session as its scenario says, and evaluates the expectations. `around` is that of `Session.fly`."""
+    ready = session.opened.plan
     expected = [ExpectationObserver(check) for check in ready.checks]
     held = [HoldObserver(hold) for hold in ready.holds]
-    looks: list[Check | HoldCheck] = [*ready.checks, *ready.holds]
     flagged = signals.flags(ready.models)
     raised = FlagObserver(flagged, ready.models)
-    watched = list(dict.fromkeys([*(node for look in looks for node in look.needed), *flagged, *seers[0]]))
-
-    seeing: list[Seer] = [*expected, raised, *seers[1], *held]
-
-    def see(time: Floats, values: Floats) -> None:
-        columns = {node: values[:, i] for i, node in enumerate(watched)}
-        for seer in seeing:
-            seer.see(time, columns)
-
-    # Where every base step is recorded, all of it is there in the end, but for what only others are shown.
-    between = bool(watched) and (ready.clock.interval > 1 or not set(watched) <= set(ready.columns))
-    watch = Watch(watched, ready.clock, see) if between else None
-    master = Master(
-        blocks,
-        ready.wiring,
-        ready.order,
-        ready.clock,
-        ready.columns,
-        every,
-        parallel,
-        compiled,
-        ready.faults,
-        watch,
-        pacer,
-        made.bus if made is not None else None,
+    looks: list[Check | HoldCheck] = [*ready.checks, *ready.holds]
+    nodes = list(dict.fromkeys([*(node for look in looks for node in look.needed), *flagged, *observers[0]]))
+    recording = session.fly(
+        ready.starts,
+        [*expected, raised, *held, *observers[1]],
+        nodes,
+        columns=ready.columns,
+        around=around,
+        options=options,
     )
-    recording = master.run(ready.starts, progress)
-    if made is not None:
-        made.bus = master.bus
-    if recording.failure and (refused := refusal(scenario, ready.models, recording.failure)):
+    if recording.failure and (refused := refusal(ready.scenario, ready.models, recording.failure)):
         raise InputError(refused)
-    if watch is None:
-        see(recording.time, recording.values[:, [recording.columns.index(node) for node in watched]])
     complete = recording.failure is None and not recording.interrupted
     return Result(
-        scenario=scenario,
+        scenario=ready.scenario,
         models=ready.models,
         time=recording.time,
         samples=recording.values,
@@ -177,11 +144,11 @@ def run_blocks(
         holds=[observer.hold for observer in held if len(recording.time)],
         booleans=raised.flags,
         highlights=highlights(expected),
-        warnings=[*ready.notes, *([PYTHON_LOOP] if pacer is not None and compiled else [])],
+        warnings=[*ready.notes, *([PYTHON_LOOP] if options.pacer is not None and options.compiled else [])],
         steps=recording.steps,
         reached=ready.clock.time(recording.steps),
         wall=recording.wall,
-        failure=recording.failure,
+        failure=recording.failure or recording.closing,
         interrupted=recording.interrupted,
-        pace=pacer.pace if pacer is not None else None,
+        pace=options.pacer.pace if options.pacer is not None else None,
     )

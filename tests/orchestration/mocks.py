@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,11 @@ from orchestration import load
 from orchestration.errors import BlockError
 from orchestration.fmu.model import Element, Floats, Model, Variable
 from orchestration.instances.block import Block
+from orchestration.master.master import Options
 from orchestration.results.result import Result
-from orchestration.session.plan import plan
-from orchestration.session.run import run_blocks
+from orchestration.session.plan import Plan, plan
+from orchestration.session.run import evaluated
+from orchestration.session.session import Session
 
 Values = dict[Element, Any]
 
@@ -145,10 +148,21 @@ def ramp(name: str) -> Mock:
     return Mock(name, model("ramp", real("u", "input"), real("y", "output"), real("seen", "output")), evaluate, advance)
 
 
+@dataclass
+class Mocked:
+    """What a session opens in the place of FMUs: none."""
+
+    plan: Plan
+    fmus: Mapping[str, Any] = field(default_factory=dict)
+
+
 def run(blocks: Sequence[Block], scenario: Mapping[str, Any], **options: Any) -> Result:
     """Runs mocks under a scenario, given without its `blocks` and `name`."""
     every, start = options.pop("every", {}), options.pop("start", {})
     entries = {b.name: {"fmu": "mock", "every": every.get(b.name, 1), "start": start.get(b.name, {})} for b in blocks}
     loaded = load({"name": "test", "blocks": entries, **scenario})
     ready = plan(loaded, {b.name: b.model for b in blocks}, options.pop("feedthrough", None))
-    return run_blocks(ready, {b.name: b for b in blocks}, **options)
+    observers = options.pop("observers", ((), ()))
+    with Session(Mocked(ready)) as session:
+        given = {b.name: b for b in blocks}
+        return evaluated(session, Options(**{"compiled": False, **options}), observers, lambda _: given)

@@ -13,8 +13,9 @@ from orchestration.cli.summary import summary
 from orchestration.export.system import check_plain
 from orchestration.results.figures import draw
 from orchestration.results.phases import bands
-from orchestration.session.flight import Flight
+from orchestration.session.flight import fly
 from orchestration.session.open import open_scenario
+from orchestration.session.session import Session
 
 BASE: dict[str, Any] = {
     "name": "timeline",
@@ -78,11 +79,8 @@ def test_a_value_is_given_from_its_time_on_and_both_loops_give_the_same_bits(exc
 def test_a_scenario_flown_again_and_again_begins_its_timeline_anew() -> None:
     """As a campaign flies it: the FMU is reset from run to run, and the values of its timeline with it."""
     expect = [{"name": "safe", "signal": "supervisor.mode", "during": "commanded", "ever": {"equals": 2}}]
-    flight = Flight(open_scenario(load({**BASE, "timeline": TIMELINE, "expect": expect})))
-    try:
-        seen = [flight.fly({"supervisor.rate_time": value}).outcomes[0].passed for value in ("2 s", "6 s", "2 s")]
-    finally:
-        flight.close()
+    with Session(open_scenario(load({**BASE, "timeline": TIMELINE, "expect": expect})), resets=True) as session:
+        seen = [fly(session, {"supervisor.rate_time": value}).outcomes[0].passed for value in ("2 s", "6 s", "2 s")]
     assert seen == [True, False, True]
 
 

@@ -21,7 +21,7 @@ from ...quantities import Unit
 from ...system.wiring import Node
 from ..playback import play_opened
 from .bench import flown_inputs
-from .fly import Loop
+from .fly import Columns, Loop
 from .ports import kind_of
 
 _TURN = math.radians(10.0)
@@ -71,7 +71,7 @@ def card(loop: Loop) -> Card:
 class _Stand:
     """One block alone."""
 
-    def __init__(self, loop: Loop, block: str, flown: dict[str, Floats], signals: dict[Node, Floats]) -> None:
+    def __init__(self, loop: Loop, block: str, flown: dict[str, Floats], signals: Columns) -> None:
         plan = loop.plan
         self.loop, self.block, self.flown, self.model = loop, block, flown, plan.models[block]
         every = plan.scenario.blocks[block].every

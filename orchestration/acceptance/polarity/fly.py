@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,21 +13,22 @@ from ...expectations.checks import Check
 from ...expectations.consistency import ConsistencyObserver, Relation, prepare, reads
 from ...expectations.outcomes import ExpectationObserver
 from ...fmu.model import Floats
-from ...instances.block import Block
-from ...interrupt import Stopped
-from ...master.master import Master
-from ...master.recording import Watch
+from ...master.circuit import Circuit
+from ...master.master import Options
+from ...master.recording import Recording
 from ...scenario.load import load
 from ...scenario.source import Source
 from ...session.open import open_scenario
 from ...session.plan import Plan
+from ...session.session import Blocks, Session
 from ...system import order
-from ...system.order import Order
+from ...system.observer import Observer
 from ...system.wiring import Node, Wiring
 from .misread import Misread
 from .ports import Port, miswired
 from .wrongs import Wrong
 
+Columns = Mapping[Node, Floats]
 _SOON = 16
 """Base steps until the checks are looked at for the first time; then after twice as many each time."""
 
@@ -47,11 +48,44 @@ class _Enough(Exception):
     """The wrong wiring is shown, so the rest of the run can tell nothing more."""
 
 
+class _Detector:
+    """An observer that ends the run by `_Enough` at the first samples by which an expectation or a check fails."""
+
+    def __init__(
+        self,
+        expected: Sequence[ExpectationObserver],
+        consistent: Sequence[ConsistencyObserver],
+        given: Callable[[Columns], Columns],
+    ) -> None:
+        """`given` returns the signals as others see them."""
+        self._expected, self._consistent, self._given = expected, consistent, given
+        self.count = 0
+        self.found: list[Found] = []
+
+    def see(self, time: Floats, columns: Columns) -> None:
+        columns = self._given(columns)
+        for observer in self._consistent:
+            observer.see(time, columns)
+            if observer.broken is not None:
+                self.found.append(Found("consistency", observer.broken.name, observer.broken.time))
+        for one in self._expected:
+            one.see(time, columns)
+            outcome = one.outcome(early=True)
+            if not outcome.passed and not outcome.open:
+                first = _first(one.check, time, columns)
+                at = first if first is not None else outcome.time or float(time[-1])
+                self.found.append(Found("expectation", outcome.name, at))
+        self.count += len(time)
+        if self.found:
+            raise _Enough
+
+
 class Loop:
     """A scenario opened once and flown again and again. Raises InputError where the scenario is wrong."""
 
     def __init__(self, source: Source) -> None:
         self.opened = open_scenario(load(source))
+        self.session = Session(self.opened)
         self.plan: Plan = self.opened.plan
         self.notes = list(self.plan.notes)
         self.relations = self._relations()
@@ -82,97 +116,62 @@ class Loop:
         """
         expected = [ExpectationObserver(check) for check in self.plan.checks]
         consistent = [ConsistencyObserver(relation) for relation in self.relations]
-        count = 0
-        found: list[Found] = []
-
-        def see(time: Floats, values: Floats) -> None:
-            nonlocal count
-            columns = self._as_given(port, wrong, {node: values[:, i] for i, node in enumerate(self.watched)})
-            for observer in consistent:
-                observer.see(time, columns)
-                if observer.broken is not None:
-                    found.append(Found("consistency", observer.broken.name, observer.broken.time))
-            for one in expected:
-                one.see(time, columns)
-                outcome = one.outcome(early=True)
-                if not outcome.passed and not outcome.open:
-                    first = _first(one.check, time, columns)
-                    found.append(
-                        Found(
-                            "expectation", outcome.name, first if first is not None else outcome.time or float(time[-1])
-                        )
-                    )
-            count += len(time)
-            if found:
-                raise _Enough
-
-        watch = Watch(self.watched, self.plan.clock, see, _SOON)
+        detector = _Detector(expected, consistent, lambda columns: self._as_given(port, wrong, columns))
+        found = detector.found
         failure: BlockError | None = None
         with suppress(_Enough):
-            failure = self._run(port, wrong, [], watch)[2]
+            failure = self._run(port, wrong, observers=[detector]).failure
         if failure is not None:
             found.append(Found("refused", f"{failure.block}: {failure.problem}", failure.time or 0.0))
         if port is None:
             self.margins = {observer.relation.name: observer.closest for observer in consistent}
-        flown = self.plan.clock.time(max(count - 1, 0))
+        flown = self.plan.clock.time(max(detector.count - 1, 0))
         if not found:
             ended = [observer.outcome() for observer in expected]
             found += [Found("expectation", o.name, flown) for o in ended if not o.passed]
         return min(found, key=lambda f: f.time, default=None), flown
 
-    def record(
-        self, nodes: list[Node], port: Port | None = None, wrong: Wrong | None = None
-    ) -> tuple[Floats, dict[Node, Floats]]:
+    def record(self, nodes: list[Node], port: Port | None = None, wrong: Wrong | None = None) -> tuple[Floats, Columns]:
         """Times (n,) and values (n,) of these elements, over the whole run or up to a failure."""
-        time, values, _ = self._run(port, wrong, nodes, None)
-        return time, self._as_given(port, wrong, {node: values[:, i] for i, node in enumerate(nodes)})
+        flown = self._run(port, wrong, nodes)
+        return flown.time, self._as_given(port, wrong, dict(zip(nodes, flown.values.T, strict=True)))
 
     def _run(
-        self, port: Port | None, wrong: Wrong | None, nodes: list[Node], watch: Watch | None
-    ) -> tuple[Floats, Floats, BlockError | None]:
-        plan, scenario = self.plan, self.plan.scenario
-        wiring, sequence = self._wired(port, wrong)
-        every = {name: entry.every for name, entry in scenario.blocks.items()}
-        with ExitStack() as stack:
-            instances = self.opened.instantiate(stack)
-            blocks: dict[str, Block] = {name: self.opened.adapted(block) for name, block in instances.items()}
-            if port is not None and wrong is not None and wrong.turn is not None:
-                for name, variable in _readers(port, plan.wiring):
-                    blocks[name] = Misread(blocks[name], variable, wrong.turn)
-            master = Master(
-                blocks,
-                wiring,
-                sequence,
-                plan.clock,
-                nodes,
-                every,
-                scenario.exchange == "parallel",
-                True,
-                plan.faults,
-                watch,
-            )
-            recording = master.run(plan.starts)
-        if recording.interrupted:
-            raise Stopped(recording.interrupted)
-        return recording.time, recording.values, recording.failure
+        self, port: Port | None, wrong: Wrong | None, columns: Sequence[Node] = (), observers: Sequence[Observer] = ()
+    ) -> Recording:
+        def misread(blocks: Blocks) -> Blocks:
+            if port is None or wrong is None or wrong.turn is None:
+                return blocks
+            fed = _readers(port, self.plan.wiring)
+            return blocks | {name: Misread(blocks[name], variable, wrong.turn) for name, variable in fed}
 
-    def _wired(self, port: Port | None, wrong: Wrong | None) -> tuple[Wiring, Order]:
+        return self.session.fly(
+            self.plan.starts,
+            observers,
+            self.watched if observers else (),
+            columns=columns,
+            circuit=self._circuit(port, wrong),
+            around=misread,
+            options=Options(soon=_SOON),
+        ).whole()
+
+    def _circuit(self, port: Port | None, wrong: Wrong | None) -> Circuit:
         plan = self.plan
         if port is None or wrong is None or wrong.matrix is None:
-            return plan.wiring, plan.order
+            return plan.circuit
         wiring = miswired(plan.wiring, port, wrong.matrix, wrong.offset)
         try:
             levels = order.sort(plan.scenario, plan.models, wiring, self.opened.prepared.feedthrough).levels
         except InputError:  # other elements close a loop in initialization; twice the usual order hands all on
             levels = plan.order.levels * 2
-        return wiring, replace(plan.order, levels=levels)
+        return replace(plan.circuit, wiring=wiring, order=replace(plan.order, levels=levels))
 
-    def _as_given(self, port: Port | None, wrong: Wrong | None, columns: dict[Node, Floats]) -> dict[Node, Floats]:
+    def _as_given(self, port: Port | None, wrong: Wrong | None, columns: Columns) -> Columns:
         """What others see of an output that is given wrongly. An input that is read wrongly is right on the wire."""
         if port is None or wrong is None or port.causality != "output" or not all(n in columns for n in port.nodes):
             return columns
         values = wrong.apply(np.stack([columns[node] for node in port.nodes], axis=1))
-        return columns | {node: values[:, i] for i, node in enumerate(port.nodes)}
+        return {**columns, **{node: values[:, i] for i, node in enumerate(port.nodes)}}
 
 
 def _readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:

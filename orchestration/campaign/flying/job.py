@@ -19,8 +19,9 @@ from ...expectations.metrics import Measure, MetricError, MetricObserver
 from ...expectations.span import Limits
 from ...fmu.model import Floats
 from ...quantities import QuantityError
-from ...session.flight import Flight
+from ...session import flight
 from ...session.open import Opened
+from ...session.session import Session
 from ..drawing.design import Design
 from ..drawing.draws import Draws
 from ..statistics.verdicts import Requirement
@@ -109,8 +110,8 @@ class Pilot:
         """`anew`: the FMUs are instantiated for each run, since a reset does not bring them back to their first state."""
         self.job, self.name = job, uuid4().hex
         self._functions = functions(dict(job.codes))
-        nodes = [node for measure in job.measures for node in measure.needed]
-        self._flight = Flight(job.opened, nodes, anew)
+        self._nodes = [node for measure in job.measures for node in measure.needed]
+        self._session = Session(job.opened, resets=not anew)
 
     def observers(self) -> list[MetricObserver]:
         """One for each metric, for one run."""
@@ -127,7 +128,7 @@ class Pilot:
             return self._failed(index, str(error), cells, begun)
         cells = job.draws.cells(values)
         observers = self.observers()
-        flown = self._flight.fly(job.draws.given(values), observers)
+        flown = flight.fly(self._session, job.draws.given(values), observers, self._nodes)
         if flown.reason is not None:
             return self._failed(index, flown.reason, cells, begun)
         try:
@@ -151,7 +152,7 @@ class Pilot:
     def close(self) -> None:
         """Ends the FMUs."""
         with suppress(OSError):
-            self._flight.close()
+            self._session.close()
 
 
 def failed(job: Job, index: int, reason: str, cells: Sequence[Cell], wall: float) -> list[Cell]:

@@ -25,13 +25,13 @@ def _the_loop_in_c_can_be_had():
 def ran_in_c(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Counts the runs of the loop in C."""
     runs: list[int] = []
-    original = compiled.CompiledLoop.run
+    original = compiled.CompiledLoop.__init__
 
     def counted(self: Any, *arguments: Any) -> None:
         runs.append(1)
         original(self, *arguments)
 
-    monkeypatch.setattr(compiled.CompiledLoop, "run", counted)
+    monkeypatch.setattr(compiled.CompiledLoop, "__init__", counted)
     return runs
 
 

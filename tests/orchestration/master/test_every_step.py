@@ -35,7 +35,7 @@ def spiky():
 @pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 @pytest.mark.parametrize("rows", [1, 2, 3, 4096])
 def test_a_longer_recording_interval_hides_nothing_from_expectations_and_holds(rows, exchange, monkeypatch):
-    monkeypatch.setattr(recording, "_ROWS", rows)
+    monkeypatch.setattr(recording, "ROWS", rows)
     scenario = {"step": 0.1, "duration": 2, "exchange": exchange, "expect": EXPECT, "holds": HOLDS}
     fine = run_mocks([spiky()], scenario)
     coarse = run_mocks([spiky()], {**scenario, "record": {"interval": 0.5, "signals": ["a.x"]}})
@@ -94,7 +94,7 @@ def test_what_was_seen_up_to_a_failure_counts():
 
 @pytest.mark.parametrize("fault", [0, 1])
 def test_both_loops_judge_alike_where_little_is_recorded(loop, fault, monkeypatch):
-    monkeypatch.setattr(recording, "_ROWS", 7)
+    monkeypatch.setattr(recording, "ROWS", 7)
     text = loop.read_text().replace("interval: 0.1 s", "interval: 0.5 s")
     loop.write_text(text + "holds: [{name: heat, signal: motor.hot, keeps: [motor.speed]}]\n")
     overrides = {"motor.fault": fault, "motor.fault_time": 1.2}

@@ -335,7 +335,7 @@ def test_booleans_and_whole_numbers_come_back_as_such():
 
 
 def test_progress_is_told_the_simulated_time(monkeypatch):
-    monkeypatch.setattr("orchestration.master.master.REPORT_EVERY", -1.0)
+    monkeypatch.setattr("orchestration.master.master._REPORT_EVERY", -1.0)
     times: list[float] = []
     run([ramp("plant")], {"step": 0.1, "duration": 0.5}, start={"plant": {"u": 0}}, progress=times.append)
     assert times == [0.1, 0.2, 0.3, 0.4, 0.5]

@@ -10,8 +10,9 @@ import pytest
 
 from orchestration import load, run
 from orchestration.fmu.model import Floats
-from orchestration.session.flight import Flight
+from orchestration.session.flight import fly
 from orchestration.session.open import open_scenario
+from orchestration.session.session import Session
 from orchestration.system.wiring import Node
 
 PAPER = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
@@ -31,10 +32,9 @@ def test_each_flight_with_a_fault_in_an_exchange_ends_as_a_run_does(kind: str) -
     wanted = np.asarray(run(scenario)["plant.omega_B"])[-1]
     opened = open_scenario(scenario)
     nodes = [node for node in opened.plan.columns if node.element.variable == "omega_B"]
-    flight = Flight(opened, nodes)
-    for _ in range(4):
-        last = Last()
-        flown = flight.fly({}, [last])
-        assert flown.reason is None
-        np.testing.assert_array_equal([last.values[node] for node in nodes], wanted)
-    flight.close()
+    with Session(opened, resets=True) as session:
+        for _ in range(4):
+            last = Last()
+            flown = fly(session, {}, [last], nodes)
+            assert flown.reason is None
+            np.testing.assert_array_equal([last.values[node] for node in nodes], wanted)

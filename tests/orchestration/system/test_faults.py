@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestration import BlockError, InputError, load
+from orchestration import BlockError, InputError
 from orchestration import run as run_scenario
 from orchestration.cli.main import main
 from orchestration.fmu.model import Element, Variable
@@ -245,17 +245,10 @@ def test_a_refused_setting_names_its_time():
         raise block.fail("fmi2SetReal of gain")
 
     block.set = refuse
-    from orchestration.session.plan import plan
-    from orchestration.session.run import run_blocks
-
-    ready = plan(
-        load({"name": "x", "step": 0.1, "duration": 1, "blocks": {"block": {"fmu": "mock", "start": {"free": 0}}},
-              "faults": [{"at": 0.3, "set": "block.gain = 2"}]}),
-        {"block": block.model},
-    )  # fmt: skip
     calls = []
     block.set = lambda values: calls.append(values) if len(calls) < 1 else refuse(values)
-    failed = run_blocks(ready, {"block": block})
+    faults = [{"at": 0.3, "set": "block.gain = 2"}]
+    failed = run([block], {"step": 0.1, "duration": 1, "faults": faults}, start={"block": {"free": 0}})
     assert "block: fmi2SetReal of gain at 0.3 s: gave status error" in str(failed.failure)
     assert len(failed.time) == 4
 

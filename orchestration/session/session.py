@@ -1,0 +1,169 @@
+"""The session: one owner of what runs, from flight to flight.
+
+Tests: tests/orchestration/session/test_session.py, test_standby.py.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from ..errors import BlockError, InputError, NoRoom
+from ..fmu.archive import shown
+from ..fmu.interfaces import is_path
+from ..instances.block import Block, Instance
+from ..instances.isolation import IsolatedBlock
+from ..instances.slave import Slave
+from ..interrupt import held
+from ..master.circuit import Circuit
+from ..master.master import Master, Options
+from ..master.recording import Recording
+from ..system.observer import Observer
+from ..system.starts import Start
+from ..system.wiring import Node
+from .limits import limits
+from .open import Opened, with_remedies
+
+Blocks = dict[str, Block]
+
+
+class Session:
+    """An opened scenario with the instances of its FMUs and the bus between them.
+
+    They are made for the first flight and reset for the next, so what a flight gives depends on its start values alone.
+    After a failure, and where a reset fails, they are made anew.
+    """
+
+    def __init__(self, opened: Opened, resets: bool | None = None, verbose: bool = False) -> None:
+        """`resets`: whether instances are reset from flight to flight; by default those of this project's own native FMUs.
+
+        The reset of these leaves nothing behind, which is not known of any other. `verbose` prints what the FMUs log.
+        """
+        self.opened, self._verbose = opened, verbose
+        self._resets = all(map(self._is_own, opened.fmus)) if resets is None else resets
+        self._stack = ExitStack()
+        self._instances: dict[str, Instance] = {}
+        self._master: Master | None = None
+
+    def fly(
+        self,
+        starts: Mapping[str, Sequence[Start]],
+        observers: Sequence[Observer] = (),
+        nodes: Sequence[Node] = (),
+        *,
+        columns: Sequence[Node] = (),
+        circuit: Circuit | None = None,
+        around: Callable[[Blocks], Blocks] | None = None,
+        options: Options = Options(),  # noqa: B008  (it is frozen)
+    ) -> Recording:
+        """Flies once with these start values. A failing block or a signal ends the flight, and the recording says so.
+
+        `observers` are shown `nodes` after every base step, and `columns` are recorded. `circuit` takes the place of the
+        scenario's own; `around` puts other blocks before or beside those of the session. Raises InputError where an
+        instance cannot be made.
+        """
+        circuit = circuit or self.opened.plan.circuit
+        recording = self._ready(circuit, columns, nodes, around).run(starts, observers, options)
+        if recording.failure is not None or recording.interrupted or not self._resets:
+            recording.closing = self.close()  # FMI allows little after a failure
+        return recording
+
+    def _ready(
+        self,
+        circuit: Circuit,
+        columns: Sequence[Node],
+        nodes: Sequence[Node],
+        around: Callable[[Blocks], Blocks] | None,
+    ) -> Master:
+        """Returns the master of instances in their first state; that of the last flight where it suits. Raises InputError."""
+        if self._instances and not self._reset():
+            self.close()
+        if not self._instances:
+            with ExitStack() as stack:
+                self._instances = self._instantiated(stack)
+                self._stack = stack.pop_all()
+        blocks = {name: self.opened.adapted(block) for name, block in self._instances.items()}
+        blocks = blocks if around is None else around(blocks)
+        last = self._master
+        # What stands before an instance has a state of its own, so it is new for each flight.
+        bare = last is not None and blocks == last.blocks
+        if (
+            last is not None
+            and bare
+            and last.circuit is circuit
+            and (last.columns, last.observed) == (list(columns), list(nodes))
+        ):
+            return last
+        self._master = Master(blocks, circuit, columns, nodes)
+        return self._master
+
+    def _reset(self) -> bool:
+        """Returns whether all instances stand where they stood at first."""
+        try:
+            for block in self._instances.values():
+                block.reset()
+        except BlockError:
+            self._resets = False
+        return self._resets
+
+    def _instantiated(self, stack: ExitStack) -> dict[str, Instance]:
+        """Returns an instance of each FMU, which the stack ends. Raises InputError."""
+        opened, scenario, work = self.opened, self.opened.plan.scenario, Path()
+        if not all(map(self._is_own, opened.fmus)):
+            work = stack.enter_context(_temporary())
+        instances: dict[str, Instance] = {}
+        name = ""
+        try:
+            for name, fmu in opened.fmus.items():
+                own, bound = self._is_own(name), limits(scenario, name)
+                if not own:
+                    fmu.extract(work / name)
+                if bound is None:
+                    instances[name] = Slave(name, fmu, None if own else work / name, self._verbose)
+                else:
+                    instances[name] = IsolatedBlock(name, fmu, work / name, bound, self._verbose)
+                stack.callback(instances[name].close)
+            for name in instances:  # all processes have been started before the first is waited for
+                if isinstance(block := instances[name], IsolatedBlock):
+                    block.started()
+        except NoRoom:
+            raise
+        except InputError as error:
+            raise InputError(*with_remedies(error, scenario, name)) from None
+        except BlockError as error:
+            message = f"{shown(opened.fmus[name].path)}: {error}"
+            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
+        return instances
+
+    def _is_own(self, name: str) -> bool:
+        """Returns whether a block is one of this project's own native FMUs, in this process."""
+        scenario = self.opened.plan.scenario
+        entry = scenario.blocks[name]
+        native = (entry.flavour or scenario.flavour) == "native"
+        return native and not is_path(entry.fmu) and limits(scenario, name) is None
+
+    def close(self) -> BlockError | None:
+        """Ends the instances, and returns what went wrong in that; the next flight makes others."""
+        instances, self._instances, self._master = self._instances, {}, None
+        self._stack.close()
+        return next((failure for block in instances.values() if (failure := getattr(block, "failure", None))), None)
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+@contextmanager
+def _temporary() -> Iterator[Path]:
+    """Makes a folder that is removed, also where a signal comes meanwhile."""
+    with held():
+        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
+    try:
+        yield Path(folder.name)
+    finally:
+        with held():
+            folder.cleanup()
