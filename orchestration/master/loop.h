@@ -93,7 +93,7 @@ typedef struct {
     size_t observed_count;
     double *observed_rows;  /* and where: */
     int64_t observed_first; /* the base step of the first row */
-    double numerator;      /* of the base step, s */
+    double numerator;       /* of the base step, s */
     double denominator;
     Disturbance *disturbances;
     size_t disturbance_count;

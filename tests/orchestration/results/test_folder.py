@@ -312,7 +312,7 @@ def test_a_name_too_long_for_matlab_is_refused_before_the_run(loop, monkeypatch,
         long.save(tmp_path / "out", "mat")
     assert contents(tmp_path / "out") == WHOLE
     monkeypatch.setattr(formats, "_FIELD_MAX", 4)
-    monkeypatch.setattr("orchestration.session.run.run_blocks", lambda *a: pytest.fail("it was run"))
+    monkeypatch.setattr("orchestration.master.master.Master.run", lambda *a: pytest.fail("it was run"))
     told = orchestrate(loop.name, "--format", "mat")
     assert told.exit_code == 2
     assert "remedy: --format csv or parquet" in told.stderr

@@ -19,7 +19,7 @@ LONG = "x" * 300
 
 @pytest.fixture
 def unrun(loop, monkeypatch):
-    monkeypatch.setattr("orchestration.session.run.run_blocks", lambda *a: pytest.fail("it was run"))
+    monkeypatch.setattr("orchestration.master.master.Master.run", lambda *a: pytest.fail("it was run"))
     return loop
 
 
