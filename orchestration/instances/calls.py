@@ -27,6 +27,8 @@ _NO_RESTORE = 1
 """noSetFMUStatePriorToCurrentPoint: the master never goes back."""
 
 Call = Callable[[], None]
+Gather = Callable[[], object]
+"""Takes the inputs of a block from wherever they come."""
 Stride = Callable[[float, float], None]
 """Of time and step."""
 Failed = Callable[[str, int], BlockError]
@@ -126,7 +128,7 @@ def sequence(wanted: Sequence[Call]) -> Call:
     return run
 
 
-def stride(gather: Call, set_inputs: Call, do_step: Stride, get: Call, step: float) -> Callable[[float], None]:
+def stride(gather: Gather, set_inputs: Call, do_step: Stride, get: Call, step: float) -> Callable[[float], None]:
     """Returns the function of time that makes a whole step of this length by the four calls."""
 
     def make(time: float) -> None:
@@ -174,25 +176,26 @@ class Stepper:
 
 
 def strider(
-    gather: Call,
+    gather: Gather,
     setters: Sequence[Exchange],
     getters: Sequence[Exchange],
     stepper: Stepper,
     component: Any,
     failed: Failed,
     step: float,
+    live: bool,
 ) -> Callable[[float], None] | None:
     """Returns `stride` in one function, which saves a third of its time.
 
     It sets doubles only, gets doubles first and few other values, as mostly; None where that is not so.
     """
-    getters = [e for e in getters if e.live.references]
-    few = all(e.live.elements <= _FEW for e in getters[1:])
-    if len(setters) != 1 or not setters[0].direct or not getters or not getters[0].direct or not few:
+    gets = [(e, part) for e in getters if (part := e.live if live else e.all).references]
+    few = all(part.elements <= _FEW for _, part in gets[1:])
+    if len(setters) != 1 or not setters[0].direct or not gets or not gets[0][0].direct or not few:
         return None
-    setter, getter = setters[0], getters[0]
-    put, advance, fetch = setter.bound(component, setter.all), stepper.invoke, getter.bound(component, getter.live)
-    others = [(e.name, e.bound(component, e.live), e.buffer.data, e.copies(e.live)) for e in getters[1:]]
+    setter, (getter, first) = setters[0], gets[0]
+    put, advance, fetch = setter.bound(component, setter.all), stepper.invoke, getter.bound(component, first)
+    others = [(e.name, e.bound(component, part), e.buffer.data, e.copies(part)) for e, part in gets[1:]]
     into, at, asked, answers = getter.values.data, stepper.time, stepper.asked, stepper.answers
     stepper.step.value = step
 

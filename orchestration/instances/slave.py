@@ -21,7 +21,7 @@ from ..fmu.archive import Fmu
 from ..fmu.model import TYPES, Element, Floats, Model
 from ..fmu.types import Native
 from . import calls
-from .calls import ANSWERS, BEYOND, WARNING, Call, Exchange, Stepper, Stride
+from .calls import ANSWERS, BEYOND, WARNING, Call, Exchange, Gather, Stepper, Stride
 from .layout import Arrays, Layout, exchanges
 from .library import VERSIONS, Library
 from .loading import in_words
@@ -186,10 +186,11 @@ class Slave:
     def do_step(self) -> Stride:
         return self._stepper.call(self.failed)
 
-    def stride(self, gather: Call, step: float) -> Callable[[float], None]:
-        """Returns a whole step of this length, `gather`, `set_inputs`, `do_step` and `get_live` in one."""
-        one = calls.strider(gather, self.setters, self.getters, self._stepper, self._argument, self.failed, step)
-        return one or calls.stride(gather, self.set_inputs, self.do_step, self.get_live, step)
+    def stride(self, gather: Gather, step: float, live: bool) -> Callable[[float], None]:
+        """Returns a whole step of this length: `gather`, `set_inputs`, `do_step`, and `get_live` or `get_all`, in one."""
+        one = calls.strider(gather, self.setters, self.getters, self._stepper, self._argument, self.failed, step, live)
+        get = self.get_live if live else self.get_all
+        return one or calls.stride(gather, self.set_inputs, self.do_step, get, step)
 
     # ------------------------------------------------------------ end
 

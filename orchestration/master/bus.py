@@ -32,7 +32,7 @@ class Inputs:
     """The array that the block hands over at its next Set."""
     elements: list[Element]
 
-    def gatherer(self, bus: Floats) -> Callable[[], None]:
+    def gatherer(self, bus: Floats) -> Callable[[], object]:
         """A function that takes the inputs from the bus."""
         if not len(self.sources):
             return lambda: None
@@ -41,14 +41,12 @@ class Inputs:
         if factors is None and np.array_equal(sources, np.arange(first, first + n)):
             return partial(values.data.__setitem__, slice(None), bus[first : first + n].data)
 
-        def gather() -> None:
-            take(sources, 0, values, "clip")  # the places are in range; other modes copy once more
-
+        gather = partial(take, sources, 0, values, "clip")  # the places are in range; other modes copy once more
         if factors is None or offsets is None:
             return gather
 
         def gather_and_convert() -> None:
-            take(sources, 0, values, "clip")
+            gather()
             np.multiply(values, factors, out=values)
             np.add(values, offsets, out=values)
 
@@ -64,7 +62,7 @@ class Seat:
     view: Floats
     """Its outputs on the bus."""
     inputs: Inputs
-    gather: Callable[[], None]
+    gather: Callable[[], object]
     """Takes its inputs from the bus."""
 
 

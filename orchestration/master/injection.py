@@ -101,7 +101,9 @@ def _changes(setting: Setting, held: _Held, every: int) -> Iterable[_Change]:
         yield _Change(int(end), partial(held.end, setting))
 
 
-def gatherer(seat: Seat, circuit: Circuit, places: Mapping[str, int], making: Callable[[], int]) -> Callable[[], None]:
+def gatherer(
+    seat: Seat, circuit: Circuit, places: Mapping[str, int], making: Callable[[], int]
+) -> Callable[[], object]:
     """Returns the function that takes a block's inputs from the bus, with the faults that act on them.
 
     `places` are those of the blocks in the order of their steps; `making` returns the base step that is being made.

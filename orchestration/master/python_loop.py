@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import BlockError
-from ..instances.calls import Call, Stride, stride
+from ..instances.block import Block
+from ..instances.calls import Call, Gather, Stride, stride
 from ..instances.slave import Slave
 from .bus import Bus, Seat
 from .circuit import Circuit
@@ -30,7 +31,7 @@ class _Calls(NamedTuple):
     """The calls of a block in a parallel step."""
 
     every: int
-    gather: Call
+    gather: Gather
     set_inputs: Call
     do_step: Stride
     get_all: Call
@@ -84,13 +85,9 @@ class PythonLoop:
         for seat, gather in zip(self.bus.seats, self._gathers, strict=True):
             block, every = seat.block, self._circuit.rate(seat.block.name)
             step = every * numerator / denominator
-            fetch_all = self._timed(seat, stride(gather, block.set_inputs, block.do_step, block.get_all, step))
-            if isinstance(block, Slave):
-                live = block.stride(gather, step)
-            else:
-                live = stride(gather, block.set_inputs, block.do_step, block.get_live, step)
-            usual.append((seat, every, self._timed(seat, live) if every == 1 else fetch_all))
-            recorded.append((seat, every, fetch_all))
+            all_, live = (self._timed(seat, self._stride(block, gather, step, live)) for live in (False, True))
+            usual.append((seat, every, live if every == 1 else all_))
+            recorded.append((seat, every, all_))
 
         def advance(count: int) -> None:
             last = (count - 1) * numerator / denominator
@@ -110,6 +107,12 @@ class PythonLoop:
                 self._check(count)
 
         return advance
+
+    def _stride(self, block: Block, gather: Gather, step: float, live: bool) -> Callable[[float], None]:
+        """Returns a whole step of a block, up to its fetch of the outputs that others need, or of all."""
+        if isinstance(block, Slave):  # which has one function for it
+            return block.stride(gather, step, live)
+        return stride(gather, block.set_inputs, block.do_step, block.get_live if live else block.get_all, step)
 
     def _parallel(self) -> Callable[[int], None]:
         """Returns the function that makes one base step: all inputs from the step's start, then all blocks."""
