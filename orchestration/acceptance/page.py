@@ -42,6 +42,7 @@ def page(comparison: Comparison) -> str:
     title = f"{comparison.block} against {Path(comparison.fmu).name}"
     kind = {"green": "good", "yellow": "warn", "red": "bad"}[colour(comparison)]
     failure = Markup('<pre class="failure">{}</pre>\n').format(comparison.failure) if comparison.failure else ""
+    open_loop = _open_loop(comparison, made)  # whose plots come first on the page
     figures = joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)
     parts = [
         header(
@@ -50,7 +51,7 @@ def page(comparison: Comparison) -> str:
             [(kind, words.verdict(comparison))],
             failure,
         ),
-        _open_loop(comparison, made),
+        open_loop,
         section("Closed loop", _CLOSED + table(_EXPECTATIONS, _claims(comparison))),
         section("Key figures", table(_KEY_FIGURES, _key_figures(comparison))),
         section(
