@@ -49,7 +49,9 @@ static Vector across_field(Vector tau, Vector b)
         return across;
     }
     const double x = fabs(b.x), y = fabs(b.y), z = fabs(b.z);
-    const Vector axis = x <= y && x <= z ? (Vector){1.0, 0.0, 0.0} : y <= z ? (Vector){0.0, 1.0, 0.0} : (Vector){0.0, 0.0, 1.0};
+    const Vector axis = x <= y && x <= z ? (Vector){1.0, 0.0, 0.0}
+                        : y <= z         ? (Vector){0.0, 1.0, 0.0}
+                                         : (Vector){0.0, 0.0, 1.0};
     return subtract(axis, scale(dot(axis, b), b));
 }
 

@@ -56,7 +56,8 @@ static bool inputs_fit(const ControllerInputs *u, Fault *f)
                                  {"R_ref", vector(u->R_ref[2])},
                                  {"Omega_ref", vector(u->Omega_ref)},
                                  {"dOmega_ref", vector(u->dOmega_ref)}};
-    const bool attitude = controller_has_R_ref(u), rate = controller_has_Omega_ref(u), change = controller_has_dOmega_ref(u);
+    const bool attitude = controller_has_R_ref(u), rate = controller_has_Omega_ref(u),
+               change = controller_has_dOmega_ref(u);
     if (!are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) || !all_finite_vectors(given, COUNT(given), f)) {
         return false;
     }
@@ -71,8 +72,8 @@ static bool inputs_fit(const ControllerInputs *u, Fault *f)
 static bool desired(const ControllerLaw *law, double t, const ControllerInputs *u, Reference *reference, Fault *f)
 {
     if (!controller_has_R_ref(u)) {
-        return reference_at(law->p.reference, matrix(law->R_d0), vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
-                            reference, f);
+        return reference_at(law->p.reference, matrix(law->R_d0), vector(law->p.Omega_d0), t, vector(u->r_N),
+                            vector(u->v_N), reference, f);
     }
     *reference = (Reference){matrix(u->R_ref), vector(u->Omega_ref), vector(u->dOmega_ref)};
     return is_rotation(reference->R_d, REFERENCE_ATTITUDE_TOLERANCE, "R_ref",
@@ -172,8 +173,8 @@ bool controller_start(const ControllerLaw *law, const ControllerInputs *u, Contr
 }
 
 /* Of inputs that fit. */
-static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
-                       Fault *f)
+static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u,
+                       ControllerOutputs *y, Fault *f)
 {
     const ControllerParameters *p = &law->p;
     const Matrix J = matrix(p->J_B);
@@ -197,7 +198,8 @@ static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const
     const Vector K = scale(k, vector(p->K0));
 
     /* sum k_i e_i x Q^T e_i [7]; Q^T e_i is row i of Q. */
-    const Vector gradient = {K.y * e.Q.b.z - K.z * e.Q.c.y, K.z * e.Q.c.x - K.x * e.Q.a.z, K.x * e.Q.a.y - K.y * e.Q.b.x};
+    const Vector gradient = {K.y * e.Q.b.z - K.z * e.Q.c.y, K.z * e.Q.c.x - K.x * e.Q.a.z,
+                             K.x * e.Q.a.y - K.y * e.Q.b.x};
     const Phi phi = phi_of(p, dot(K, (Vector){1.0 - e.Q.a.x, 1.0 - e.Q.b.y, 1.0 - e.Q.c.z}));
 
     /* [8], with M_ad = 0: the law knows no drag. */
@@ -215,14 +217,14 @@ static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const
     return true;
 }
 
-bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
-                        Fault *f)
+bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u,
+                        ControllerOutputs *y, Fault *f)
 {
     return inputs_fit(u, f) && outputs_of(law, x, u, y, f);
 }
 
-bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h, ControllerOutputs *y,
-                     Fault *f)
+bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h,
+                     ControllerOutputs *y, Fault *f)
 {
     ControllerState next = *x;
     const bool damping = damps_only(x, u);

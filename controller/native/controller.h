@@ -33,11 +33,11 @@ void controller_prepare(const ControllerParameters *p, ControllerLaw *law);
 bool controller_start(const ControllerLaw *law, const ControllerInputs *u, ControllerState *x, Fault *f);
 
 /* The law [8] at x->t; damping of the rate alone where there is no attitude or no reference. */
-bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u, ControllerOutputs *y,
-                        Fault *f);
+bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u,
+                        ControllerOutputs *y, Fault *f);
 
 /* From t to t + h: u are the inputs at t + h, and so is the torque. */
-bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h, ControllerOutputs *y,
-                     Fault *f);
+bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h,
+                     ControllerOutputs *y, Fault *f);
 
 #endif

@@ -40,8 +40,8 @@ static void take_orbit(const EstimatorLaw *law, const EstimatorInputs *u, bool f
     }
 }
 
-static void spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_walk, double h,
-                   Estimate *x)
+static void spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_walk,
+                   double h, Estimate *x)
 {
     const double bias = law->p.field_random_walk;
     if (x->tracking && h > 0.0) {
@@ -55,8 +55,8 @@ static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, b
     const Matrix walk = {scale(square, identity.a), scale(square, identity.b), scale(square, identity.c)};
     const Vector now = fresh ? vector(u->omega_B_measured) : x->rate;
     x->since_rate += h;
-    const Vector turn =
-        estimator_turn_by_gyro(subtract(x->rate, x->rate_bias), subtract(now, x->rate_bias), h, fresh ? x->since_rate : 0.0);
+    const Vector turn = estimator_turn_by_gyro(subtract(x->rate, x->rate_bias), subtract(now, x->rate_bias), h,
+                                               fresh ? x->since_rate : 0.0);
     x->R = multiply(x->R, rotation_exp(turn));
     x->anchor_B = apply_transposed(rotation_exp(turn), x->anchor_B);
     x->anchor_age += h;
@@ -122,13 +122,14 @@ static Directions directions(const EstimatorLaw *law, const EstimatorInputs *u, 
 static Matrix orthonormalised(Matrix R)
 {
     Matrix left = multiply(transposed(R), R);
-    left = (Matrix){subtract(scale(1.5, identity.a), scale(0.5, left.a)), subtract(scale(1.5, identity.b), scale(0.5, left.b)),
+    left = (Matrix){subtract(scale(1.5, identity.a), scale(0.5, left.a)),
+                    subtract(scale(1.5, identity.b), scale(0.5, left.b)),
                     subtract(scale(1.5, identity.c), scale(0.5, left.c))};
     return multiply(R, left);
 }
 
-void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given, double h,
-                       Estimate *x)
+void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
+                       double h, Estimate *x)
 {
     x->t += h;
     take_orbit(law, u, fresh->orbit, h, x);

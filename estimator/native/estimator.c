@@ -37,7 +37,8 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
 static bool actuators_fit(const EstimatorInputs *u, Fault *f)
 {
     const Named scalars[] = {{"wheel_torque", u->wheel_torque}, {"h_w", u->h_w}};
-    return all_finite_vectors(&(NamedVector){"dipole", vector(u->dipole)}, 1, f) && all_finite(scalars, COUNT(scalars), f);
+    return all_finite_vectors(&(NamedVector){"dipole", vector(u->dipole)}, 1, f) &&
+           all_finite(scalars, COUNT(scalars), f);
 }
 
 static Given given_by(const EstimatorInputs *u)

@@ -59,11 +59,13 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
         set_block(add_scaled(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ERROR_ATTITUDE, P);
         set_block(multiply(right, transposed(C)), i, ERROR_RATE, P);
     }
-    set_block(add_scaled(add_scaled(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity), h * h * h / 3.0,
-                         walks->rate),
+    set_block(add_scaled(add_scaled(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity),
+                         h * h * h / 3.0, walks->rate),
               ERROR_ATTITUDE, ERROR_ATTITUDE, P);
-    set_block(add_scaled(block(P, ERROR_ATTITUDE, ERROR_RATE), sign * 0.5 * h * h, walks->rate), ERROR_ATTITUDE, ERROR_RATE, P);
-    set_block(add_scaled(block(P, ERROR_RATE, ERROR_ATTITUDE), sign * 0.5 * h * h, walks->rate), ERROR_RATE, ERROR_ATTITUDE, P);
+    set_block(add_scaled(block(P, ERROR_ATTITUDE, ERROR_RATE), sign * 0.5 * h * h, walks->rate), ERROR_ATTITUDE,
+              ERROR_RATE, P);
+    set_block(add_scaled(block(P, ERROR_RATE, ERROR_ATTITUDE), sign * 0.5 * h * h, walks->rate), ERROR_RATE,
+              ERROR_ATTITUDE, P);
     set_block(add_scaled(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
     set_block(add_scaled(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
     symmetrise(P);

@@ -24,7 +24,8 @@ static bool check_vectors(const EstimatorParameters *p, Fault *f)
     if (!is_finite_matrix(matrix(p->rod_field))) {
         return fault(f, "rod_field", NAN, "finite numbers");
     }
-    return is_unit_vector(vector(p->boresight_B), "boresight_B", f) && is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
+    return is_unit_vector(vector(p->boresight_B), "boresight_B", f) &&
+           is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
 }
 
@@ -51,7 +52,8 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
         {"orbit_time", p->orbit_time},
     };
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
-           check_choices(p, f) && check_vectors(p, f) && is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f);
+           check_choices(p, f) && check_vectors(p, f) &&
+           is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f);
 }
 
 /* Rows: two axes across a direction, and that. */

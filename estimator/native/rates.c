@@ -40,7 +40,8 @@ Vector estimator_turn_by_dynamics(const Torques *torques, double momentum, doubl
     Vector whole = {0.0, 0.0, 0.0};
     for (int i = 0; i < steps; ++i) {
         const Vector w = *omega;
-        const Matrix half = multiply(*R, rotation_exp(scale(0.5 * dt, w))), next = multiply(*R, rotation_exp(scale(dt, w)));
+        const Matrix half = multiply(*R, rotation_exp(scale(0.5 * dt, w))),
+                     next = multiply(*R, rotation_exp(scale(dt, w)));
         const double half_l = momentum + 0.5 * dt * torques->wheel;
         momentum += dt * torques->wheel;
         const Vector a1 = acceleration(torques, *R, w, half_l - 0.5 * dt * torques->wheel);

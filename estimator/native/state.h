@@ -82,7 +82,7 @@ void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x
 void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate *x);
 
 /* The estimate h s later (0 at the start), with what is new then. */
-void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given, double h,
-                       Estimate *x);
+void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
+                       double h, Estimate *x);
 
 #endif

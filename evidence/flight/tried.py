@@ -232,7 +232,8 @@ TRIED = (
     ),
     Tried(
         "no feed-forward by demand errors",
-        "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, `wheel_weight` 0.02)",
+        "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, "
+        "`wheel_weight` 0.02)",
         _by_demand,
         errors=True,
     ),

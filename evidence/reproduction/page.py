@@ -95,7 +95,8 @@ def _claims(done: dict[str, Any]) -> dict[str, Any]:
         ],
         [
             "convergence is almost global",
-            f"met: {markdown.finite(starts)} random starts, with exact torque ([convergence](#almost-global-convergence))",
+            f"met: {markdown.finite(starts)} random starts, with exact torque "
+            "([convergence](#almost-global-convergence))",
         ],
         [
             "a wheel on the roll axis keeps the satellite controllable round its orbit",

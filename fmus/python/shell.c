@@ -22,8 +22,8 @@ typedef struct {
 #define POINTER(name, parameters, arguments) fmi2Status(*name) parameters;
 
 static struct {
-    fmi2Component (*instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, fmi2Boolean,
-                                 fmi2Boolean);
+    fmi2Component (*instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *,
+                                 fmi2Boolean, fmi2Boolean);
     void (*free_instance)(fmi2Component);
     fmi2Status (*free_state)(fmi2Component, fmi2FMUstate *);
     fmi2Status (*set_boolean)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Boolean[]);
@@ -31,14 +31,14 @@ static struct {
 } inner;
 
 /* Fetches a function's address; ISO C has no cast between pointers to data and to functions. */
-#define FETCH(member, name)                                                                                                    \
-    {                                                                                                                          \
-        union {                                                                                                                \
-            void *pointer;                                                                                                     \
-            __typeof__(inner.member) function;                                                                                 \
-        } address = {.pointer = find(library, name)};                                                                          \
-        inner.member = address.function;                                                                                       \
-        complete = complete && address.pointer != NULL;                                                                        \
+#define FETCH(member, name)                                                                                            \
+    {                                                                                                                  \
+        union {                                                                                                        \
+            void *pointer;                                                                                             \
+            __typeof__(inner.member) function;                                                                         \
+        } address = {.pointer = find(library, name)};                                                                  \
+        inner.member = address.function;                                                                               \
+        complete = complete && address.pointer != NULL;                                                                \
     }
 #define FETCH_NAMED(name, parameters, arguments) FETCH(name, #name)
 
@@ -125,9 +125,10 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     } else if (resources == NULL) {
         (void)append(text, sizeof text, 0, "the location of the resources is missing");
     } else {
-        static const char about[] = "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is "
-                                    "the native flavour of this block, "
-                                    "which needs nothing. PythonFMU's library cannot be loaded: ";
+        static const char about[] =
+            "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is "
+            "the native flavour of this block, "
+            "which needs nothing. PythonFMU's library cannot be loaded: ";
         const size_t used = append(text, sizeof text, 0, about);
         if (connect_inner(text + used, sizeof text - used)) {
             text[0] = '\0';
@@ -210,10 +211,10 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 }
 
 #define I ((Shell *)c)->inner
-#define HAND_THROUGH(name, parameters, arguments)                                                                              \
-    fmi2Status name parameters                                                                                                 \
-    {                                                                                                                          \
-        return c == NULL ? fmi2Error : truthful(inner.name arguments);                                                         \
+#define HAND_THROUGH(name, parameters, arguments)                                                                      \
+    fmi2Status name parameters                                                                                         \
+    {                                                                                                                  \
+        return c == NULL ? fmi2Error : truthful(inner.name arguments);                                                 \
     }
 
 HANDED_THROUGH(HAND_THROUGH)

@@ -113,7 +113,8 @@ class _Campaign:
         case, announced = self._case, self._announced.runs
         if case.runs != announced and not self._announced.early:
             self._remark(
-                f"{announced} runs were announced, and {case.runs} are another end, which may be chosen by what is seen: "
+                f"{announced} runs were announced, and {case.runs} are another end, which may be chosen by what "
+                "is seen: "
                 "the bounds are those of a confidence sequence, and wider"
             )
         self._note()

@@ -129,7 +129,8 @@ def earlier_start(case: Case, folder: Path) -> dict[str, Any]:
             runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
             differ[differ.index("sampling")] = runs
         raise InputError(
-            f"{folder} holds the campaign {str(left['campaign'])!r}, which differs in {', '.join(differ) or 'its parts'}; "
+            f"{folder} holds the campaign {str(left['campaign'])!r}, which differs in "
+            f"{', '.join(differ) or 'its parts'}; "
             "remedy: another folder (--out), or remove it"
         )
     return left

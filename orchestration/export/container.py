@@ -29,7 +29,8 @@ def write(system: System, path: Path) -> None:
         from fmu_manipulation_toolbox.container import FMUContainerError  # optional  # noqa: PLC0415
     except ImportError:
         raise InputError(
-            "--container needs the package fmu-manipulation-toolbox, version 2 or later: pip install fmu-manipulation-toolbox"
+            "--container needs the package fmu-manipulation-toolbox, version 2 or later: pip install "
+            "fmu-manipulation-toolbox"
         ) from None
     _check(system)
     log = logging.getLogger("fmu_manipulation_toolbox")
@@ -50,12 +51,14 @@ def _check(system: System) -> None:
     converted = next((w for w in system.wires if (w.factor, w.offset) != (1.0, 0.0)), None)
     if converted is not None:
         raise InputError(
-            f"{'.'.join(converted.source)} -> {'.'.join(converted.target)}: a container passes values as they are, and these units differ"
+            f"{'.'.join(converted.source)} -> {'.'.join(converted.target)}: a container passes values as they "
+            "are, and these units differ"
         )
 
     if pair := second({component.name: component.fmu for component in system.components}):
         message = (
-            f"its FMU, which is that of {pair[0]}, too, can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), "
+            f"its FMU, which is that of {pair[0]}, too, can have one instance in a process "
+            "(canBeInstantiatedOnlyOncePerProcess), "
             "and a container has all in one; cannot be exported"
         )
         raise InputError(system.scenario.error(("blocks", pair[1], "fmu"), message))

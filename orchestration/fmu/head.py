@@ -44,7 +44,8 @@ def read_head(path: Path) -> Head:
         size = archive.getinfo("modelDescription.xml").file_size
         if size > XML_MAX:
             raise InputError(
-                f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most {XML_MAX / 1e6:.3g} MB"
+                f"{shown(path)}: modelDescription.xml holds {size / 1e6:.3g} MB; expected at most "
+                f"{XML_MAX / 1e6:.3g} MB"
             )
         xml = archive.read("modelDescription.xml")
     try:

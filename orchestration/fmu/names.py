@@ -8,7 +8,8 @@ from collections.abc import Iterable
 RULE = (
     "A character that a name cannot hold is written _xHHHH_, HHHH being its number in Unicode, in hexadecimal. "
     'Columns, and names in a scenario, hold no white space, no control characters and none of , ; " # * = and ->. '
-    "Names in a MAT file hold letters and digits of ASCII and _, and begin with a letter; there a first character is written xHHHH_. "
+    "Names in a MAT file hold letters and digits of ASCII and _, and begin with a letter; there a first character "
+    "is written xHHHH_. "
     "A _ or a first x that would read as the beginning of such a writing is written so itself."
 )
 """The rule in words, for those who read results."""

@@ -96,8 +96,8 @@ static int set_starts(void)
     }
     for (size_t i = 0; i < text_count; i++) {
         const Texts *it = &texts[i];
-        if (failed(it->seat,
-                   (int)instances[it->seat].set_string(seats[it->seat].component, it->references, it->count, it->values))) {
+        if (failed(it->seat, (int)instances[it->seat].set_string(seats[it->seat].component, it->references, it->count,
+                                                                 it->values))) {
             return 1;
         }
     }
@@ -110,7 +110,8 @@ static double at_start(const Feed *feed)
     double value = feed->factor * loop.bus[feed->source] + feed->offset;
     for (size_t i = 0; i < loop.disturbance_count; i++) {
         const Disturbance *fault = &loop.disturbances[i];
-        if (fault->acts && (size_t)fault->seat == feed->seat && (size_t)fault->place == feed->place && fault->first == 0) {
+        if (fault->acts && (size_t)fault->seat == feed->seat && (size_t)fault->place == feed->place &&
+            fault->first == 0) {
             value = disturbed(fault, value);
         }
     }
@@ -158,7 +159,8 @@ static int initialize(double stop)
 {
     for (size_t i = 0; i < loop.seat_count; i++) {
         const Instance *it = &instances[i];
-        seats[i].component = it->instantiate(it->name, fmi2CoSimulation, it->guid, "", &callbacks, fmi2False, fmi2False);
+        seats[i].component =
+            it->instantiate(it->name, fmi2CoSimulation, it->guid, "", &callbacks, fmi2False, fmi2False);
         if (seats[i].component == NULL) {
             return failed(i, fmi2Error);
         }

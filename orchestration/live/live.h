@@ -56,8 +56,8 @@ typedef struct {
 typedef struct {
     fmi2String name;
     fmi2String guid;
-    fmi2Component (*instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, fmi2Boolean,
-                                 fmi2Boolean);
+    fmi2Component (*instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *,
+                                 fmi2Boolean, fmi2Boolean);
     fmi2Status (*setup)(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real);
     fmi2Status (*enter)(fmi2Component);
     fmi2Status (*leave)(fmi2Component);
@@ -65,21 +65,21 @@ typedef struct {
 } Instance;
 
 /* The functions of a block in this module, as wasm.py names them. */
-#define EXCHANGES(block, verb, type, values)                                                                                   \
+#define EXCHANGES(block, verb, type, values)                                                                           \
     fmi2Status block##_fmi2##verb##type(fmi2Component, const fmi2ValueReference[], size_t, values);
-#define BLOCK(block)                                                                                                           \
-    fmi2Component block##_fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *,         \
-                                          fmi2Boolean, fmi2Boolean);                                                           \
-    fmi2Status block##_fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real);             \
-    fmi2Status block##_fmi2EnterInitializationMode(fmi2Component);                                                             \
-    fmi2Status block##_fmi2ExitInitializationMode(fmi2Component);                                                              \
-    fmi2Status block##_fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);                                             \
-    EXCHANGES(block, Get, Real, fmi2Real[])                                                                                    \
-    EXCHANGES(block, Set, Real, const fmi2Real[])                                                                              \
-    EXCHANGES(block, Get, Integer, fmi2Integer[])                                                                              \
-    EXCHANGES(block, Set, Integer, const fmi2Integer[])                                                                        \
-    EXCHANGES(block, Get, Boolean, fmi2Boolean[])                                                                              \
-    EXCHANGES(block, Set, Boolean, const fmi2Boolean[])                                                                        \
+#define BLOCK(block)                                                                                                   \
+    fmi2Component block##_fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, \
+                                          fmi2Boolean, fmi2Boolean);                                                   \
+    fmi2Status block##_fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real);     \
+    fmi2Status block##_fmi2EnterInitializationMode(fmi2Component);                                                     \
+    fmi2Status block##_fmi2ExitInitializationMode(fmi2Component);                                                      \
+    fmi2Status block##_fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);                                     \
+    EXCHANGES(block, Get, Real, fmi2Real[])                                                                            \
+    EXCHANGES(block, Set, Real, const fmi2Real[])                                                                      \
+    EXCHANGES(block, Get, Integer, fmi2Integer[])                                                                      \
+    EXCHANGES(block, Set, Integer, const fmi2Integer[])                                                                \
+    EXCHANGES(block, Get, Boolean, fmi2Boolean[])                                                                      \
+    EXCHANGES(block, Set, Boolean, const fmi2Boolean[])                                                                \
     EXCHANGES(block, Set, String, const fmi2String[])
 
 extern const Instance instances[];

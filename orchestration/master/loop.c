@@ -9,17 +9,17 @@
 #include <string.h>
 
 /* The types of C in which FMI exchanges numbers, in the order of CODES in types.py. */
-#define TYPES(X)                                                                                                               \
-    X(FLOAT64, double)                                                                                                         \
-    X(FLOAT32, float)                                                                                                          \
-    X(INT8, int8_t)                                                                                                            \
-    X(UINT8, uint8_t)                                                                                                          \
-    X(INT16, int16_t)                                                                                                          \
-    X(UINT16, uint16_t)                                                                                                        \
-    X(INT32, int32_t)                                                                                                          \
-    X(UINT32, uint32_t)                                                                                                        \
-    X(INT64, int64_t)                                                                                                          \
-    X(UINT64, uint64_t)                                                                                                        \
+#define TYPES(X)                                                                                                       \
+    X(FLOAT64, double)                                                                                                 \
+    X(FLOAT32, float)                                                                                                  \
+    X(INT8, int8_t)                                                                                                    \
+    X(UINT8, uint8_t)                                                                                                  \
+    X(INT16, int16_t)                                                                                                  \
+    X(UINT16, uint16_t)                                                                                                \
+    X(INT32, int32_t)                                                                                                  \
+    X(UINT32, uint32_t)                                                                                                \
+    X(INT64, int64_t)                                                                                                  \
+    X(UINT64, uint64_t)                                                                                                \
     X(BOOLEAN, bool)
 #define NAME(name, ctype) name,
 enum Type { TYPES(NAME) };
@@ -33,11 +33,11 @@ static int store(const Exchange *it)
             return 1;
         }
     }
-#define STORE(name, ctype)                                                                                                     \
-    case name:                                                                                                                 \
-        for (size_t i = 0; i < it->all.elements; i++) {                                                                        \
-            ((ctype *)it->buffer)[it->slots[i]] = (ctype)it->values[it->places[i]];                                            \
-        }                                                                                                                      \
+#define STORE(name, ctype)                                                                                             \
+    case name:                                                                                                         \
+        for (size_t i = 0; i < it->all.elements; i++) {                                                                \
+            ((ctype *)it->buffer)[it->slots[i]] = (ctype)it->values[it->places[i]];                                    \
+        }                                                                                                              \
         break;
     switch ((enum Type)it->type) {
         TYPES(STORE)
@@ -48,11 +48,11 @@ static int store(const Exchange *it)
 /* Out of FMI's buffer. */
 static void fetch(const Exchange *it, size_t count)
 {
-#define FETCH(name, ctype)                                                                                                     \
-    case name:                                                                                                                 \
-        for (size_t i = 0; i < count; i++) {                                                                                   \
-            it->values[it->places[i]] = (double)((const ctype *)it->buffer)[it->slots[i]];                                     \
-        }                                                                                                                      \
+#define FETCH(name, ctype)                                                                                             \
+    case name:                                                                                                         \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            it->values[it->places[i]] = (double)((const ctype *)it->buffer)[it->slots[i]];                             \
+        }                                                                                                              \
         break;
     switch ((enum Type)it->type) {
         TYPES(FETCH)
@@ -196,8 +196,8 @@ static int sequential_step(Loop *loop, int64_t count, int recorded)
             continue;
         }
         const int64_t begun = count - every;
-        if (set_inputs(loop, i, begun) || do_step(loop, i, begun) || get_outputs(loop, i, begun, recorded || every > 1) ||
-            check(loop, i, begun)) {
+        if (set_inputs(loop, i, begun) || do_step(loop, i, begun) ||
+            get_outputs(loop, i, begun, recorded || every > 1) || check(loop, i, begun)) {
             return 1;
         }
     }

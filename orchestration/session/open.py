@@ -109,7 +109,8 @@ def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
     """
     if pair := second({name: fmu for name, fmu in fmus.items() if limits(scenario, name) is None}):
         message = (
-            f"{shown(fmus[pair[1]].path)} can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), and "
+            f"{shown(fmus[pair[1]].path)} can have one instance in a process "
+            "(canBeInstantiatedOnlyOncePerProcess), and "
             f"{pair[0]} is one in this process, too; remedy: isolation: process"
         )
         raise InputError(scenario.error(("blocks", pair[1], "fmu"), message))

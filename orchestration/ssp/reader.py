@@ -180,7 +180,8 @@ def _check_transformation(
     wanted = converted if suppressed or asked != (1.0, 0.0) else (1.0, 0.0)
     if any(abs(a - b) > 1e-12 * abs(b) for a, b in zip(asked, wanted, strict=True)):
         raise InputError(
-            f"{shown(path)}: {text} has the factor {asked[0]:g} and the offset {asked[1]:g}, which is no conversion of its units; orchestrate converts units only"
+            f"{shown(path)}: {text} has the factor {asked[0]:g} and the offset {asked[1]:g}, which is no "
+            "conversion of its units; orchestrate converts units only"
         )
 
 

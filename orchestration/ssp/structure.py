@@ -199,7 +199,8 @@ class _System:
             name, target = entry.get("source", ""), entry.get("target", "")
             if len(entry):
                 raise InputError(
-                    f"{shown(self._path)}: the mapping of {name} to {target} has a transformation, which orchestrate does not do"
+                    f"{shown(self._path)}: the mapping of {name} to {target} has a transformation, which "
+                    "orchestrate does not do"
                 )
             if name in values_by_name:
                 mapped[target] = values_by_name[name]

@@ -118,7 +118,8 @@ def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, fitted: Fi
         ours = key.variable
         if ours in fitted.missing and fitted.missing[ours].causality == "parameter":
             message = (
-                f"{shown(fmu.path)} has no parameter {ours}, so this value would be lost; remedy: map it to one of theirs "
+                f"{shown(fmu.path)} has no parameter {ours}, so this value would be lost; remedy: map it to one "
+                "of theirs "
                 "under ports in the mapping, or list it under ignore there"
             )
             errors.append(prepared.scenario.error(("blocks", name, "start", key), message))

@@ -65,7 +65,8 @@ def _left_out(prepared: Prepared, errors: list[Problem]) -> dict[Key, None]:
                 continue
             if name in fitted.missing and key[0] in ("record", "expect"):
                 text = (
-                    f"{signal.block} lacks the output {name}, to which this refers; remedy: map it in the mapping, or list it "
+                    f"{signal.block} lacks the output {name}, to which this refers; remedy: map it in the "
+                    "mapping, or list it "
                     "under ignore there, and this is left out"
                 )
                 errors.append(scenario.error(key, text))

@@ -107,6 +107,7 @@ def _sentence(name: str, groups: list[list[_Stated]]) -> str:
     values = [f"{' = '.join(one.label + mark for one in group)} = {group[0].at(i)}" for group in groups]
     more = f" (and {len(where) - 1} more elements)" if len(where) > 1 else ""
     return (
-        f"{' and '.join(values)}{more}: the same quantity with different values; remedy: give {name} once, under 'shared', "
+        f"{' and '.join(values)}{more}: the same quantity with different values; remedy: give {name} once, under "
+        "'shared', "
         f"or say 'differs: [{name}]' at a block where this is meant"
     )

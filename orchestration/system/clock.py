@@ -64,7 +64,8 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     if not exact:
         end = float(steps * step)
         notes.append(
-            f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at {end:.10g} s"
+            f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at "
+            f"{end:.10g} s"
         )
     if steps >= EXACT:
         message = f"{scenario.duration:.10g} s are more than {EXACT:.1g} steps of {scenario.step:.6g} s"

@@ -109,7 +109,8 @@ def _drop_assumed_loops(graph: Graph) -> list[str]:
                 del graph[node][other]
                 name = f"{node.block}.{node.element.variable}"
                 warnings.append(
-                    f"{node.block}: its FMU does not say on which inputs {name} depends directly; since a dependence on "
+                    f"{node.block}: its FMU does not say on which inputs {name} depends directly; since a "
+                    "dependence on "
                     f"{other.block}.{other.element.variable} would close a loop, it is taken to have none"
                 )
     return warnings

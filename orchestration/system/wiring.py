@@ -120,7 +120,8 @@ def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, i
         raise Mismatch("text cannot be connected")
     if source.variable.items != target.variable.items:
         raise Mismatch(
-            f"the enumerations differ: {source.name} has {source.variable.items_text}, {target.name} has {target.variable.items_text}"
+            f"the enumerations differ: {source.name} has {source.variable.items_text}, {target.name} has "
+            f"{target.variable.items_text}"
         )
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
@@ -176,7 +177,8 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
             1.0,
             0.0,
             (
-                f"{source.name} in {given} feeds {target.name} in {wanted} as it is, since the FMU does not define the unit {unknown}"
+                f"{source.name} in {given} feeds {target.name} in {wanted} as it is, since the FMU does not "
+                f"define the unit {unknown}"
             ),
         )
     if not given.fits(wanted):

@@ -47,7 +47,8 @@ static void quantities(const Activity *activity, Place place, double day, double
     double P[DEGREE + 1][ORDER + 1], waves[WAVES], seasons[SEASONS];
     const double universal = 2.0 * PI * (day - (double)(int64_t)day);
     const double local = universal + place.longitude;
-    const double angles[] = {local, 2.0 * local, 3.0 * local, place.longitude, universal, universal + 2.0 * place.longitude};
+    const double angles[] = {local,           2.0 * local, 3.0 * local,
+                             place.longitude, universal,   universal + 2.0 * place.longitude};
     /* NRLMSISE-00 takes the date's whole number; noon's value is kept and the rest is made continuous. */
     const double year = 2.0 * PI / 365.0 * (day - 0.5);
     waves[0] = seasons[0] = 1.0;

@@ -26,7 +26,8 @@ typedef struct {
 /* Written by the build from plant/tables. */
 extern const DensityTerm plant_density_terms[];
 extern const int plant_density_term_count;
-extern const double plant_density_ap_shape[2][QUANTITIES]; /* a and b of d + (b - 1)(d + (exp(-a d) - 1)/a), d = Ap - 4 */
+extern const double plant_density_ap_shape[2]
+                                          [QUANTITIES]; /* a and b of d + (b - 1)(d + (exp(-a d) - 1)/a), d = Ap - 4 */
 
 typedef struct {
     double factors[ACTIVITIES][QUANTITIES];

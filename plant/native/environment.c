@@ -20,7 +20,8 @@ static Along evaluate(const Environment *environment, double t)
         /* The air turns with the Earth. */
         const Vector v = motion.v;
         along.flow_N = (Vector){v.x + EARTH_RATE * motion.r.y, v.y - EARTH_RATE * motion.r.x, v.z};
-        along.log_density = plant_log_density(&environment->activity, plant_geodetic(r_earth), environment->day0 + t / 86400.0);
+        along.log_density =
+            plant_log_density(&environment->activity, plant_geodetic(r_earth), environment->day0 + t / 86400.0);
     }
     return along;
 }
@@ -37,9 +38,10 @@ static const Along *node_of(Environment *environment, int64_t number)
 /* Lagrange's polynomials of the nodes -2 to 3, multiplied out. */
 static const Stretch *stretch_of(Environment *environment, int64_t number)
 {
-    static const double weights[POWERS][6] = {{0.0, 0.0, 120.0, 0.0, 0.0, 0.0},      {6.0, -60.0, -40.0, 120.0, -30.0, 4.0},
-                                              {-5.0, 80.0, -150.0, 80.0, -5.0, 0.0}, {-5.0, -5.0, 50.0, -70.0, 35.0, -5.0},
-                                              {5.0, -20.0, 30.0, -20.0, 5.0, 0.0},   {-1.0, 5.0, -10.0, 10.0, -5.0, 1.0}};
+    static const double weights[POWERS][6] = {
+        {0.0, 0.0, 120.0, 0.0, 0.0, 0.0},      {6.0, -60.0, -40.0, 120.0, -30.0, 4.0},
+        {-5.0, 80.0, -150.0, 80.0, -5.0, 0.0}, {-5.0, -5.0, 50.0, -70.0, 35.0, -5.0},
+        {5.0, -20.0, 30.0, -20.0, 5.0, 0.0},   {-1.0, 5.0, -10.0, 10.0, -5.0, 1.0}};
     Stretch *stretch = &environment->stretch;
     if (stretch->known && stretch->number == number) {
         return stretch;

@@ -72,8 +72,10 @@ Vector plant_field_at(const Field *field, Vector r)
         for (int m = 1; m <= n; ++m) {
             const double g = field->g[n][m], h = field->h[n][m];
             const double lower = (double)((n - m + 2) * (n - m + 1));
-            B.x += 0.5 * (g * V[n + 1][m + 1] + h * W[n + 1][m + 1] - lower * (g * V[n + 1][m - 1] + h * W[n + 1][m - 1]));
-            B.y += 0.5 * (g * W[n + 1][m + 1] - h * V[n + 1][m + 1] + lower * (g * W[n + 1][m - 1] - h * V[n + 1][m - 1]));
+            B.x +=
+                0.5 * (g * V[n + 1][m + 1] + h * W[n + 1][m + 1] - lower * (g * V[n + 1][m - 1] + h * W[n + 1][m - 1]));
+            B.y +=
+                0.5 * (g * W[n + 1][m + 1] - h * V[n + 1][m + 1] + lower * (g * W[n + 1][m - 1] - h * V[n + 1][m - 1]));
             B.z += (n - m + 1) * (g * V[n + 1][m] + h * W[n + 1][m]);
         }
     }

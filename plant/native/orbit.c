@@ -5,8 +5,13 @@ static const double J2 = 1.082629821313e-3; /* of the WGS 84 ellipsoid */
 Orbit plant_circular_orbit(double radius, double inclination, double raan, double argument_of_latitude, double mu)
 {
     const double ci = cos(inclination), si = sin(inclination), cn = cos(raan), sn = sin(raan);
-    return (Orbit){
-        radius, 0.0, sqrt(mu / (radius * radius * radius)), argument_of_latitude, {cn, sn, 0.0}, {-sn * ci, cn * ci, si}, 0.0};
+    return (Orbit){radius,
+                   0.0,
+                   sqrt(mu / (radius * radius * radius)),
+                   argument_of_latitude,
+                   {cn, sn, 0.0},
+                   {-sn * ci, cn * ci, si},
+                   0.0};
 }
 
 bool plant_orbit_through(Vector r, Vector v, double mu, Orbit *orbit)

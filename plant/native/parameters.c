@@ -89,7 +89,8 @@ static bool is_inside(const PlantParameters *p, Fault *f)
     for (int i = 0; i < 3; ++i) {
         const double size = p->body_axis == i + 1 ? p->body_length : p->body_width;
         if (!(fabs(p->center_of_mass_B[i]) <= 0.5 * size)) {
-            return fault(f, names[i], p->center_of_mass_B[i], "inside the body, within half of body_length or body_width");
+            return fault(f, names[i], p->center_of_mass_B[i],
+                         "inside the body, within half of body_length or body_width");
         }
     }
     return true;
@@ -178,8 +179,11 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 
     plant->p = *p;
     const Matrix J = inertia(p), K = inverse(J);
-    plant->body = (Body){
-        J, K, {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)}, 0.5 * (K.a.x + K.b.y + K.c.z), unit_vector(vector(p->wheel_axis))};
+    plant->body = (Body){J,
+                         K,
+                         {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)},
+                         0.5 * (K.a.x + K.b.y + K.c.z),
+                         unit_vector(vector(p->wheel_axis))};
     plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
                            p->wheel_coulomb_friction};
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));

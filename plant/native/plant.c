@@ -52,7 +52,8 @@ static Vector in_cylinder(const Cylinder *cylinder, Vector v)
  * the first sums to 2 d (v - (v.e) e), e along the cylinder, and v x v is zero. */
 static Vector drag(const PlantLaw *plant, Vector v_B, double density)
 {
-    static const double root = 1.41421356237309504880; /* of two: sides at 45 deg see |x + y| + |x - y| = 2 max(|x|, |y|) */
+    static const double root =
+        1.41421356237309504880; /* of two: sides at 45 deg see |x + y| + |x - y| = 2 max(|x|, |y|) */
     const Cylinder *body = &plant->cylinder;
     const Vector v = in_cylinder(body, v_B);
     const double across = fabs(v.y), other = fabs(v.z);
@@ -136,8 +137,8 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
             acting.dipole_B = turn.on ? with_rods : without;
             on_time += turn.on ? duration : 0.0;
             for (int k = 0; k < count; ++k) {
-                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment, surroundings_ahead,
-                                   &acting, t, &attitude, f)) {
+                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment,
+                                   surroundings_ahead, &acting, t, &attitude, f)) {
                     return false;
                 }
                 t += parts[k].duration;

@@ -13,8 +13,9 @@
 typedef struct {
     double t;       /* s */
     double R[3][3]; /* N from B */
-    double Pi[3]; /* J Omega + l_w u [12], u the wheel's axis, N m s: what is conserved, so that no conversion adds rounding */
-    double l_w;   /* N m s */
+    double Pi
+        [3]; /* J Omega + l_w u [12], u the wheel's axis, N m s: what is conserved, so that no conversion adds rounding */
+    double l_w;            /* N m s */
     double dipole_mean[3]; /* of the rods over the last step, A m2 */
 } PlantState;
 

@@ -36,8 +36,9 @@ static Vector position(double T)
     const double L = radians(280.46646 + T * (36000.76983 + 0.0003032 * T));
     const double M = radians(357.52911 + T * (35999.05029 - 0.0001537 * T));
     const double e = 0.016708634 - T * (0.000042037 + 0.0000001267 * T);
-    const double center = radians((1.914602 - T * (0.004817 + 0.000014 * T)) * sin(M) +
-                                  (0.019993 - 0.000101 * T) * sin(2.0 * M) + 0.000289 * sin(3.0 * M) + perturbations(T));
+    const double center =
+        radians((1.914602 - T * (0.004817 + 0.000014 * T)) * sin(M) + (0.019993 - 0.000101 * T) * sin(2.0 * M) +
+                0.000289 * sin(3.0 * M) + perturbations(T));
     const double distance = 1.000001018 * (1.0 - e * e) / (1.0 + e * cos(M + center));
     const double aberration = radians(-20.4898 / 3600.0) / distance;
     const double node = radians(125.04452 - 1934.136261 * T); /* of the Moon's orbit */

@@ -77,7 +77,8 @@ int plant_wheel_segments(const Wheel *wheel, double momentum, double command, do
 {
     double left = h, now = momentum;
     int n = 0;
-    for (int i = 0; i < SEGMENTS_MAX; ++i) { /* GCOVR_EXCL_BR_LINE: it ends by break, at the limit or at rest at the latest */
+    for (int i = 0; i < SEGMENTS_MAX;
+         ++i) { /* GCOVR_EXCL_BR_LINE: it ends by break, at the limit or at rest at the latest */
         const double drive = drive_of(wheel, now, command), decay = wheel->decay;
         const double rate = drive - decay * now;
         if (rate == 0.0 || is_at_limit(wheel, now, rate)) {

@@ -39,7 +39,8 @@ bool supervisor_look_ahead(const SupervisorLaw *law, const SupervisorInputs *u, 
         if (later.mode == SUPERVISOR_SLEW && later.t >= later.slew_start + later.slew.duration) {
             later.mode = later.destination;
         }
-        if (!supervisor_reference_now(law, &later, &then, &now, f) || !supervisor_destination(law, &later, &then, &to, f)) {
+        if (!supervisor_reference_now(law, &later, &then, &now, f) ||
+            !supervisor_destination(law, &later, &then, &to, f)) {
             return false;
         }
         later.kept = to.R_d;

@@ -15,8 +15,8 @@ double supervisor_angle_of_earth(const SupervisorLaw *law, const SupervisorState
     return law->sidereal_angle_0 + SUPERVISOR_EARTH_RATE * x->t;
 }
 
-bool supervisor_destination(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *to,
-                            Fault *f)
+bool supervisor_destination(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                            Reference *to, Fault *f)
 {
     const SupervisorParameters *p = &law->p;
     const Vector r = vector(u->r_N), v = vector(u->v_N), sun = vector(u->sun_N);
@@ -31,17 +31,19 @@ bool supervisor_destination(const SupervisorLaw *law, const SupervisorState *x, 
         *to = supervisor_free(vector(p->sun_axis_B), (Moving){scale(1.0 / size, sun), STILL, STILL}, x->kept);
     } else if (x->destination == SUPERVISOR_TARGET) {
         const Vector point = supervisor_point_on_earth(aim[0], aim[1], aim[2]), h = cross(r, v);
-        const Moving z = supervisor_line_of_sight(point, supervisor_angle_of_earth(law, x), r, v, p->gravitational_parameter);
-        *to = p->target_yaw == SUPERVISOR_TARGET_YAW_FREE ? supervisor_free(BORESIGHT_B, z, x->kept)
-                                                          : supervisor_steered(z, scale(1.0 / norm(h), h), p->target_yaw_angle);
+        const Moving z =
+            supervisor_line_of_sight(point, supervisor_angle_of_earth(law, x), r, v, p->gravitational_parameter);
+        *to = p->target_yaw == SUPERVISOR_TARGET_YAW_FREE
+                  ? supervisor_free(BORESIGHT_B, z, x->kept)
+                  : supervisor_steered(z, scale(1.0 / norm(h), h), p->target_yaw_angle);
     } else {
         return reference_lvlh(r, v, to, f);
     }
     return true;
 }
 
-bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, Reference *now,
-                              Fault *f)
+bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                              Reference *now, Fault *f)
 {
     if (x->mode == SUPERVISOR_SAFE) {
         *now = (Reference){{STILL, STILL, STILL}, x->towards, STILL};
@@ -191,7 +193,8 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
         memcpy(x->aim, aim, sizeof aim);
         x->kept = matrix(u->R_NB);
         x->settled = x->off = 0.0;
-    } else if ((wanted != x->destination || memcmp(aim, x->aim, sizeof aim) != 0) && !turn_to(law, wanted, aim, u, x, f)) {
+    } else if ((wanted != x->destination || memcmp(aim, x->aim, sizeof aim) != 0) &&
+               !turn_to(law, wanted, aim, u, x, f)) {
         return false;
     }
     if (x->mode == SUPERVISOR_SLEW && x->t >= x->slew_start + x->slew.duration) {

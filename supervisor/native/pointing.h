@@ -5,7 +5,8 @@
 #include "epoch.h"
 #include "reference.h"
 
-static const double SUPERVISOR_EARTH_RATE = 7.2921158553e-5; /* rad/s, of Greenwich mean sidereal time: N is true of date */
+static const double SUPERVISOR_EARTH_RATE =
+    7.2921158553e-5; /* rad/s, of Greenwich mean sidereal time: N is true of date */
 
 /* A vector in N, or a unit vector, with its first and second derivative. */
 typedef struct {

@@ -2,7 +2,7 @@
 
 static const double FIELD_TIME = 50.0; /* s, of the filter that gives the field's rate */
 static const double OPPOSITE = 1e-9;   /* sine of the angle below which opposite directions have no axis between them */
-static const double SLOW = 0.3;        /* rad in safe_time, below which the satellite turns slowly enough to begin pointing */
+static const double SLOW = 0.3; /* rad in safe_time, below which the satellite turns slowly enough to begin pointing */
 static const Vector STILL = {0.0, 0.0, 0.0};
 
 /* The rate that turns a body axis to a unit vector, both in body axes: the angle over `time`, at most rate_max. */
@@ -59,7 +59,8 @@ bool supervisor_point_safe(const SupervisorLaw *law, const SupervisorInputs *u, 
     Vector axis = vector(p->safe_axis_B), to = STILL, rate = STILL;
     if (p->safe_pointing == SUPERVISOR_SAFE_POINTING_FIELD) {
         if (!supervisor_has_b_B(u)) {
-            return fault(f, "b_B", largest(vector(u->b_B)), "a value, since safe_pointing is 'field' (1e9: not connected)");
+            return fault(f, "b_B", largest(vector(u->b_B)),
+                         "a value, since safe_pointing is 'field' (1e9: not connected)");
         }
         follow_field(u, h, x);
         to = x->field_direction;
@@ -73,7 +74,8 @@ bool supervisor_point_safe(const SupervisorLaw *law, const SupervisorInputs *u, 
     }
     x->towards = STILL;
     if (turns && norm(to) > 0.0) {
-        const double rate_max = smaller(p->slew_rate_max, 0.5 * p->rate_acquire); /* a faster turn would end the pointing */
+        const double rate_max =
+            smaller(p->slew_rate_max, 0.5 * p->rate_acquire); /* a faster turn would end the pointing */
         x->towards = add(rate_towards(axis, to, p->safe_time, rate_max), rate);
     }
     return true;

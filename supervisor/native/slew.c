@@ -27,8 +27,8 @@ Reference supervisor_slew_at(const Slew *slew, double s, const Reference *to)
     }
     const double f = 1.0 + x * x * x * (-10.0 + x * (15.0 - 6.0 * x)), df = 30.0 * x * x * (-1.0 + x * (2.0 - x)) / T,
                  ddf = 60.0 * x * (-1.0 + x * (3.0 - 2.0 * x)) / (T * T);
-    const double g = x * (1.0 + x * x * (-6.0 + x * (8.0 - 3.0 * x))) * T, dg = 1.0 + x * x * (-18.0 + x * (32.0 - 15.0 * x)),
-                 ddg = 12.0 * x * (-3.0 + x * (8.0 - 5.0 * x)) / T;
+    const double g = x * (1.0 + x * x * (-6.0 + x * (8.0 - 3.0 * x))) * T,
+                 dg = 1.0 + x * x * (-18.0 + x * (32.0 - 15.0 * x)), ddg = 12.0 * x * (-3.0 + x * (8.0 - 5.0 * x)) / T;
     const Vector phi = add(scale(f, slew->phi0), scale(g, slew->dphi0)),
                  dphi = add(scale(df, slew->phi0), scale(dg, slew->dphi0)),
                  ddphi = add(scale(ddf, slew->phi0), scale(ddg, slew->dphi0));
@@ -36,10 +36,11 @@ Reference supervisor_slew_at(const Slew *slew, double s, const Reference *to)
     const Vector w = right_jacobian(&k, phi, dphi), across = cross(phi, dphi);
     const double along = dot(phi, dphi);
     /* d(jacobian)/dt dphi/dt; zero for a turn about one axis. */
-    const Vector change =
-        add(add(scale(-k.da * along, across), scale(k.db * along, cross(phi, across))), scale(k.b, cross(dphi, across)));
+    const Vector change = add(add(scale(-k.da * along, across), scale(k.db * along, cross(phi, across))),
+                              scale(k.b, cross(dphi, across)));
     const Matrix A = rotation_exp(phi);
     const Vector Omega = apply_transposed(A, to->Omega_d);
     const Vector dw = add(right_jacobian(&k, phi, ddphi), change);
-    return (Reference){multiply(to->R_d, A), add(Omega, w), add(add(apply_transposed(A, to->dOmega_d), cross(Omega, w)), dw)};
+    return (Reference){multiply(to->R_d, A), add(Omega, w),
+                       add(add(apply_transposed(A, to->dOmega_d), cross(Omega, w)), dw)};
 }

@@ -7,7 +7,7 @@
 
 static const double HALF_PI = 1.57079632679489661923, TWO_PI = 6.28318530717958647692; /* rad */
 static const double HEIGHT_MIN = -12e3, HEIGHT_MAX = 1e6;                              /* m */
-enum { YEAR_MIN = 1900, YEAR_MAX = 2100 };                                             /* for which sidereal time is a cubic */
+enum { YEAR_MIN = 1900, YEAR_MAX = 2100 }; /* for which sidereal time is a cubic */
 
 bool supervisor_check(const SupervisorParameters *p, Fault *f)
 {
@@ -41,11 +41,13 @@ bool supervisor_check(const SupervisorParameters *p, Fault *f)
     if (!(p->rate_acquire <= p->rate_lost)) {
         return fault(f, "rate_lost", p->rate_lost, "at least rate_acquire");
     }
-    if (!is_unit_vector(vector(p->sun_axis_B), "sun_axis_B", f) || !is_unit_vector(vector(p->safe_axis_B), "safe_axis_B", f) ||
-        !is_inertia(matrix(p->J_B), "J_B", f) || !is_epoch(p->epoch, &epoch, f)) {
+    if (!is_unit_vector(vector(p->sun_axis_B), "sun_axis_B", f) ||
+        !is_unit_vector(vector(p->safe_axis_B), "safe_axis_B", f) || !is_inertia(matrix(p->J_B), "J_B", f) ||
+        !is_epoch(p->epoch, &epoch, f)) {
         return false;
     }
-    return (epoch.year >= YEAR_MIN && epoch.year <= YEAR_MAX) || fault(f, "epoch", epoch.year, "a year from 1900 to 2100");
+    return (epoch.year >= YEAR_MIN && epoch.year <= YEAR_MAX) ||
+           fault(f, "epoch", epoch.year, "a year from 1900 to 2100");
 }
 
 void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law)
@@ -87,8 +89,8 @@ static bool inputs_fit(const SupervisorInputs *u, Fault *f)
     return !u->attitude_valid || is_zero_matrix(R) || is_attitude(R, f);
 }
 
-bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, SupervisorOutputs *y,
-                        Fault *f)
+bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                        SupervisorOutputs *y, Fault *f)
 {
     Reference now;
     if (!inputs_fit(u, f) || !supervisor_reference_now(law, x, u, &now, f)) {
@@ -121,8 +123,8 @@ bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, Super
     return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f) && supervisor_look_ahead(law, u, x, f);
 }
 
-bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h, SupervisorOutputs *y,
-                     Fault *f)
+bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h,
+                     SupervisorOutputs *y, Fault *f)
 {
     SupervisorState next = *x;
     if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, &next, f)) {

@@ -37,8 +37,9 @@ typedef struct {
     Matrix kept;         /* the attitude of a destination whose turn about its axis is free, at t */
     double calm, fast;   /* s for which the rate has been below rate_acquire, and above rate_lost */
     double blind;        /* s without an attitude */
-    double settled, off; /* s for which the errors have been small in acquisition, and the attitude's too large elsewhere */
-    double slew_start;   /* s */
+    double settled,
+        off; /* s for which the errors have been small in acquisition, and the attitude's too large elsewhere */
+    double slew_start; /* s */
     Slew slew;
     Vector field_direction,
         field_rate; /* in the mode safe: direction of the field and its rate relative to N, rad/s, body axes */
@@ -61,11 +62,11 @@ void supervisor_prepare(const SupervisorParameters *p, SupervisorLaw *law);
 bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, SupervisorState *x, Fault *f);
 
 /* The reference at x->t, of the inputs as they stand. */
-bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, SupervisorOutputs *y,
-                        Fault *f);
+bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                        SupervisorOutputs *y, Fault *f);
 
 /* From t to t + h: u are the inputs at t + h. */
-bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h, SupervisorOutputs *y,
-                     Fault *f);
+bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h,
+                     SupervisorOutputs *y, Fault *f);
 
 #endif

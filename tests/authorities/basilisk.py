@@ -71,7 +71,8 @@ def difference(gravity_gradient: bool) -> float:
 
 @authority(
     "Gravity gradient",
-    "Attitude of the plant block against Basilisk's after one tumbling orbit of 5792 s, order 6, 0.1 s, inertia with products",
+    "Attitude of the plant block against Basilisk's after one tumbling orbit of 5792 s, order 6, 0.1 s, inertia "
+    "with products",
     source="Basilisk, spacecraft and GravityGradientEffector, svIntegratorRKF78",
     unit="rad",
     tolerance=1e-8,
@@ -92,7 +93,8 @@ def difference_made_by_gravity() -> float:
 
 @authority(
     "Torque-free",
-    "Attitude of the plant block against Basilisk's after 5792 s without moments, order 6, 0.1 s, inertia with products",
+    "Attitude of the plant block against Basilisk's after 5792 s without moments, order 6, 0.1 s, inertia with "
+    "products",
     source="Basilisk, spacecraft, svIntegratorRKF78",
     unit="rad",
     tolerance=1e-8,

@@ -133,7 +133,8 @@ def sidereal(date: datetime) -> float:
 
 @authority(
     "Field",
-    "The plant's b_B along an orbit in 2012, through sidereal time, geodetic coordinates and attitude: largest difference",
+    "The plant's b_B along an orbit in 2012, through sidereal time, geodetic coordinates and attitude: largest "
+    "difference",
     source=f"{PYGEOMAG}, GMST of the Astronomical Almanac",
     unit="nT",
     tolerance=0.1,
@@ -185,7 +186,8 @@ def geodetic_by_search(r: np.ndarray) -> tuple[float, float, float]:
 
 @authority(
     "Field",
-    "Interpolation between nodes 10 s apart, 400 random times on orbits of 300, 600 and 1500 km: largest difference from the model",
+    "Interpolation between nodes 10 s apart, 400 random times on orbits of 300, 600 and 1500 km: largest "
+    "difference from the model",
     source="the model itself",
     unit="nT",
     tolerance=1e-3,

@@ -19,7 +19,8 @@ def test_the_plant_agrees_with_the_authority(authority):
         pytest.skip(f"needs {authority.needs}")
     figure = authority.measure()
     assert authority.agrees(figure), (
-        f"{authority.what}: {figure:.3g} {authority.unit}, expected {authority.expected:g} within {authority.tolerance:g}"
+        f"{authority.what}: {figure:.3g} {authority.unit}, expected {authority.expected:g} within "
+        f"{authority.tolerance:g}"
     )
 
 

@@ -72,7 +72,8 @@ static double number(void)
 /* Often a start value, so that some calls succeed. */
 static double value_for(fmi2ValueReference reference)
 {
-    return reference < BLOCK_VARIABLES && pick(3) > 0 ? variables[reference].start * (pick(4) == 0 ? 1.01 : 1.0) : number();
+    return reference < BLOCK_VARIABLES && pick(3) > 0 ? variables[reference].start * (pick(4) == 0 ? 1.01 : 1.0)
+                                                      : number();
 }
 
 static int expect(fmi2Status status)
@@ -161,8 +162,8 @@ static void saved_states(fmi2Component c, fmi2FMUstate states[STATES])
                 if (pick(2) == 0) {
                     bytes[pick((unsigned)size)] ^= (char)(1u << pick(8));
                 }
-                expect(
-                    fmi2DeSerializeFMUstate(c, bytes, size - (pick(8) == 0 ? pick((unsigned)size) : 0), &states[pick(STATES)]));
+                expect(fmi2DeSerializeFMUstate(c, bytes, size - (pick(8) == 0 ? pick((unsigned)size) : 0),
+                                               &states[pick(STATES)]));
             }
             free(bytes);
         }
@@ -180,8 +181,8 @@ static void one_call(fmi2Component c, fmi2FMUstate states[STATES], double *time)
     fmi2Status status;
     switch (pick(16)) {
     case 0:
-        if (expect(
-                fmi2SetupExperiment(c, 0, 0.0, pick(10) == 0 ? number() : 0.0, (int)pick(2), pick(10) == 0 ? number() : 1e6))) {
+        if (expect(fmi2SetupExperiment(c, 0, 0.0, pick(10) == 0 ? number() : 0.0, (int)pick(2),
+                                       pick(10) == 0 ? number() : 1e6))) {
             *time = 0.0;
         }
         break;
@@ -239,8 +240,9 @@ int main(int count, char **words)
     for (long calls = count > 2 ? strtol(words[2], NULL, 10) : 10000; calls > 0; --calls) {
         const unsigned i = pick(INSTANCES);
         if (instances[i] == NULL) {
-            instances[i] = fmi2Instantiate(pick(9) == 0 ? NULL : "it", pick(9) == 0 ? fmi2ModelExchange : fmi2CoSimulation,
-                                           pick(9) == 0 ? "{other}" : BLOCK_GUID, NULL, pick(9) == 0 ? NULL : &callbacks, 0, 1);
+            instances[i] =
+                fmi2Instantiate(pick(9) == 0 ? NULL : "it", pick(9) == 0 ? fmi2ModelExchange : fmi2CoSimulation,
+                                pick(9) == 0 ? "{other}" : BLOCK_GUID, NULL, pick(9) == 0 ? NULL : &callbacks, 0, 1);
         }
         if (pick(400) == 0) {
             fmi2FreeInstance(instances[i]);

@@ -121,8 +121,10 @@ def tumble(which):
     law |= {"steering_limit": 0.08}  # so that it is steered first
     vectors = "plant.R_NB -> controller.R_NB|plant.omega_B -> controller.omega_B|plant.r_N -> controller.r_N|plant.v_N -> controller.v_N"
     wires = (
-        f"{vectors}|plant.h_w -> controller.h_w|plant.b_B -> controller.b_B|controller.tau_cmd_B -> allocator.tau_cmd_B|"
-        "controller.dipole_ff -> allocator.dipole_ff|controller.wheel_torque_ff -> allocator.wheel_torque_ff|plant.b_B -> allocator.b_B|"
+        f"{vectors}|plant.h_w -> controller.h_w|plant.b_B -> controller.b_B|controller.tau_cmd_B -> "
+        "allocator.tau_cmd_B|"
+        "controller.dipole_ff -> allocator.dipole_ff|controller.wheel_torque_ff -> "
+        "allocator.wheel_torque_ff|plant.b_B -> allocator.b_B|"
         "plant.omega_B -> allocator.omega_B|plant.h_w -> allocator.h_w|allocator.dipole_cmd -> plant.dipole_cmd|"
         "allocator.wheel_torque_cmd -> plant.wheel_torque_cmd"
     )

@@ -36,21 +36,21 @@ typedef struct {
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
 enum { MOST = 4096 };
 
-#define FUNCTIONS(X)                                                                                                           \
-    X(void *, fmi2Instantiate, (const char *, int, const char *, const char *, const Callbacks *, int, int))                   \
-    X(void, fmi2FreeInstance, (void *))                                                                                        \
-    X(int, fmi2SetupExperiment, (void *, int, double, double, int, double))                                                    \
-    X(int, fmi2EnterInitializationMode, (void *))                                                                              \
-    X(int, fmi2ExitInitializationMode, (void *))                                                                               \
-    X(int, fmi2Terminate, (void *))                                                                                            \
-    X(int, fmi2Reset, (void *))                                                                                                \
-    X(int, fmi2GetReal, (void *, const unsigned *, size_t, double *))                                                          \
-    X(int, fmi2SetReal, (void *, const unsigned *, size_t, const double *))                                                    \
-    X(int, fmi2GetInteger, (void *, const unsigned *, size_t, int *))                                                          \
-    X(int, fmi2SetInteger, (void *, const unsigned *, size_t, const int *))                                                    \
-    X(int, fmi2GetBoolean, (void *, const unsigned *, size_t, int *))                                                          \
-    X(int, fmi2SetBoolean, (void *, const unsigned *, size_t, const int *))                                                    \
-    X(int, fmi2SetString, (void *, const unsigned *, size_t, const char *const *))                                             \
+#define FUNCTIONS(X)                                                                                                   \
+    X(void *, fmi2Instantiate, (const char *, int, const char *, const char *, const Callbacks *, int, int))           \
+    X(void, fmi2FreeInstance, (void *))                                                                                \
+    X(int, fmi2SetupExperiment, (void *, int, double, double, int, double))                                            \
+    X(int, fmi2EnterInitializationMode, (void *))                                                                      \
+    X(int, fmi2ExitInitializationMode, (void *))                                                                       \
+    X(int, fmi2Terminate, (void *))                                                                                    \
+    X(int, fmi2Reset, (void *))                                                                                        \
+    X(int, fmi2GetReal, (void *, const unsigned *, size_t, double *))                                                  \
+    X(int, fmi2SetReal, (void *, const unsigned *, size_t, const double *))                                            \
+    X(int, fmi2GetInteger, (void *, const unsigned *, size_t, int *))                                                  \
+    X(int, fmi2SetInteger, (void *, const unsigned *, size_t, const int *))                                            \
+    X(int, fmi2GetBoolean, (void *, const unsigned *, size_t, int *))                                                  \
+    X(int, fmi2SetBoolean, (void *, const unsigned *, size_t, const int *))                                            \
+    X(int, fmi2SetString, (void *, const unsigned *, size_t, const char *const *))                                     \
     X(int, fmi2DoStep, (void *, double, double, int))
 
 #define FIELD(type, name, arguments) type(*name) arguments;
@@ -109,25 +109,26 @@ static long expand(const uint32_t references[], size_t count, size_t values, uns
     return n == values ? (long)n : -1;
 }
 
-#define EXCHANGE(NAME, TYPE, KIND, HELD)                                                                                       \
-    API int fmi3Get##NAME(void *instance, const uint32_t references[], size_t count, TYPE values[], size_t length)             \
-    {                                                                                                                          \
-        unsigned all[MOST];                                                                                                    \
-        HELD held[MOST];                                                                                                       \
-        const long n = expand(references, count, length, all);                                                                 \
-        const int status = n < 0 ? ERROR : two.fmi2Get##KIND(((Instance *)instance)->block, all, (size_t)n, held);             \
-        for (long i = 0; i < n; i++)                                                                                           \
-            values[i] = (TYPE)held[i];                                                                                         \
-        return status;                                                                                                         \
-    }                                                                                                                          \
-    API int fmi3Set##NAME(void *instance, const uint32_t references[], size_t count, const TYPE values[], size_t length)       \
-    {                                                                                                                          \
-        unsigned all[MOST];                                                                                                    \
-        HELD held[MOST];                                                                                                       \
-        const long n = expand(references, count, length, all);                                                                 \
-        for (long i = 0; i < n; i++)                                                                                           \
-            held[i] = (HELD)values[i];                                                                                         \
-        return n < 0 ? ERROR : two.fmi2Set##KIND(((Instance *)instance)->block, all, (size_t)n, held);                         \
+#define EXCHANGE(NAME, TYPE, KIND, HELD)                                                                               \
+    API int fmi3Get##NAME(void *instance, const uint32_t references[], size_t count, TYPE values[], size_t length)     \
+    {                                                                                                                  \
+        unsigned all[MOST];                                                                                            \
+        HELD held[MOST];                                                                                               \
+        const long n = expand(references, count, length, all);                                                         \
+        const int status = n < 0 ? ERROR : two.fmi2Get##KIND(((Instance *)instance)->block, all, (size_t)n, held);     \
+        for (long i = 0; i < n; i++)                                                                                   \
+            values[i] = (TYPE)held[i];                                                                                 \
+        return status;                                                                                                 \
+    }                                                                                                                  \
+    API int fmi3Set##NAME(void *instance, const uint32_t references[], size_t count, const TYPE values[],              \
+                          size_t length)                                                                               \
+    {                                                                                                                  \
+        unsigned all[MOST];                                                                                            \
+        HELD held[MOST];                                                                                               \
+        const long n = expand(references, count, length, all);                                                         \
+        for (long i = 0; i < n; i++)                                                                                   \
+            held[i] = (HELD)values[i];                                                                                 \
+        return n < 0 ? ERROR : two.fmi2Set##KIND(((Instance *)instance)->block, all, (size_t)n, held);                 \
     }
 EXCHANGE(Float64, double, Real, double)
 EXCHANGE(Float32, float, Real, double)
@@ -141,7 +142,8 @@ EXCHANGE(Int64, int64_t, Integer, int)
 EXCHANGE(UInt64, uint64_t, Integer, int)
 EXCHANGE(Boolean, bool, Boolean, int)
 
-API int fmi3SetString(void *instance, const uint32_t references[], size_t count, const char *const values[], size_t length)
+API int fmi3SetString(void *instance, const uint32_t references[], size_t count, const char *const values[],
+                      size_t length)
 {
     unsigned all[MOST];
     const long n = expand(references, count, length, all);
@@ -152,9 +154,9 @@ API const char *fmi3GetVersion(void)
 {
     return "3.0";
 }
-API void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible, bool logging,
-                                      bool events, bool early, const uint32_t intermediate[], size_t count, void *environment,
-                                      Log log, void *update)
+API void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible,
+                                      bool logging, bool events, bool early, const uint32_t intermediate[],
+                                      size_t count, void *environment, Log log, void *update)
 {
     (void)intermediate, (void)update;
     Instance *it = calloc(1, sizeof *it);
@@ -179,8 +181,8 @@ API void fmi3FreeInstance(void *instance)
     two.fmi2FreeInstance(((Instance *)instance)->block);
     free(instance);
 }
-API int fmi3EnterInitializationMode(void *instance, bool tolerance_defined, double tolerance, double start, bool stop_defined,
-                                    double stop)
+API int fmi3EnterInitializationMode(void *instance, bool tolerance_defined, double tolerance, double start,
+                                    bool stop_defined, double stop)
 {
     void *block = ((Instance *)instance)->block;
     const int status = two.fmi2SetupExperiment(block, tolerance_defined, tolerance, start, stop_defined, stop);
@@ -199,7 +201,8 @@ API int fmi3Reset(void *instance)
     return two.fmi2Reset(((Instance *)instance)->block);
 }
 #ifndef WITHOUT_STEP_3
-API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bool *event, bool *end, bool *early, double *last)
+API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bool *event, bool *end, bool *early,
+                   double *last)
 {
     *event = *end = *early = false;
     const int status = two.fmi2DoStep(((Instance *)instance)->block, time, step, no_restore);
@@ -214,10 +217,10 @@ API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bo
 }
 #endif
 
-#define UNUSED(name)                                                                                                           \
-    API int fmi3##name(void)                                                                                                   \
-    {                                                                                                                          \
-        return ERROR;                                                                                                          \
+#define UNUSED(name)                                                                                                   \
+    API int fmi3##name(void)                                                                                           \
+    {                                                                                                                  \
+        return ERROR;                                                                                                  \
     }
 UNUSED(SetDebugLogging)
 UNUSED(EnterEventMode)

@@ -110,11 +110,11 @@ static int broken(Block *b, double t)
         return 10 + 4;
     return OK;
 }
-#define BREAK(where, t)                                                                                                        \
-    if (!strcmp(b->place, where)) {                                                                                            \
-        int status = broken(b, t);                                                                                             \
-        if (status)                                                                                                            \
-            return status;                                                                                                     \
+#define BREAK(where, t)                                                                                                \
+    if (!strcmp(b->place, where)) {                                                                                    \
+        int status = broken(b, t);                                                                                     \
+        if (status)                                                                                                    \
+            return status;                                                                                             \
     }
 
 #ifdef LOADING
@@ -124,8 +124,8 @@ __attribute__((constructor)) static void loaded(void)
 }
 #endif
 
-API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
-                          int visible, int logging)
+API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                          const Callbacks *callbacks, int visible, int logging)
 {
     (void)name, (void)type, (void)resources, (void)visible, (void)logging;
     Block *b = calloc(1, sizeof *b);

@@ -22,8 +22,8 @@ static int tell(Probe *p, int status, const char *text, double value)
     return log_value(p->callbacks, p->name, status, text, value);
 }
 
-API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
-                          int visible, int logging)
+API void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                          const Callbacks *callbacks, int visible, int logging)
 {
     (void)type, (void)resources, (void)visible, (void)logging;
     if (strcmp(guid, "probe")) {

@@ -59,10 +59,10 @@ API int fmi2SetString(void *c, const unsigned v[], size_t n, const char *const x
     return OK;
 }
 
-#define UNUSED(name, ...)                                                                                                      \
-    API int name(__VA_ARGS__)                                                                                                  \
-    {                                                                                                                          \
-        return ERROR;                                                                                                          \
+#define UNUSED(name, ...)                                                                                              \
+    API int name(__VA_ARGS__)                                                                                          \
+    {                                                                                                                  \
+        return ERROR;                                                                                                  \
     }
 UNUSED(fmi2GetFMUstate, void *c, void **s)
 UNUSED(fmi2SetFMUstate, void *c, void *s)

@@ -19,17 +19,17 @@ typedef void (*Log)(void *environment, int status, const char *category, const c
 enum { OK, WARNING, DISCARD, ERROR };
 enum { SIZE = 6, TEXT = 300, STEPS = 301 };
 
-#define TYPES(X)                                                                                                               \
-    X(Float64, double, 0)                                                                                                      \
-    X(Float32, float, 1)                                                                                                       \
-    X(Int8, int8_t, 2)                                                                                                         \
-    X(UInt8, uint8_t, 3)                                                                                                       \
-    X(Int16, int16_t, 4)                                                                                                       \
-    X(UInt16, uint16_t, 5)                                                                                                     \
-    X(Int32, int32_t, 6)                                                                                                       \
-    X(UInt32, uint32_t, 7)                                                                                                     \
-    X(Int64, int64_t, 8)                                                                                                       \
-    X(UInt64, uint64_t, 9)                                                                                                     \
+#define TYPES(X)                                                                                                       \
+    X(Float64, double, 0)                                                                                              \
+    X(Float32, float, 1)                                                                                               \
+    X(Int8, int8_t, 2)                                                                                                 \
+    X(UInt8, uint8_t, 3)                                                                                               \
+    X(Int16, int16_t, 4)                                                                                               \
+    X(UInt16, uint16_t, 5)                                                                                             \
+    X(Int32, int32_t, 6)                                                                                               \
+    X(UInt32, uint32_t, 7)                                                                                             \
+    X(Int64, int64_t, 8)                                                                                               \
+    X(UInt64, uint64_t, 9)                                                                                             \
     X(Boolean, bool, 10)
 
 #define FIELD(name, type, number) type in##name[SIZE], out##name[SIZE];
@@ -47,38 +47,40 @@ static int refused(Instance *it, const char *text)
     return ERROR;
 }
 
-#define EXCHANGE(name, type, number)                                                                                           \
-    API int fmi3Get##name(void *instance, const uint32_t references[], size_t count, type values[], size_t length)             \
-    {                                                                                                                          \
-        Instance *it = instance;                                                                                               \
-        size_t n = 0;                                                                                                          \
-        for (size_t i = 0; i < count; i++) {                                                                                   \
-            if (references[i] == STEPS) {                                                                                      \
-                values[n++] = (type)it->steps;                                                                                 \
-                continue;                                                                                                      \
-            }                                                                                                                  \
-            if (references[i] != 100 + number && references[i] != 200 + number)                                                \
-                return refused(it, "fmi3Get" #name " of another type");                                                        \
-            memcpy(values + n, references[i] >= 200 ? it->out##name : it->in##name, sizeof it->in##name);                      \
-            n += SIZE;                                                                                                         \
-        }                                                                                                                      \
-        return n == length ? OK : refused(it, "fmi3Get" #name " of another length");                                           \
-    }                                                                                                                          \
-    API int fmi3Set##name(void *instance, const uint32_t references[], size_t count, const type values[], size_t length)       \
-    {                                                                                                                          \
-        Instance *it = instance;                                                                                               \
-        if (length != count * SIZE)                                                                                            \
-            return refused(it, "fmi3Set" #name " of another length");                                                          \
-        for (size_t i = 0; i < count; i++) {                                                                                   \
-            if (references[i] != 100 + number)                                                                                 \
-                return refused(it, "fmi3Set" #name " of another type");                                                        \
-            memcpy(it->in##name, values + i * SIZE, sizeof it->in##name);                                                      \
-        }                                                                                                                      \
-        return OK;                                                                                                             \
+#define EXCHANGE(name, type, number)                                                                                   \
+    API int fmi3Get##name(void *instance, const uint32_t references[], size_t count, type values[], size_t length)     \
+    {                                                                                                                  \
+        Instance *it = instance;                                                                                       \
+        size_t n = 0;                                                                                                  \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            if (references[i] == STEPS) {                                                                              \
+                values[n++] = (type)it->steps;                                                                         \
+                continue;                                                                                              \
+            }                                                                                                          \
+            if (references[i] != 100 + number && references[i] != 200 + number)                                        \
+                return refused(it, "fmi3Get" #name " of another type");                                                \
+            memcpy(values + n, references[i] >= 200 ? it->out##name : it->in##name, sizeof it->in##name);              \
+            n += SIZE;                                                                                                 \
+        }                                                                                                              \
+        return n == length ? OK : refused(it, "fmi3Get" #name " of another length");                                   \
+    }                                                                                                                  \
+    API int fmi3Set##name(void *instance, const uint32_t references[], size_t count, const type values[],              \
+                          size_t length)                                                                               \
+    {                                                                                                                  \
+        Instance *it = instance;                                                                                       \
+        if (length != count * SIZE)                                                                                    \
+            return refused(it, "fmi3Set" #name " of another length");                                                  \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            if (references[i] != 100 + number)                                                                         \
+                return refused(it, "fmi3Set" #name " of another type");                                                \
+            memcpy(it->in##name, values + i * SIZE, sizeof it->in##name);                                              \
+        }                                                                                                              \
+        return OK;                                                                                                     \
     }
 TYPES(EXCHANGE)
 
-API int fmi3SetString(void *instance, const uint32_t references[], size_t count, const char *const values[], size_t length)
+API int fmi3SetString(void *instance, const uint32_t references[], size_t count, const char *const values[],
+                      size_t length)
 {
     Instance *it = instance;
     if (count != 1 || length != 1 || references[0] != TEXT)
@@ -88,11 +90,12 @@ API int fmi3SetString(void *instance, const uint32_t references[], size_t count,
     return OK;
 }
 
-API void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible, bool logging,
-                                      bool events, bool early, const uint32_t intermediate[], size_t count, void *environment,
-                                      Log log, void *update)
+API void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible,
+                                      bool logging, bool events, bool early, const uint32_t intermediate[],
+                                      size_t count, void *environment, Log log, void *update)
 {
-    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)events, (void)early, (void)intermediate;
+    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)events, (void)early,
+        (void)intermediate;
     (void)count, (void)update;
     Instance *it = calloc(1, sizeof *it);
     it->log = log;
@@ -105,8 +108,8 @@ API void fmi3FreeInstance(void *instance)
 {
     free(instance);
 }
-API int fmi3EnterInitializationMode(void *instance, bool tolerance_defined, double tolerance, double start, bool stop_defined,
-                                    double stop)
+API int fmi3EnterInitializationMode(void *instance, bool tolerance_defined, double tolerance, double start,
+                                    bool stop_defined, double stop)
 {
     (void)instance, (void)tolerance_defined, (void)tolerance, (void)start, (void)stop_defined, (void)stop;
     return OK;
@@ -126,7 +129,8 @@ API int fmi3Terminate(void *instance)
     (void)instance;
     return OK;
 }
-API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bool *event, bool *end, bool *early, double *last)
+API int fmi3DoStep(void *instance, double time, double step, bool no_restore, bool *event, bool *end, bool *early,
+                   double *last)
 {
     (void)no_restore;
     Instance *it = instance;

@@ -170,7 +170,8 @@ CASES = [
     ),
     Case(
         "times counted in what no cycle names",
-        "loop.yaml:3: duration: unknown unit 'orbits'; expected seconds, text such as '10 min', or a count of what 'cycle' names",
+        "loop.yaml:3: duration: unknown unit 'orbits'; expected seconds, text such as '10 min', or a count of "
+        "what 'cycle' names",
         "duration: 2 s",
         "duration: 2 orbits",
     ),
@@ -271,7 +272,8 @@ CASES = [
     ),
     Case(
         "an interval that is no multiple of the step",
-        "loop.yaml:16: record.interval: expected a multiple of the base step, 0.1 s, found 0.25 s; nearest: 0.2 s or 0.3 s",
+        "loop.yaml:16: record.interval: expected a multiple of the base step, 0.1 s, found 0.25 s; nearest: 0.2 s "
+        "or 0.3 s",
         "interval: 0.1 s",
         "interval: 0.25 s",
     ),
@@ -295,7 +297,8 @@ CASES = [
     ),
     Case(
         "a start value for an output",
-        f"loop.yaml:9: {MOTOR}.start.speed: motor.speed is an output; only parameters and inputs take start values; did you mean 'speed0'?",
+        f"loop.yaml:9: {MOTOR}.start.speed: motor.speed is an output; only parameters and inputs take start "
+        "values; did you mean 'speed0'?",
         "inertia: 0.5",
         "speed: 0.5",
     ),
@@ -472,7 +475,8 @@ CASES = [
     ),
     Case(
         "a misspelt output",
-        "loop.yaml:14: connections[1]: motor.sped -> regulator.speed: motor has no output 'sped'; did you mean 'speed'?",
+        "loop.yaml:14: connections[1]: motor.sped -> regulator.speed: motor has no output 'sped'; did you mean "
+        "'speed'?",
         "motor.speed ->",
         "motor.sped ->",
     ),
@@ -490,7 +494,8 @@ CASES = [
     ),
     Case(
         "two sources for an input",
-        "loop.yaml:15: connections[2]: regulator.voltage -> motor.voltage: motor.voltage already has a source: regulator.samples[1] -> motor.voltage",
+        "loop.yaml:15: connections[2]: regulator.voltage -> motor.voltage: motor.voltage already has a source: "
+        "regulator.samples[1] -> motor.voltage",
         "motor.speed -> regulator.speed",
         "regulator.samples[1] -> motor.voltage",
     ),
@@ -515,7 +520,8 @@ CASES = [
     ),
     Case(
         "an algebraic loop",
-        "loop.yaml:13: connections: algebraic loop through regulator.voltage -> regulator.voltage; 'delays: [regulator.speed]' would break it",
+        "loop.yaml:13: connections: algebraic loop through regulator.voltage -> regulator.voltage; 'delays: "
+        "[regulator.speed]' would break it",
         "motor.speed -> regulator.speed",
         "regulator.voltage -> regulator.speed",
         spoil=_xml(
@@ -681,7 +687,8 @@ CASES = [
     ),
     Case(
         "an output that is no variable",
-        "motor.fmu: modelDescription.xml:33: Outputs/Unknown: index: there is no variable 9999; expected 1 to 15, as there are 15",
+        "motor.fmu: modelDescription.xml:33: Outputs/Unknown: index: there is no variable 9999; expected 1 to 15, "
+        "as there are 15",
         spoil=_xml('<Unknown index="14"', '<Unknown index="9999"'),
     ),
     Case(
@@ -721,14 +728,16 @@ CASES = [
     ),
     Case(
         "a wrong GUID",
-        "motor.fmu: motor: fmi2Instantiate in initialization: gave no instance\n  motor logged: [error] expected the GUID probe, found other",
+        "motor.fmu: motor: fmi2Instantiate in initialization: gave no instance\n  motor logged: [error] expected "
+        "the GUID probe, found other",
         spoil=lambda f: fmus.write(f / "motor.fmu", fmus.description("motor", guid="other"), fmus.library()),
         runs=True,
     ),
     # ---------------------------------------------------------------- faults and isolation
     Case(
         "a fault that sets a fixed parameter",
-        "loop.yaml:18: faults[1].set: motor.inertia is fixed: FMI lets only tunable parameters and inputs be set during a run",
+        "loop.yaml:18: faults[1].set: motor.inertia is fixed: FMI lets only tunable parameters and inputs be set "
+        "during a run",
         EXPECT_BEGIN,
         "faults:\n  - {at: 1 s, set: motor.inertia = 2}\n" + EXPECT_BEGIN,
     ),
@@ -752,7 +761,8 @@ CASES = [
     ),
     Case(
         "a time limit without a process",
-        "loop.yaml:7: blocks.motor.timeout: only an FMU in a process of its own has this limit; remedy: isolation: process",
+        "loop.yaml:7: blocks.motor.timeout: only an FMU in a process of its own has this limit; remedy: "
+        "isolation: process",
         "    fmu: motor.fmu\n",
         "    fmu: motor.fmu\n    timeout: 5 s\n    isolation: none\n",
     ),
@@ -795,7 +805,8 @@ CASES = [
     ),
     Case(
         "an FMU that refuses its parameters",
-        "motor: fmi2ExitInitializationMode in initialization: gave status error\n  motor logged: [error] the gain is refused: 0",
+        "motor: fmi2ExitInitializationMode in initialization: gave status error\n  motor logged: [error] the gain "
+        "is refused: 0",
         options=("loop.yaml", "--set", "motor.fault=5"),
         status=3,
         runs=True,
@@ -873,9 +884,11 @@ def page(outcomes: Mapping[str, tuple[int, str, bool]]) -> str:
     lines = [
         "# Errors",
         "",
-        "What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is wrong and nothing was run,",
+        "What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is "
+        "wrong and nothing was run,",
         "3 where an FMU failed. Each row is a test; this file is made from their output by",
-        "`python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md`. The scenario is a loop of a motor and its regulator.",
+        "`python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md`. The scenario is a "
+        "loop of a motor and its regulator.",
         "",
         "| what is wrong | message | status |",
         "|---|---|---|",

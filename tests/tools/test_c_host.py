@@ -61,7 +61,8 @@ def test_the_python_flavour_says_what_it_needs_and_the_way_out(host: Path, block
     said, instance, _ = instantiated(host, block, "python", tmp_path / "50%s %n").split("\n")
     assert instance == "no instance"
     message = (
-        "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is the native flavour of "
+        "this FMU needs a host that holds Python 3.11 or later with numpy; for any other there is the native "
+        "flavour of "
         "this block, which needs nothing. PythonFMU's library cannot be loaded: "
     )
     assert said.startswith(f"block 3 logStatusError: {message}")

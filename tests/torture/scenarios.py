@@ -53,7 +53,8 @@ delays: []
 )
 INLINE = WHOLE.replace(
     "map: mapping.yaml",
-    f"map: {{ports: {{voltage: command, gain: {{theirs: kp, scale: {vendor.GAIN!r}}}}}, ignore: [speed], inputs: {{rate: motor.speed}}}}",
+    "map: "
+    f"{{ports: {{voltage: command, gain: {{theirs: kp, scale: {vendor.GAIN!r}}}}}, ignore: [speed], inputs: {{rate: motor.speed}}}}",
 )
 """Theirs takes the motor's speed by an input that only it has."""
 VALUES: tuple[Any, ...] = (

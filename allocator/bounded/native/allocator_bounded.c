@@ -41,8 +41,8 @@ void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBou
 
 /* The commands that give r, N m, as nearly as the limits and the preference let them: in shares of the limits,
  * minimise |A x - r|^2 + sum w_i^2 (x_i - p_i)^2. The columns of A are the torques of the actuators at their limits. */
-static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, const Vector rods[3], Vector r,
-                         bool with_rods_ff)
+static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, const Vector rods[3],
+                         Vector r, bool with_rods_ff)
 {
     const AllocatorBoundedParameters *p = &law->p;
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
@@ -52,7 +52,8 @@ static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedI
     const Vector A[BOX_N] = {scale(limit.x, rods[0]), scale(limit.y, rods[1]), scale(limit.z, rods[2]),
                              scale(-torque_max, vector(law->axis))};
     const double wheel_weight = (with_wheel_ff ? p->wheel_weight_ff : p->wheel_weight) * torque_max;
-    const double weight[BOX_N] = {p->rod_weight * limit.x, p->rod_weight * limit.y, p->rod_weight * limit.z, wheel_weight};
+    const double weight[BOX_N] = {p->rod_weight * limit.x, p->rod_weight * limit.y, p->rod_weight * limit.z,
+                                  wheel_weight};
     const double dh_w_p = with_wheel_ff ? u->wheel_torque_ff : -h_w / p->desaturation_time;
     const Vector m_p = with_rods_ff ? vector(u->dipole_ff) : (Vector){0.0, 0.0, 0.0};
     const double preferred[BOX_N] = {m_p.x / limit.x, m_p.y / limit.y, m_p.z / limit.z, dh_w_p / torque_max};
@@ -82,13 +83,17 @@ static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedI
     return (Commands){dipole, torque_max * x[3], smaller(fraction, FRACTION_CAP)};
 }
 
-bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
-                               AllocatorBoundedOutputs *y, Fault *f)
+bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                               const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f)
 {
     (void)x;
-    const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B), dipole_ff = vector(u->dipole_ff);
-    const NamedVector vectors[] = {
-        {"tau_cmd_B", tau}, {"b_B", b_B}, {"omega_B", Omega}, {"dipole_ff", dipole_ff}, {"rod_gains", vector(u->rod_gains)}};
+    const Vector tau = vector(u->tau_cmd_B), b_B = vector(u->b_B), Omega = vector(u->omega_B),
+                 dipole_ff = vector(u->dipole_ff);
+    const NamedVector vectors[] = {{"tau_cmd_B", tau},
+                                   {"b_B", b_B},
+                                   {"omega_B", Omega},
+                                   {"dipole_ff", dipole_ff},
+                                   {"rod_gains", vector(u->rod_gains)}};
     const Named numbers[] = {{"h_w", u->h_w}, {"wheel_torque_ff", u->wheel_torque_ff}};
     if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
         return false;
@@ -130,8 +135,8 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
     return true;
 }
 
-bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u, double h,
-                            AllocatorBoundedOutputs *y, Fault *f)
+bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
+                            double h, AllocatorBoundedOutputs *y, Fault *f)
 {
     if (!allocator_bounded_outputs(law, x, u, y, f)) {
         return false;

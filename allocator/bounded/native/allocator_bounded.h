@@ -32,11 +32,11 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
                              Fault *f);
 
 /* The commands that serve the demand best within the limits; they do not depend on x. */
-bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
-                               AllocatorBoundedOutputs *y, Fault *f);
+bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                               const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f);
 
 /* From t to t + h: u are the inputs at t + h. */
-bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u, double h,
-                            AllocatorBoundedOutputs *y, Fault *f);
+bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
+                            double h, AllocatorBoundedOutputs *y, Fault *f);
 
 #endif

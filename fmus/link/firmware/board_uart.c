@@ -16,7 +16,13 @@ typedef struct {
     volatile uint32_t data, state, control, interrupt, divider;
 } Uart;
 
-enum { STATE_SEND_FULL = 1, STATE_RECEIVE_FULL = 2, CONTROL_SEND = 1, CONTROL_RECEIVE = 2, CONTROL_RECEIVE_INTERRUPT = 8 };
+enum {
+    STATE_SEND_FULL = 1,
+    STATE_RECEIVE_FULL = 2,
+    CONTROL_SEND = 1,
+    CONTROL_RECEIVE = 2,
+    CONTROL_RECEIVE_INTERRUPT = 8
+};
 enum { INTERRUPT_RECEIVED = 2 };
 
 /* NVIC: enables interrupts, and clears pending ones. */

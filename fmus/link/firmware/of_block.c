@@ -29,8 +29,8 @@ const char *block_sample(const Parameters *p, Memory *memory, const Inputs *u, d
         memory->p = *p;
         block_prepare(p, &memory->law);
     }
-    const bool done =
-        h == 0.0 ? block_start(&memory->law, u, &memory->state, &f) && block_outputs(&memory->law, &memory->state, u, y, &f)
-                 : block_step(&memory->law, &memory->state, u, h, y, &f);
+    const bool done = h == 0.0 ? block_start(&memory->law, u, &memory->state, &f) &&
+                                     block_outputs(&memory->law, &memory->state, u, y, &f)
+                               : block_step(&memory->law, &memory->state, u, h, y, &f);
     return done ? NULL : text_of(&f, memory->why, sizeof memory->why);
 }

@@ -61,7 +61,8 @@ static bool open_line(Link *link, const LinkSettings *s, double wait)
     link->reader.size = sizeof link->received;
     link->reader.held = link->reader.taken = 0;
     link->count = link->next = 0;
-    return line_open(&link->line, (Transport)s->transport, s->address, s->baud, wait, link->reason, sizeof link->reason);
+    return line_open(&link->line, (Transport)s->transport, s->address, s->baud, wait, link->reason,
+                     sizeof link->reason);
 }
 
 /* The next frame of this session. Ends where the time is over, also where bytes of no use come on and on. */
@@ -107,7 +108,8 @@ LinkEnd link_refused(Link *link, const LinkFrame *frame, Fault *f)
     return wrong(link, f, "that it accepts the request", text[0] != '\0' ? text : "a refusal without a reason");
 }
 
-LinkEnd link_request(Link *link, const LinkSettings *s, uint8_t type, size_t payload, double wait, LinkFrame *answer, Fault *f)
+LinkEnd link_request(Link *link, const LinkSettings *s, uint8_t type, size_t payload, double wait, LinkFrame *answer,
+                     Fault *f)
 {
     const double begin = line_now(), each = wait / s->tries > AGAIN ? wait / s->tries : AGAIN;
     const uint32_t sequence = ++link->sequence;
@@ -195,7 +197,8 @@ LinkEnd link_greet(Link *link, const LinkSettings *s, double wait, Fault *f)
         return LINK_ANSWERED;
     }
     if (!link->same_session) { /* a number that an earlier run has hardly had */
-        link->session = (uint32_t)((((uint64_t)(1e9 * begin) ^ (uint64_t)(uintptr_t)link) * 11400714819323198485u) >> 32);
+        link->session =
+            (uint32_t)((((uint64_t)(1e9 * begin) ^ (uint64_t)(uintptr_t)link) * 11400714819323198485u) >> 32);
     }
     uint8_t *payload = link->sent + LINK_HEADER;
     memset(payload, 0, LINK_GREETING);

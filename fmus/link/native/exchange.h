@@ -40,8 +40,8 @@ typedef enum {
 LinkEnd link_greet(Link *link, const LinkSettings *settings, double wait, Fault *f);
 
 /* Sends a request again and again, and takes its answer. The payload stands at link->sent + LINK_HEADER. */
-LinkEnd link_request(Link *link, const LinkSettings *settings, uint8_t type, size_t payload, double wait, LinkFrame *answer,
-                     Fault *f);
+LinkEnd link_request(Link *link, const LinkSettings *settings, uint8_t type, size_t payload, double wait,
+                     LinkFrame *answer, Fault *f);
 
 /* Sends a request and waits for no answer. */
 LinkEnd link_tell(Link *link, const LinkSettings *settings, uint8_t type, size_t payload, Fault *f);

@@ -58,7 +58,8 @@ static void drop(LinkReader *reader, size_t n)
 static size_t up_to_mark(const LinkReader *reader, size_t from)
 {
     size_t n = from;
-    while (n < reader->held && !(reader->bytes[n] == MARK[0] && (n + 1 == reader->held || reader->bytes[n + 1] == MARK[1]))) {
+    while (n < reader->held &&
+           !(reader->bytes[n] == MARK[0] && (n + 1 == reader->held || reader->bytes[n + 1] == MARK[1]))) {
         ++n;
     }
     return n;

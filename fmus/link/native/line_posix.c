@@ -174,7 +174,8 @@ bool line_open(Line *line, Transport transport, const char *address, int baud, d
 /* An error that a later attempt may not meet. That nobody listens at a UDP port is one: the device may start later. */
 static bool passing(const Line *line)
 {
-    return errno == EAGAIN || errno == EINTR || (line->transport == LINE_UDP && (errno == ECONNREFUSED || errno == ENOBUFS));
+    return errno == EAGAIN || errno == EINTR ||
+           (line->transport == LINE_UDP && (errno == ECONNREFUSED || errno == ENOBUFS));
 }
 
 bool line_send(Line *line, const uint8_t *bytes, size_t n, double until)
@@ -182,7 +183,8 @@ bool line_send(Line *line, const uint8_t *bytes, size_t n, double until)
     const bool is_socket = line->transport == LINE_UDP || line->transport == LINE_TCP;
     const int file = (int)line->out;
     for (size_t sent = 0; sent < n;) {
-        const ssize_t some = is_socket ? send(file, bytes + sent, n - sent, NO_SIGNAL) : write(file, bytes + sent, n - sent);
+        const ssize_t some =
+            is_socket ? send(file, bytes + sent, n - sent, NO_SIGNAL) : write(file, bytes + sent, n - sent);
         if (some > 0) {
             sent += (size_t)some;
         } else if (some < 0 && !passing(line)) {

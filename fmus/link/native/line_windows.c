@@ -178,8 +178,8 @@ bool line_open(Line *line, Transport transport, const char *address, int baud, d
 {
     const double until = line_now() + wait;
     line->transport = transport;
-    line->open =
-        is_socket(line) ? open_socket(line, address, until, reason, size) : open_file(line, address, baud, until, reason, size);
+    line->open = is_socket(line) ? open_socket(line, address, until, reason, size)
+                                 : open_file(line, address, baud, until, reason, size);
     return line->open;
 }
 

@@ -23,8 +23,8 @@ bool link_check(const Parameters *p, Fault *f)
 {
     const bool net = p->link_transport <= LINE_TCP;
     const bool good = net ? line_is_host_port(p->link_address) : p->link_address[0] != '\0';
-    *f = (Fault){"link_address", net ? "HOST:PORT with a port from 1 to 65535" : "a serial device or a pipe", p->link_address,
-                 0.0};
+    *f = (Fault){"link_address", net ? "HOST:PORT with a port from 1 to 65535" : "a serial device or a pipe",
+                 p->link_address, 0.0};
     return good;
 }
 
@@ -92,7 +92,8 @@ static LinkEnd wrong_size(const Law *law, const LinkFrame *answer, Fault *f)
 }
 
 /* A request that the device answers with its outputs at a time. */
-static LinkEnd sample(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x, Fault *f)
+static LinkEnd sample(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x,
+                      Fault *f)
 {
     LinkFrame answer;
     const size_t n = put_inputs(law, s, t, h, u);
@@ -205,7 +206,8 @@ static LinkEnd exchange(Law *law, const LinkSettings *s, double h, const Inputs 
         return LINK_ANSWERED; /* it has just begun, with these inputs */
     }
     if ((end = tell_parameters(law, s, f)) == LINK_ANSWERED) {
-        end = law->p.link_mode == LOCK_STEP ? sample(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
+        end =
+            law->p.link_mode == LOCK_STEP ? sample(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
     }
     if (end == LINK_RESTARTED && law->p.link_when_silent != SILENT_STOP) {
         end = begin_anew(law, s, x->t + h, u, x, f);

@@ -11,7 +11,8 @@ enum { ONBOARD_DEGREE_MAX = 13, ONBOARD_TERMS = 104 };
 
 static const double ONBOARD_RADIUS = 6371200.0;          /* m, of the field models */
 static const double ONBOARD_EARTH_RATE = 7.292115855e-5; /* rad/s, of Greenwich relative to N */
-static const double ONBOARD_R_MIN = 1e6;      /* m; no orbit is nearer to the centre, so a lesser distance is in another unit */
+static const double ONBOARD_R_MIN =
+    1e6; /* m; no orbit is nearer to the centre, so a lesser distance is in another unit */
 static const double ONBOARD_FIELD_MAX = 1e-3; /* T; no orbit has more, so a larger field is in another unit */
 static const double ONBOARD_TURN = 2.0 * 3.14159265358979323846;
 
@@ -65,7 +66,8 @@ static inline bool is_covered_epoch(const char *text, const GaussModel *model, F
 }
 
 /* The field at a date, up to a degree; `error` (T) is added to g10, g11, h11. */
-static inline void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
+static inline void onboard_field(const GaussModel *model, double days, int degree, const double error[3],
+                                 OnboardField *field)
 {
     const double year = year_of_days(days);
     const int last = model->epochs - 1;

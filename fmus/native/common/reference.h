@@ -9,11 +9,12 @@
 /* Values of the parameter `reference`, as in the interfaces. */
 enum { REFERENCE_LVLH = 1, REFERENCE_INERTIAL = 2, REFERENCE_RATE = 3 };
 
-static const double REFERENCE_R_MIN = 1.0;                /* m; nearer to the Earth's centre a position has no direction */
+static const double REFERENCE_R_MIN = 1.0; /* m; nearer to the Earth's centre a position has no direction */
 static const double REFERENCE_ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB and R_d: single precision stays well below it */
 static const double REFERENCE_PARAMETER_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
 static const double REFERENCE_COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
-static const double REFERENCE_NO_ATTITUDE = 3.14159265358979323846; /* rad; the attitude error while there is no attitude */
+static const double REFERENCE_NO_ATTITUDE =
+    3.14159265358979323846; /* rad; the attitude error while there is no attitude */
 
 /* Attitude (N from desired body), rate and its derivative in desired body axes [3]. */
 typedef struct {
@@ -41,12 +42,13 @@ static inline bool is_reference_start(const double R_d0[3][3], const double Omeg
 /* Whether R_NB is an attitude. */
 static inline bool is_attitude(Matrix R_NB, Fault *f)
 {
-    return is_rotation(R_NB, REFERENCE_ATTITUDE_TOLERANCE, "R_NB", "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001",
-                       f);
+    return is_rotation(R_NB, REFERENCE_ATTITUDE_TOLERANCE, "R_NB",
+                       "a rotation matrix, max |R_NB^T R_NB - I| at most 0.0001", f);
 }
 
 /* Whether the inputs that every reference may need are finite. */
-static inline bool are_finite_rate_and_orbit(const double omega_B[3], const double r_N[3], const double v_N[3], Fault *f)
+static inline bool are_finite_rate_and_orbit(const double omega_B[3], const double r_N[3], const double v_N[3],
+                                             Fault *f)
 {
     const NamedVector inputs[] = {{"omega_B", vector(omega_B)}, {"r_N", vector(r_N)}, {"v_N", vector(v_N)}};
     return all_finite_vectors(inputs, COUNT(inputs), f);

@@ -30,8 +30,9 @@ static double sine(double x) /* |x| <= pi/4 */
 
 static double cosine(double x) /* |x| <= pi/4 */
 {
-    static const double c[] = {1.0 / 24.0,        -1.0 / 720.0,         1.0 / 40320.0,          -1.0 / 3628800.0,
-                               1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0, -1.0 / 6402373705728000.0};
+    static const double c[] = {
+        1.0 / 24.0,        -1.0 / 720.0,         1.0 / 40320.0,          -1.0 / 3628800.0,
+        1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0, -1.0 / 6402373705728000.0};
     const double z = x * x, half = 0.5 * z;
     const double w = 1.0 - half;
     return w + ((1.0 - w - half) + z * z * horner(z, c, 8)); /* with what 1 - half lost */

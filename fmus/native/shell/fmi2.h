@@ -30,7 +30,8 @@ typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
 typedef enum { fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTime, fmi2Terminated } fmi2StatusKind;
 
 typedef struct {
-    void (*logger)(fmi2ComponentEnvironment, fmi2String instance, fmi2Status, fmi2String category, fmi2String message, ...);
+    void (*logger)(fmi2ComponentEnvironment, fmi2String instance, fmi2Status, fmi2String category, fmi2String message,
+                   ...);
     void *(*allocateMemory)(size_t count, size_t size);
     void (*freeMemory)(void *);
     void (*stepFinished)(fmi2ComponentEnvironment, fmi2Status);
@@ -44,8 +45,8 @@ FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component, fmi2Boolean on, size_t
 FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type, fmi2String guid, fmi2String resources,
                                           const fmi2CallbackFunctions *, fmi2Boolean visible, fmi2Boolean log);
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
-                                           fmi2Boolean stop_defined, fmi2Real stop);
+FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+                                           fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop);
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component);
 FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component);
 FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component);
@@ -67,10 +68,11 @@ FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, s
 FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
 FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
 FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference unknown[], size_t,
-                                                    const fmi2ValueReference known[], size_t, const fmi2Real[], fmi2Real[]);
+                                                    const fmi2ValueReference known[], size_t, const fmi2Real[],
+                                                    fmi2Real[]);
 
-FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Integer order[],
-                                                   const fmi2Real[]);
+FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], size_t,
+                                                   const fmi2Integer order[], const fmi2Real[]);
 FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component, const fmi2ValueReference[], size_t,
                                                     const fmi2Integer order[], fmi2Real[]);
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state_before);

@@ -163,8 +163,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t n
     return fmi2OK;
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
-                               fmi2Boolean stop_defined, fmi2Real stop)
+fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+                               fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop)
 {
     fmi2Status status;
     Instance *c = enter(component, "fmi2SetupExperiment", IN_SETUP, &status);
@@ -176,7 +176,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
         return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"startTime", "a finite number", NULL, start});
     }
     if (stop_defined != fmi2False && !(stop >= start && isfinite(stop))) {
-        return refuse_fault(c, "fmi2SetupExperiment", &(Fault){"stopTime", "a finite number, at least startTime", NULL, stop});
+        return refuse_fault(c, "fmi2SetupExperiment",
+                            &(Fault){"stopTime", "a finite number, at least startTime", NULL, stop});
     }
     c->memory.time = start; /* the block's t = 0 */
     c->memory.stop = stop_defined != fmi2False ? stop : INFINITY;

@@ -23,8 +23,8 @@ static size_t reach(fmi2ValueReference reference, size_t n)
     return n <= variables[reference].followers ? n : variables[reference].followers + 1;
 }
 
-static Instance *begin_get(fmi2Component component, const char *function, const fmi2ValueReference references[], size_t n,
-                           const void *values, fmi2Status *status)
+static Instance *begin_get(fmi2Component component, const char *function, const fmi2ValueReference references[],
+                           size_t n, const void *values, fmi2Status *status)
 {
     Instance *c = enter(component, function, IN_ANY, status);
     if (c != NULL && n > 0 && (references == NULL || values == NULL)) {
@@ -63,7 +63,8 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference referen
     return status;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2Integer values[])
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                          fmi2Integer values[])
 {
     fmi2Status status;
     Instance *c = begin_get(component, "fmi2GetInteger", references, n, values, &status);
@@ -79,7 +80,8 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference refe
     return status;
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n, fmi2Boolean values[])
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                          fmi2Boolean values[])
 {
     fmi2Status status;
     Instance *c = begin_get(component, "fmi2GetBoolean", references, n, values, &status);
@@ -123,8 +125,8 @@ static bool settable(const Instance *c, const char *function, const Variable *v)
     return true;
 }
 
-static Instance *begin_set(fmi2Component component, const char *function, const fmi2ValueReference references[], size_t n,
-                           const void *values, fmi2Status *status)
+static Instance *begin_set(fmi2Component component, const char *function, const fmi2ValueReference references[],
+                           size_t n, const void *values, fmi2Status *status)
 {
     Instance *c = enter(component, function, IN_SETUP | IN_INITIALIZATION | IN_STEP, status);
     if (c != NULL && n > 0 && (references == NULL || values == NULL)) {
@@ -137,7 +139,8 @@ static Instance *begin_set(fmi2Component component, const char *function, const 
 /* The variable of this kind that is to be set; NULL where it cannot be. */
 static const Variable *writable(const Instance *c, const char *function, fmi2ValueReference reference, Kind kind)
 {
-    return known(c, function, reference, kind) && settable(c, function, &variables[reference]) ? &variables[reference] : NULL;
+    return known(c, function, reference, kind) && settable(c, function, &variables[reference]) ? &variables[reference]
+                                                                                               : NULL;
 }
 
 /* After a value of v was written. */
@@ -149,7 +152,8 @@ static void touched(Instance *c, const Variable *v)
     }
 }
 
-fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Real values[])
+fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                       const fmi2Real values[])
 {
     fmi2Status status;
     Instance *c = begin_set(component, "fmi2SetReal", references, n, values, &status);
@@ -175,7 +179,8 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference referen
     return status;
 }
 
-fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Integer values[])
+fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                          const fmi2Integer values[])
 {
     fmi2Status status;
     Instance *c = begin_set(component, "fmi2SetInteger", references, n, values, &status);
@@ -196,7 +201,8 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference refe
     return status;
 }
 
-fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2Boolean values[])
+fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                          const fmi2Boolean values[])
 {
     fmi2Status status;
     Instance *c = begin_set(component, "fmi2SetBoolean", references, n, values, &status);
@@ -206,7 +212,8 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference refe
             return fmi2Error;
         }
         if (values[i] != fmi2False && values[i] != fmi2True) {
-            return refuse_fault(c, "fmi2SetBoolean", &(Fault){v->name, "fmi2False (0) or fmi2True (1)", NULL, values[i]});
+            return refuse_fault(c, "fmi2SetBoolean",
+                                &(Fault){v->name, "fmi2False (0) or fmi2True (1)", NULL, values[i]});
         }
     }
     for (size_t i = 0; c != NULL && i < n; ++i) {
@@ -217,7 +224,8 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference refe
     return status;
 }
 
-fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference references[], size_t n, const fmi2String values[])
+fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference references[], size_t n,
+                         const fmi2String values[])
 {
     fmi2Status status;
     Instance *c = begin_set(component, "fmi2SetString", references, n, values, &status);

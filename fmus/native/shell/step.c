@@ -3,8 +3,9 @@
 
 #include <math.h>
 
-static const double BEYOND_STOP = 0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
-static const double ROUNDING = 1e-12;   /* of a time */
+static const double BEYOND_STOP =
+    0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
+static const double ROUNDING = 1e-12; /* of a time */
 
 /* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it, and the
  * outputs are evaluated anew where they are read. */

@@ -109,6 +109,7 @@ def notes(design: Design) -> list[str]:
     if design.sampling == "sobol" and design.runs & (design.runs - 1):
         near = 1 << design.runs.bit_length()
         return [
-            f"{design.runs} points of Sobol's sequence are balanced less well than a power of 2, such as {near // 2} or {near}"
+            f"{design.runs} points of Sobol's sequence are balanced less well than a power of 2, such as "
+            f"{near // 2} or {near}"
         ]
     return []

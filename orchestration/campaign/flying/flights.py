@@ -94,6 +94,8 @@ class Flights:
             crew.anew = self._fresh = True
             few = ", ".join(differ[:3]) + f" and {len(differ) - 3} more" * (len(differ) > 3)
             self._remark(
-                f"run {index} on FMUs that were reset differs from the same run on fresh ones in {few}: fmi2Reset leaves "
-                f"something behind; FMUs are instantiated for each run from now on, and {len(gone)} runs are flown again"
+                f"run {index} on FMUs that were reset differs from the same run on fresh ones in {few}: fmi2Reset "
+                "leaves "
+                f"something behind; FMUs are instantiated for each run from now on, and {len(gone)} runs are "
+                "flown again"
             )

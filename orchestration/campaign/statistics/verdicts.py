@@ -109,7 +109,8 @@ def hints(requirements: Iterable[Requirement], runs: int, early: bool = False) -
         requirement: runs_needed(requirement.probability, requirement.confidence, early) for requirement in requirements
     }
     return [
-        f"{requirement.name}: {runs} runs cannot show a probability of {requirement.probability:g} at {percent(requirement.confidence)} "
+        f"{requirement.name}: {runs} runs cannot show a probability of {requirement.probability:g} at "
+        f"{percent(requirement.confidence)} "
         f"confidence; {least} are needed at least" + (", if it may stop early" if early else "")
         for requirement, least in needed.items()
         if least > runs

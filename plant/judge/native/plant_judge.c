@@ -21,7 +21,8 @@ static bool desired(const PlantJudgeLaw *law, double t, const PlantJudgeInputs *
         return fault(f, "Omega_d", norm(vector(u->Omega_d)), "to be connected, since R_d is: connect both or neither");
     }
     if (has_rate && !has_attitude) {
-        return fault(f, "R_d", largest_element(matrix(u->R_d)), "to be connected, since Omega_d is: connect both or neither");
+        return fault(f, "R_d", largest_element(matrix(u->R_d)),
+                     "to be connected, since Omega_d is: connect both or neither");
     }
     if (has_attitude) {
         *reference = (Reference){matrix(u->R_d), vector(u->Omega_d), {0.0, 0.0, 0.0}};
@@ -46,8 +47,8 @@ static bool no_attitude(const PlantJudgeState *x, const PlantJudgeInputs *u)
 }
 
 /* Q = R_d^T R = exp(zeta^), omega = Omega - Q^T Omega_d [4]. */
-bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, const PlantJudgeInputs *u, PlantJudgeOutputs *y,
-                         Fault *f)
+bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, const PlantJudgeInputs *u,
+                         PlantJudgeOutputs *y, Fault *f)
 {
     const Matrix R = matrix(u->R_NB);
     Reference reference;
@@ -77,8 +78,8 @@ bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, con
     return true;
 }
 
-bool plant_judge_step(const PlantJudgeLaw *law, PlantJudgeState *x, const PlantJudgeInputs *u, double h, PlantJudgeOutputs *y,
-                      Fault *f)
+bool plant_judge_step(const PlantJudgeLaw *law, PlantJudgeState *x, const PlantJudgeInputs *u, double h,
+                      PlantJudgeOutputs *y, Fault *f)
 {
     const PlantJudgeState next = {x->t + h, !no_attitude(x, u)};
     if (!plant_judge_outputs(law, &next, u, y, f)) {

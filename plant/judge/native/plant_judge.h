@@ -24,11 +24,11 @@ void plant_judge_prepare(const PlantJudgeParameters *p, PlantJudgeLaw *law);
 bool plant_judge_start(const PlantJudgeLaw *law, const PlantJudgeInputs *u, PlantJudgeState *x, Fault *f);
 
 /* The errors of the inputs as they stand. */
-bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, const PlantJudgeInputs *u, PlantJudgeOutputs *y,
-                         Fault *f);
+bool plant_judge_outputs(const PlantJudgeLaw *law, const PlantJudgeState *x, const PlantJudgeInputs *u,
+                         PlantJudgeOutputs *y, Fault *f);
 
 /* From t to t + h; u is the truth at t + h. */
-bool plant_judge_step(const PlantJudgeLaw *law, PlantJudgeState *x, const PlantJudgeInputs *u, double h, PlantJudgeOutputs *y,
-                      Fault *f);
+bool plant_judge_step(const PlantJudgeLaw *law, PlantJudgeState *x, const PlantJudgeInputs *u, double h,
+                      PlantJudgeOutputs *y, Fault *f);
 
 #endif

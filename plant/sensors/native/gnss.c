@@ -1,7 +1,8 @@
 /* The GNSS receiver: position and velocity with noise. */
 #include "models.h"
 
-void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u, PlantSensorsOutputs *y)
+void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,
+                       PlantSensorsOutputs *y)
 {
     Vector r = vector(u->r_N), v = vector(u->v_N);
     if (p->position_noise > 0.0) {

@@ -9,7 +9,8 @@ Vector plant_sensors_field(const PlantSensorsLaw *law, int64_t sample, const Pla
     if (!law->has_field_error) {
         return field;
     }
-    const Vector error = add(vector(p->field_bias_B), sensor_noise((Draw){p->seed, sample, FIELD_NOISE}, p->field_noise));
+    const Vector error =
+        add(vector(p->field_bias_B), sensor_noise((Draw){p->seed, sample, FIELD_NOISE}, p->field_noise));
     if (law->has_rod_coupling && plant_sensors_has_dipole(u)) {
         field = add(field, apply(matrix(p->field_rod_coupling), vector(u->dipole)));
     }

@@ -29,7 +29,8 @@ Matrix plant_sensors_attitude(const PlantSensorsLaw *law, int64_t sample, const 
 /* The signals of the coarse sun sensors and the unit vector to the Sun, zeros where there is none: then false. */
 bool plant_sensors_sun(const PlantSensorsLaw *law, int64_t sample, const PlantSensorsInputs *u, PlantSensorsOutputs *y);
 
-void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u, PlantSensorsOutputs *y);
+void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,
+                       PlantSensorsOutputs *y);
 
 void plant_sensors_telemetry(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,
                              PlantSensorsOutputs *y);

@@ -135,7 +135,8 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
     }
     law->boresight = unit(vector(p->attitude_boresight_B));
     law->fine_sun_axis = unit(vector(p->fine_sun_axis_B));
-    law->turns_attitude = p->attitude_noise > 0.0 || p->attitude_noise_about > 0.0 || largest(vector(p->attitude_bias_B)) > 0.0;
+    law->turns_attitude =
+        p->attitude_noise > 0.0 || p->attitude_noise_about > 0.0 || largest(vector(p->attitude_bias_B)) > 0.0;
     law->has_drift = p->rate_random_walk > 0.0 || p->rate_instability > 0.0;
     law->has_rate_error = law->has_drift || p->rate_noise > 0.0 || p->angle_random_walk > 0.0 || p->rate_range > 0.0 ||
                           p->rate_quantum > 0.0 || largest(vector(p->rate_bias_B)) > 0.0 ||

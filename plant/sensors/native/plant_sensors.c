@@ -11,8 +11,8 @@ static int32_t following(int32_t count)
 }
 
 /* The measurements by the sensors that are due, of the numbers and with the memory in x. */
-static void measure(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u, const bool due[CLOCKS],
-                    PlantSensorsOutputs *y)
+static void measure(const PlantSensorsLaw *law, const PlantSensorsState *x, const PlantSensorsInputs *u,
+                    const bool due[CLOCKS], PlantSensorsOutputs *y)
 {
     const PlantSensorsParameters *p = &law->p;
     if (due[ATTITUDE]) {
@@ -85,11 +85,12 @@ static bool tick(const PlantSensorsLaw *law, int i, double h, double *since, int
 }
 
 /* Drift and drop-outs over the time since the measurement before. */
-static void remember(const PlantSensorsLaw *law, PlantSensorsState *x, const bool due[CLOCKS], const double spans[CLOCKS])
+static void remember(const PlantSensorsLaw *law, PlantSensorsState *x, const bool due[CLOCKS],
+                     const double spans[CLOCKS])
 {
     const PlantSensorsParameters *p = &law->p;
-    const int32_t counted[COUNTERS] = {x->held.attitude_sample, x->held.rate_sample, x->held.field_sample, x->held.orbit_sample,
-                                       x->held.sun_sample};
+    const int32_t counted[COUNTERS] = {x->held.attitude_sample, x->held.rate_sample, x->held.field_sample,
+                                       x->held.orbit_sample, x->held.sun_sample};
     for (int i = 0; i < COUNTERS; ++i) {
         x->before[i] = due[i] ? counted[i] : x->before[i];
     }
@@ -102,8 +103,8 @@ static void remember(const PlantSensorsLaw *law, PlantSensorsState *x, const boo
     }
     if (due[ATTITUDE] && p->attitude_outage_interval > 0.0) {
         const Draw draw = {p->seed, x->sample[ATTITUDE], ATTITUDE_LOSS_NOISE};
-        x->attitude_lost = plant_sensors_lost(x->attitude_lost, p->attitude_outage_interval, p->attitude_outage_duration,
-                                              spans[ATTITUDE], draw);
+        x->attitude_lost = plant_sensors_lost(x->attitude_lost, p->attitude_outage_interval,
+                                              p->attitude_outage_duration, spans[ATTITUDE], draw);
     }
     if (due[ORBIT] && p->orbit_outage_interval > 0.0) {
         const Draw draw = {p->seed, x->sample[ORBIT], ORBIT_LOSS_NOISE};

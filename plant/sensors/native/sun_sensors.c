@@ -19,7 +19,8 @@ static double view_factor(double c, double H)
     return 0.5 - atan2(m, q) / PI + (c * atan2(q, -m * c) - m * q) / (PI * H * H);
 }
 
-static void signals(const PlantSensorsLaw *law, int64_t sample, Vector s_B, double sunlight, Vector r_B, double x[SUN_SENSORS])
+static void signals(const PlantSensorsLaw *law, int64_t sample, Vector s_B, double sunlight, Vector r_B,
+                    double x[SUN_SENSORS])
 {
     const PlantSensorsParameters *p = &law->p;
     double lit = 0.0, H = 1.0, noise[2] = {0.0, 0.0};

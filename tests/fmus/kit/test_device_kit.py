@@ -122,7 +122,8 @@ def test_a_python_device_is_told_from_an_empty_one(python_kit):
     return vars(y)
 """
     law.write_text(
-        f"import sys\nsys.path.append({str(ROOT)!r})\nimport controller\nimport numpy as np\n{text[:begin]}{body}{text[end:]}"
+        f"import sys\nsys.path.append({str(ROOT)!r})\nimport controller\nimport numpy as "
+        f"np\n{text[:begin]}{body}{text[end:]}"
     )
     right = bench(python_kit, "run", "controller_device.py")
     assert right.returncode == 0, right.stdout + right.stderr

@@ -24,8 +24,8 @@ static void take(void *line, const uint8_t *bytes, size_t n)
     }
 }
 
-const char *controller_sample(const ControllerParameters *p, ControllerMemory *x, const ControllerInputs *u, double t, double h,
-                              ControllerOutputs *y)
+const char *controller_sample(const ControllerParameters *p, ControllerMemory *x, const ControllerInputs *u, double t,
+                              double h, ControllerOutputs *y)
 {
     (void)p, (void)u;
     *y = (ControllerOutputs){.attitude_error = t + h};

@@ -77,7 +77,8 @@ bool line_send(Line *l, const uint8_t *bytes, size_t n, double until)
                 payload[0] = LINK_NOT_STARTED;
                 size = LINK_REFUSAL;
             } else if (f.type != LINK_PARAMETERS) {
-                const double t = link_take_time(f.payload, 0) + (f.type == LINK_STEP ? link_take_time(f.payload + 8, 0) : 0.0);
+                const double t =
+                    link_take_time(f.payload, 0) + (f.type == LINK_STEP ? link_take_time(f.payload + 8, 0) : 0.0);
                 const Outputs y = {.attitude_error = t};
                 started = true;
                 link_put_time(t, 0, payload);

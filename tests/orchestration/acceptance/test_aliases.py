@@ -42,7 +42,8 @@ def test_references_of_different_types_are_no_aliases(tmp_path: Path) -> None:
     [
         (
             [variable("a", 700, INPUT, VOLTS), variable("b", 700, INPUT, VOLTS)],
-            "a and b share the value reference 700 of type Real, and a and b can be set; expected at most one that can, "
+            "a and b share the value reference 700 of type Real, and a and b can be set; expected at most one "
+            "that can, "
             "since a value set for one is set for all",
         ),
         (
@@ -55,7 +56,8 @@ def test_references_of_different_types_are_no_aliases(tmp_path: Path) -> None:
         ),
         (
             [variable("a", 700, CONSTANT, '<Real start="1"/>'), variable("b", 700, CONSTANT, '<Real start="2"/>')],
-            "a and b share the value reference 700 of type Real, constants with the start values 1, 2; expected one value",
+            "a and b share the value reference 700 of type Real, constants with the start values 1, 2; expected "
+            "one value",
         ),
     ],
 )

@@ -159,7 +159,8 @@ def test_what_the_validator_finds_is_told(here):
             ('name="speed" valueReference="2"', 'name="spede" valueReference="2"'),
             "missing",
             "error",
-            "input speed, a real scalar in rad/s, is missing; by name or unit it may be spede; remedy: 'speed: spede' under ports in the mapping",
+            "input speed, a real scalar in rad/s, is missing; by name or unit it may be spede; remedy: 'speed: "
+            "spede' under ports in the mapping",
         ),
         (('name="voltage"', 'name="v"'), "missing", "note", "output voltage"),
         (

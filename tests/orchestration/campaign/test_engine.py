@@ -73,7 +73,8 @@ def test_a_stopped_campaign_goes_on_where_it_was(toy):
 def test_a_killed_client_goes_on_where_it_was(toy):
     fly(toy)
     code = (
-        "import os, sys; from pathlib import Path; from orchestration.campaign import engine; from orchestration.campaign.flying import dataset; "
+        "import os, sys; from pathlib import Path; from orchestration.campaign import engine; from "
+        "orchestration.campaign.flying import dataset; "
         "from orchestration.campaign.case import read_campaign; dataset._EVERY = dataset._SHARE = 0.0; "
         "engine.fly(read_campaign('toy.yaml'), Path('two'), workers=0, "
         "tell=lambda at: at.flown >= 25 and os.kill(os.getpid(), 9))"

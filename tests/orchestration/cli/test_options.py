@@ -130,7 +130,8 @@ def test_a_folder_with_files_of_others_is_refused_by_their_names(loop):
     told = orchestrate(loop.name, "--out", "mine")
     assert told.exit_code == 2
     assert told.stderr.startswith(
-        "mine holds files that are no results: a.txt, manifest.json, signals.csv and 1 more; expected a new or empty folder"
+        "mine holds files that are no results: a.txt, manifest.json, signals.csv and 1 more; expected a new or "
+        "empty folder"
     )
     with pytest.raises(InputError, match="mine holds files that are no results"):
         run(loop, out="mine")

@@ -171,8 +171,10 @@ def test_vectors_limits_units_and_dependencies_are_read_from_the_fmu(tmp_path):
     ("loader", "words"),
     [
         (
-            "Failed to load shared library binaries/linux64/x.so. libfoo.so.3: cannot open shared object file: No such file or directory",
-            "it needs the library libfoo.so.3, which is not on this machine; remedy: install it, or pack it into the FMU beside its library",
+            "Failed to load shared library binaries/linux64/x.so. libfoo.so.3: cannot open shared object file: No "
+            "such file or directory",
+            "it needs the library libfoo.so.3, which is not on this machine; remedy: install it, or pack it into "
+            "the FMU beside its library",
         ),
         ("x.so: undefined symbol: start", "x.so needs the symbol start, which no library that is loaded has"),
         ("x.so: undefined symbol: fmi2DoStep", "x.so lacks the function fmi2DoStep"),

@@ -81,7 +81,8 @@ def flown(page: Tab) -> dict[str, str]:
 def move(page: Tab, positions: Mapping[int, float]) -> None:
     """Moves sliders by their numbers, all before the worker answers."""
     moves = "; ".join(
-        f"it = document.querySelector('[data-control=\"{number}\"]'); it.value = {value}; it.dispatchEvent(new Event('input'))"
+        f"it = document.querySelector('[data-control=\"{number}\"]'); it.value = {value}; it.dispatchEvent(new "
+        "Event('input'))"
         for number, value in positions.items()
     )
     page.page.evaluate(f"(() => {{ let it; {moves} }})()")

@@ -24,7 +24,8 @@ def shell(command):
 def test_a_closed_pipe_does_not_change_the_verdict(loop):
     run_ = f"{sys.executable} -m orchestration"
     done = shell(
-        f"set -o pipefail; {run_} loop.yaml | true; {run_} loop.yaml --set motor.speed0=4 | true; echo ${{PIPESTATUS[0]}}"
+        f"set -o pipefail; {run_} loop.yaml | true; {run_} loop.yaml --set motor.speed0=4 | true; echo "
+        f"${{PIPESTATUS[0]}}"
     )
     assert (done.stdout, done.stderr) == ("1\n", "")
     done = shell(f"{run_} loop.yaml | true; echo ${{PIPESTATUS[0]}}; {run_} --help | true; echo ${{PIPESTATUS[0]}}")

@@ -71,7 +71,8 @@ def test_an_fmu_that_can_have_one_instance_in_a_process_has_no_second_there(tmp_
         with pytest.raises(InputError) as info:
             opened(fmu)
         assert str(info.value).endswith(
-            f"blocks.b.fmu: {fmu} can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), and a is one "
+            f"blocks.b.fmu: {fmu} can have one instance in a process (canBeInstantiatedOnlyOncePerProcess), and a "
+            "is one "
             "in this process, too; remedy: isolation: process"
         )
     assert set(opened("lone.fmu", "process").fmus) == set(opened("other.fmu").fmus) == {"a", "b"}

@@ -275,7 +275,8 @@ def test_a_refused_setting_names_its_time():
         ({"at": 1, "set": "block.gain = 1 kg"}, "gain has no unit, so expected a bare number, found '1 kg'"),
         (
             {"at": 1, "set": "block.fixed = 1"},
-            "block.fixed is fixed: FMI lets only tunable parameters and inputs be set during a run; tunable are gain, text",
+            "block.fixed is fixed: FMI lets only tunable parameters and inputs be set during a run; tunable are "
+            "gain, text",
         ),
         ({"at": 1, "set": "block.y = 1"}, "block.y is an output"),
         ({"at": 0.5, "until": 1, "set": "block.text = a"}, "block.text is text, which can be set but not be restored"),

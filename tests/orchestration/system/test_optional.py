@@ -358,7 +358,8 @@ def test_an_fmu_that_is_called_as_a_block_for_this_place_is_held_to_that(here):
 def test_an_archive_gives_each_element_its_own_unit(here):
     changed(ensure("plant"), here / "mixed.fmu", ('name="h_w"', 'name="b_B[4]"'))
     (here / "one.yaml").write_text(
-        "name: one\nstep: 1\nduration: 1\nblocks:\n  it: {fmu: mixed.fmu, start: {dipole_cmd: [0, 0, 0], wheel_torque_cmd: 0}}\n"
+        "name: one\nstep: 1\nduration: 1\nblocks:\n  it: {fmu: mixed.fmu, start: {dipole_cmd: [0, 0, 0], "
+        "wheel_torque_cmd: 0}}\n"
     )
     result = orchestrate("export", "one.yaml", "--ssp", "one.ssp")
     assert result.exit_code == 0, result.output
@@ -407,8 +408,8 @@ def test_a_flavour_that_a_block_has_not_is_refused_at_its_line(here, monkeypatch
     result = orchestrate("delayed.yaml", "--flavour", "python")
     assert result.exit_code == 2
     assert (
-        "delayed.yaml:8: blocks.allocator.fmu: the block 'allocator_bounded' has no flavour 'python'; remedy: 'flavour: native' for this block"
-        in result.stderr
+        "delayed.yaml:8: blocks.allocator.fmu: the block 'allocator_bounded' has no flavour 'python'; remedy: "
+        "'flavour: native' for this block" in result.stderr
     )
     result = orchestrate("build", "allocator_bounded", "--flavour", "python", "--out", "fmus")
     assert result.exit_code == 2

@@ -47,8 +47,8 @@ def test_a_step_that_does_not_divide_is_refused(tmp_path, monkeypatch):
     result = orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml")
     assert result.exit_code == 2
     assert (
-        "cannot vary its step of 0.15 s, which is no multiple of the step, 0.1 s; remedy: a base step that divides it, such as 'step: 0.075 s'"
-        in result.stderr
+        "cannot vary its step of 0.15 s, which is no multiple of the step, 0.1 s; remedy: a base step that "
+        "divides it, such as 'step: 0.075 s'" in result.stderr
     )
 
 
