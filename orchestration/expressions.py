@@ -1,6 +1,6 @@
 """Expressions in scenarios, campaigns and templates: arithmetic on what has a name, and nothing else of Python.
 
-Tests: tests/orchestration/expectations/test_expressions.py, tests/orchestration/campaign/test_expression.py.
+Tests: tests/orchestration/expectations/test_expressions.py, tests/orchestration/campaign/drawing/test_expression.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Prints what the console shows of a campaign at its end. Tests: tests/orchestration/campaign/test_report.py."""
+"""Prints what the console shows of a campaign at its end. Tests: tests/orchestration/campaign/report/test_page.py."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Matplotlib is imported only when something is drawn.
 
-Tests: tests/orchestration/results/test_keys.py, test_result.py, test_outputs.py.
+Tests: tests/orchestration/results/test_keys.py, test_views.py, test_outputs.py.
 """
 
 from __future__ import annotations

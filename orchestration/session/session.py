@@ -1,6 +1,6 @@
 """The session: one owner of what runs, from flight to flight.
 
-Tests: tests/orchestration/session/test_session.py, test_standby.py.
+Tests: tests/orchestration/session/test_standby.py, test_flight.py.
 """
 
 from __future__ import annotations

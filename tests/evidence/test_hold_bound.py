@@ -75,7 +75,7 @@ def test_along_a_steady_field_the_torque_that_is_missing_is_that_of_the_closed_f
 
 
 def test_nothing_is_missing_where_the_field_turns_and_the_hold_is_known():
-    """tests/evidence/test_hold.py has the motion, within 0.1 deg."""
+    """A motion within 0.1 deg is known."""
     p = plant_of("50 kg", lambda tilt: tilt > 60.0)
     assert missing(p, BEGIN, BEGIN + 3000.0, math.radians(0.1), RATE) == 0.0
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestration.acceptance.playback import play_opened
 from orchestration.acceptance.vector import record
 from orchestration.cli import live
 from orchestration.export.system import flat
@@ -57,6 +58,15 @@ def test_no_test_vector_and_no_system_is_made_of_a_stopped_run(loop, tmp_path, s
     assert not (tmp_path / "vector").exists()
     with pytest.raises(Stopped):
         flat(load(loop))
+
+
+def test_a_playback_of_a_part_is_not_taken_for_a_whole_one(loop, stop):
+    opened = open_scenario(load(loop))
+    name = next(iter(opened.fmus))
+    assert len(play_opened(opened, name, {}, opened.plan.clock)[0]) > 1
+    stop()
+    with pytest.raises(Stopped):
+        play_opened(opened, name, {}, opened.plan.clock)
 
 
 def test_a_live_page_is_not_written_from_a_stopped_run(loop, stop, monkeypatch):
