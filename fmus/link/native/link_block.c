@@ -92,12 +92,11 @@ static LinkEnd wrong_size(const Law *law, const LinkFrame *answer, Fault *f)
 }
 
 /* A request that the device answers with its outputs at a time. */
-static LinkEnd sample(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x,
-                      Fault *f)
+static LinkEnd ask(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x,
+                   Fault *f)
 {
     LinkFrame answer;
-    const size_t n = put_inputs(law, s, t, h, u);
-    const LinkEnd end = link_request(&law->link, s, type, n, s->time_out, &answer, f);
+    const LinkEnd end = link_request(&law->link, s, type, put_inputs(law, s, t, h, u), s->time_out, &answer, f);
     if (end != LINK_ANSWERED) {
         return end;
     }
@@ -114,7 +113,7 @@ static LinkEnd begin(Law *law, const LinkSettings *s, double t, const Inputs *u,
     law->is_told = law->is_told && law->link.same_session;
     LinkEnd end = tell_parameters(law, s, f);
     if (end == LINK_ANSWERED) {
-        end = sample(law, s, LINK_START, t, 0.0, u, x, f);
+        end = ask(law, s, LINK_START, t, 0.0, u, x, f);
     }
     law->link.same_session = end == LINK_ANSWERED;
     return end;
@@ -206,8 +205,7 @@ static LinkEnd exchange(Law *law, const LinkSettings *s, double h, const Inputs 
         return LINK_ANSWERED; /* it has just begun, with these inputs */
     }
     if ((end = tell_parameters(law, s, f)) == LINK_ANSWERED) {
-        end =
-            law->p.link_mode == LOCK_STEP ? sample(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
+        end = law->p.link_mode == LOCK_STEP ? ask(law, s, LINK_STEP, x->t, h, u, x, f) : run_free(law, s, h, u, x, f);
     }
     if (end == LINK_RESTARTED && law->p.link_when_silent != SILENT_STOP) {
         end = begin_anew(law, s, x->t + h, u, x, f);

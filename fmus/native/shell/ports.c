@@ -63,13 +63,12 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference referen
     return status;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n,
-                          fmi2Integer values[])
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference refs[], size_t n, fmi2Integer values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetInteger", references, n, values, &status);
+    Instance *c = begin_get(component, "fmi2GetInteger", refs, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
-        const unsigned char *from = readable(c, "fmi2GetInteger", references[i], KIND_INTEGER);
+        const unsigned char *from = readable(c, "fmi2GetInteger", refs[i], KIND_INTEGER);
         int32_t value;
         if (from == NULL) {
             return fmi2Error;
@@ -80,13 +79,12 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference refe
     return status;
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t n,
-                          fmi2Boolean values[])
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference refs[], size_t n, fmi2Boolean values[])
 {
     fmi2Status status;
-    Instance *c = begin_get(component, "fmi2GetBoolean", references, n, values, &status);
+    Instance *c = begin_get(component, "fmi2GetBoolean", refs, n, values, &status);
     for (size_t i = 0; c != NULL && i < n; ++i) {
-        const unsigned char *from = readable(c, "fmi2GetBoolean", references[i], KIND_BOOLEAN);
+        const unsigned char *from = readable(c, "fmi2GetBoolean", refs[i], KIND_BOOLEAN);
         bool value;
         if (from == NULL) {
             return fmi2Error;
