@@ -1,7 +1,7 @@
 """Broken FMUs, and what `orchestrate` makes of each.
 
-`python -m tests.orchestration.broken > tests/orchestration/broken.md` writes them. It ends with an error where one does not end as
-its case says; the tests run all cases of FMI 2.0, and of those of FMI 3.0, which end alike, some.
+`python -m tests.orchestration.broken > tests/orchestration/broken.md` writes them. It ends with an error where one does
+not end as broken.yaml says; the tests run all cases of FMI 2.0, and of those of FMI 3.0, which end alike, some.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from time import perf_counter
 from typing import Any
 
 import fmpy
+import yaml
 
 from . import as_fmi3, fmus
 
@@ -46,23 +47,30 @@ XML = """<?xml version="1.0" encoding="UTF-8"?>
   </ModelStructure>
 </fmiModelDescription>
 """
-_LIBRARY = f"binaries/{fmpy.platform}/broken{fmpy.sharedLibraryExtension}"
-_WHOLE = {"xml": XML.format(guid="none-none")}
 
 
 @dataclass(frozen=True)
 class Case:
-    """A way of being broken. By `guid` the binary breaks, else `make` writes the file."""
-
     name: str
     message: str
     """What the error output must hold."""
-    guid: str = ""
-    make: Callable[[Path], object] | None = None
+    guid: str = "none-none"
+    """By it the binary breaks."""
+    option: str = "-O1"
+    """Of the compiler."""
+    xml: tuple[str, str] = ("", "")
+    """Text of the description, and what stands there instead."""
+    binary: str = ""
+    """In place of the library."""
+    entry: Mapping[str, Any] | None = None
+    """One more entry of the archive."""
+    archive: str = ""
+    """What becomes of the archive, by the names of `ARCHIVES`."""
     status: int = 3
     samples: int = 0
     """Rows in the results."""
     timeout: str = "1 s"
+    fmi: int = 2
 
 
 @dataclass(frozen=True)
@@ -82,182 +90,6 @@ class Outcome:
     """Processes that are left."""
 
 
-def _write(path: Path, binary: bytes | None = None, xml: str | bytes = _WHOLE["xml"], **more: bytes) -> None:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("modelDescription.xml", xml)
-        archive.writestr(_LIBRARY, fmus.library("broken") if binary is None else binary)
-        for name, data in more.items():
-            archive.writestr(name, data)
-
-
-def _entry(name: str, mode: int = 0o100644, data: bytes = b"../outside", declared: int = 0) -> Callable[[Path], None]:
-    """With one more entry, of this name and mode; `declared` is the size that it says it has."""
-
-    def make(path: Path) -> None:
-        _write(path)
-        with zipfile.ZipFile(path, "a") as archive:
-            entry = zipfile.ZipInfo(name)
-            entry.external_attr = mode << 16
-            archive.writestr(entry, data)
-            entry.file_size = declared or len(data)
-
-    return make
-
-
-def _xml(old: str, new: str) -> Callable[[Path], None]:
-    def make(path: Path) -> None:
-        xml = XML.format(guid="none-none")
-        assert old in xml, old
-        _write(path, xml=xml.replace(old, new))
-
-    return make
-
-
-def _laughs() -> str:
-    entities = "".join(f'<!ENTITY l{n} "{f"&l{n - 1};" * 10}">' for n in range(1, 12))
-    return f'<!DOCTYPE f [<!ENTITY l0 "ha">{entities}]>\n<fmiModelDescription description="&l11;" '
-
-
-def _bytes_changed(path: Path) -> None:
-    data = b"what a model reads"
-    _entry("resources/data", data=data)(path)
-    path.write_bytes(path.read_bytes().replace(data, data[::-1]))
-
-
-def _truncated(path: Path) -> None:
-    _write(path)
-    path.write_bytes(path.read_bytes()[:-300])
-
-
-def _other_platform(path: Path) -> None:
-    other = "win64" if fmpy.platform != "win64" else "linux64"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", _WHOLE["xml"])
-        archive.writestr(f"binaries/{other}/broken", b"")
-
-
-def _compiled(option: str) -> Callable[[Path], None]:
-    return lambda path: _write(path, fmus.library("broken", option))
-
-
-_IN = "in initialization"
-_ERROR = "gave status error\n  vendor logged: [error] cannot go on from 0"
-CASES = [
-    # ---------------------------------------------------------------- in a step
-    Case(
-        "a segmentation fault",
-        "vendor: fmi2DoStep at 1 s: crashed with SIGSEGV (segmentation fault)\n  vendor logged: stepping from 1",
-        "step-segfault",
-        samples=11,
-    ),
-    Case("abort", "vendor: fmi2DoStep at 1 s: crashed with SIGABRT (aborted)", "step-abort", samples=11),
-    Case("a failed assertion", "vendor logged: driver.c:17: assertion failed: ready", "step-assert", samples=11),
-    Case("a stack without end", "fmi2DoStep at 1 s: crashed with SIGSEGV", "step-overflow", samples=11),
-    Case("exit", "vendor: fmi2DoStep at 1 s: ended its process, with exit status 0", "step-exit", samples=11),
-    Case(
-        "a hang",
-        "vendor: fmi2DoStep at 1 s: did not return within 1 s (the block's 'timeout'), so its process was ended",
-        "step-hang",
-        samples=11,
-    ),
-    Case(
-        "memory without end",
-        "crashed with SIGSEGV (segmentation fault); it had used up the 300 MB that the block's 'memory' allows",
-        "step-memory",
-        samples=11,
-        timeout="20 s",
-    ),
-    Case("log messages without end", "did not return within 1 s", "step-log", samples=11),
-    Case("printing without end", "did not return within 1 s", "step-chatter", samples=11),
-    Case("all its files closed, ours with them", "fmi2DoStep at 1 s: broke off its connection, so its process was ended", "step-deaf", samples=11),
-    Case("a child process left behind", "crashed with SIGSEGV", "step-child", samples=11),
-    Case("a file written where it stands", "vendor logged: [error] left a file at 1", "step-litter", samples=11),
-    Case("a line that is printed and not ended", "vendor logged: no end of line after this", "step-print", samples=11),
-    Case("NaN", "vendor: output y at 1.1 s: is nan, expected a finite number\n  vendor logged: stepping from 1", "step-nan", samples=11),
-    Case("infinity", "vendor: output y at 1.1 s: is inf, expected a finite number", "step-infinity", samples=11),
-    Case(
-        "status error",
-        "vendor: fmi2DoStep at 1 s: gave status error\n  vendor logged: stepping from 1\n"
-        "  vendor logged: [error] cannot go on from 1",
-        "step-error",
-        samples=11,
-    ),
-    Case("status discard", "fmi2DoStep at 1 s: gave status discard", "step-discard", samples=11),
-    Case("status fatal", "fmi2DoStep at 1 s: gave status fatal", "step-fatal", samples=11),
-    Case("status pending", "fmi2DoStep at 1 s: gave status pending", "step-pending", samples=11),
-    Case("an error on Set in a step", "vendor: fmi2SetReal at 1 s: gave status error", "input-error", samples=11),
-    Case("a crash on Set in a step", "vendor: fmi2Set at 1 s: crashed with SIGSEGV", "input-segfault", samples=11),
-    Case("an error on Get in a step", "vendor: fmi2GetReal at 1 s: gave status error", "output-error", samples=11),
-    Case("a crash on Get in a step", "vendor: fmi2Get at 1 s: crashed with SIGSEGV", "output-segfault", samples=11),
-    # ---------------------------------------------------------------- in initialization
-    Case("an error on Set", f"vendor: fmi2SetReal of x {_IN}: {_ERROR}", "set-error"),
-    Case("an error on SetupExperiment", f"vendor: fmi2SetupExperiment {_IN}: {_ERROR}", "setup-error"),
-    Case("an error on entering initialization", f"vendor: fmi2EnterInitializationMode {_IN}: {_ERROR}", "enter-error"),
-    Case("an error on Get", f"vendor: fmi2GetReal of y {_IN}: {_ERROR}", "get-error"),
-    Case("NaN at the start", f"vendor: output y {_IN}: is nan, expected a finite number", "get-nan"),
-    Case("an error on leaving initialization", f"vendor: fmi2ExitInitializationMode {_IN}: {_ERROR}", "leave-error"),
-    Case("a crash in initialization", f"vendor: fmi2EnterInitializationMode {_IN}: crashed with", "enter-segfault"),
-    Case("a hang in initialization", f"vendor: fmi2ExitInitializationMode {_IN}: did not return", "leave-hang"),
-    # ---------------------------------------------------------------- at the end
-    Case("a crash on Terminate", "vendor: fmi2Terminate at 2 s: crashed with", "terminate-segfault", samples=21),
-    Case("a hang on Terminate", "vendor: fmi2Terminate at 2 s: did not return", "terminate-hang", samples=21),
-    Case("a crash on FreeInstance", "vendor: fmi2FreeInstance at 2 s: crashed with", "free-abort", samples=21),
-    # ---------------------------------------------------------------- before anything runs
-    Case("a crash on loading", f"loading its library {_IN}: crashed with", make=_compiled("-DLOADING"), status=2),
-    Case(
-        "a missing symbol", "needs the symbol vendor_runtime_start", make=_compiled("-DMISSING"), status=2
-    ),
-    Case(
-        "a function of FMI's missing",
-        "lacks the function fmi2DoStep",
-        make=_compiled("-DWITHOUT_STEP"),
-        status=2,
-    ),
-    Case("a library that is none", "is damaged, or no library of this platform", make=lambda p: _write(p, b"text"), status=2),
-    Case("an error on Instantiate", f"fmi2Instantiate {_IN}: gave no instance", "instantiate-error", status=2),
-    Case("a crash on Instantiate", f"fmi2Instantiate {_IN}: crashed with SIGSEGV", "instantiate-segfault", status=2),
-    Case("a hang on Instantiate", f"fmi2Instantiate {_IN}: did not return", "instantiate-hang", status=2),
-    Case("a wrong GUID", "vendor logged: [error] the GUID says nothing to", "{8c4e810f}", status=2),
-    Case("no binary for this platform", "has no binary for this platform", make=_other_platform, status=2),
-    Case("a truncated archive", "is a damaged or truncated zip archive", make=_truncated, status=2),
-    Case("bytes changed in the archive", "is a damaged zip archive", make=_bytes_changed, status=2),
-    Case(
-        "a path out of its folder", "would unpack to a place outside its folder: ../evil", make=_entry("../evil"), status=2
-    ),
-    Case("an absolute path", "outside its folder: /evil", make=_entry("/evil"), status=2),
-    Case("a path with a drive", "outside its folder: C:/evil", make=_entry("C:/evil"), status=2),
-    Case(
-        "a symbolic link",
-        "holds a symbolic link, resources/link; expected files only",
-        make=_entry("resources/link", 0o120777),
-        status=2,
-    ),
-    Case(
-        "a zip bomb",
-        "would unpack to 20 GB; expected at most 2 GB",
-        make=_entry("resources/bomb", declared=20 * 10**9),
-        status=2,
-    ),
-    Case(
-        "an entry that is larger than it says", "is a damaged zip archive", make=_entry("resources/x", declared=5), status=2
-    ),
-    Case("malformed XML", "modelDescription.xml cannot be read", make=_xml("</ModelVariables>", ""), status=2),
-    Case("XML that breaks its schema", "is not valid", make=_xml('causality="input"', 'causality="inptu"'), status=2),
-    Case(
-        "XML whose entities explode", "has a DOCTYPE, which an FMU does not need",
-        make=_xml("<fmiModelDescription ", _laughs()), status=2,
-    ),
-    Case(
-        "XML that reads a file", "has a DOCTYPE, which an FMU does not need",
-        make=_xml("<fmiModelDescription ", '<!DOCTYPE f [<!ENTITY x SYSTEM "file:///etc/passwd">]>\n<fmiModelDescription '),
-        status=2,
-    ),
-    Case("FMI 3.1", "is an FMU of FMI 3.1; expected FMI 2.0 or 3.0", make=_xml('fmiVersion="2.0"', 'fmiVersion="3.1"'), status=2),
-    Case("model exchange only", "is for model exchange only", make=_xml("<CoSimulation", "<ModelExchange"), status=2),
-]  # fmt: skip
-
-# ---------------------------------------------------------------- FMI 3.0: the same block behind as_fmi3.c
-
 XML_3 = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="vendor" instantiationToken="{{guid}}">
   <CoSimulation modelIdentifier="broken"/>
@@ -272,6 +104,49 @@ XML_3 = f"""<?xml version="1.0" encoding="UTF-8"?>
   </ModelStructure>
 </fmiModelDescription>
 """
+_LAUGHS = "".join(f'<!ENTITY l{n} "{f"&l{n - 1};" * 10}">' for n in range(1, 12))
+_ENTITIES = f'<!DOCTYPE f [<!ENTITY l0 "ha">{_LAUGHS}]>\n<fmiModelDescription description="&l11;" '
+
+
+def _write(case: Case, path: Path) -> None:
+    """Writes the FMU of a case."""
+    old, new = case.xml
+    xml = (XML if case.fmi == 2 else XML_3).format(guid=case.guid)
+    assert old in xml, old
+    xml = xml.replace(old, _ENTITIES if new == "ENTITIES" else new) if old else xml
+    if case.fmi == 3:
+        library = fmus.library("broken", case.option, str(as_fmi3.SOURCE))
+        as_fmi3.pack(path, xml, library, None, "broken")
+        return
+    fmus.write(path, xml, case.binary.encode() or fmus.library("broken", case.option), stem="broken")
+    if case.entry is not None:
+        _add(path, **case.entry)
+    if case.archive:
+        ARCHIVES[case.archive](path)
+
+
+def _add(path: Path, name: str, mode: int = 0o100644, data: bytes = b"../outside", declared: int = 0) -> None:
+    """Adds an entry of this name and mode; `declared` is the size that it says it has."""
+    with zipfile.ZipFile(path, "a") as archive:
+        entry = zipfile.ZipInfo(name)
+        entry.external_attr = mode << 16
+        archive.writestr(entry, data)
+        entry.file_size = declared or len(data)
+
+
+def _change_bytes(path: Path) -> None:
+    data = b"what a model reads"
+    _add(path, "resources/data", data=data)
+    path.write_bytes(path.read_bytes().replace(data, data[::-1]))
+
+
+ARCHIVES: dict[str, Callable[[Path], object]] = {
+    "bytes_changed": _change_bytes,
+    "truncated": lambda path: path.write_bytes(path.read_bytes()[:-300]),
+    "other_platform": lambda path: fmus.write(
+        path, XML.format(guid=""), folder="win64" if fmpy.platform != "win64" else "linux64", stem="broken"
+    ),
+}
 _NAMES_3 = {
     "fmi2SetReal": "fmi3SetFloat64",
     "fmi2GetReal": "fmi3GetFloat64",
@@ -283,36 +158,20 @@ _NAMES_3 = {
 """What is named otherwise than in FMI 2.0."""
 
 
-def _three(guid: str = "none-none", old: str = "", new: str = "", option: str = "-O1") -> Callable[[Path], object]:
-    xml = XML_3.format(guid=guid).replace(old, new) if old else XML_3.format(guid=guid)
-    assert new in xml, new
-    return lambda path: as_fmi3.pack(path, xml, fmus.library("broken", option, str(as_fmi3.SOURCE)), None, "broken")
-
-
 def _renamed(case: Case) -> Case:
+    """The same with the names of FMI 3.0, and without one where that version has no such case."""
     names = {"an error on SetupExperiment": "", "status pending": "a status that there is not"}
     message = case.message
     for old, new in _NAMES_3.items():
         message = message.replace(old, new)
-    return replace(case, name=names.get(case.name, case.name), message=message, guid="", make=_three(case.guid))
+    return replace(case, name=names.get(case.name, case.name), message=message, fmi=3)
 
 
-_CLOCK = '<Clock name="tick" valueReference="7" causality="input" intervalVariability="triggered"/></ModelVariables>'
-CASES_3 = [
-    *(case for case in map(_renamed, (case for case in CASES if case.guid)) if case.name),
-    Case("a request for event mode", "fmi3DoStep at 1 s: asks for event mode", make=_three("step-event"), samples=11),
-    Case("a request to end the simulation", "fmi3DoStep at 1 s: asks to end the", make=_three("step-end"), samples=11),
-    Case("a return before its time", "fmi3DoStep at 1 s: has returned early", make=_three("step-early"), samples=11),
-    Case("a crash on loading", f"loading its library {_IN}: crashed with", make=_three(option="-DLOADING"), status=2),
-    Case("a missing symbol", "needs the symbol vendor_runtime_start", make=_three(option="-DMISSING"), status=2),
-    Case("a function of FMI's missing", "lacks the function fmi3DoStep", make=_three(option="-DWITHOUT_STEP_3"), status=2),
-    Case("XML that breaks its schema", "is not valid", make=_three(old='"input"', new='"inptu"'), status=2),
-    Case("clocks", "has clocks, which need event mode: tick;", make=_three(old="</ModelVariables>", new=_CLOCK), status=2),
-    Case("an array without elements", "has the dimensions [0]", make=_three(old='start="0"/>', new='start="0"><Dimension start="0"/></Float64>'), status=2),
-    Case("too few start values", "x has 2 start values; expected one or 3", make=_three(old='start="0"/>', new='start="0 0"><Dimension start="3"/></Float64>'), status=2),
-    Case("model exchange only", "is for model exchange only", make=_three(old="<CoSimulation", new="<ModelExchange"), status=2),
-    Case("scheduled execution only", "is for scheduled execution only", make=_three(old="<CoSimulation", new="<ScheduledExecution"), status=2),
-]  # fmt: skip
+_ENTRIES: dict[str, dict[str, Any]] = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text("utf-8"))
+_OWN_3 = _ENTRIES.pop("of FMI 3.0 only")
+CASES = [Case(name, **entry) for section in _ENTRIES.values() for name, entry in section.items()]
+CASES_3 = [case for case in map(_renamed, (case for case in CASES if case.guid != "none-none")) if case.name]
+CASES_3 += [Case(name, **entry, fmi=3) for name, entry in _OWN_3.items()]
 TESTED_3 = ("a segmentation fault", "NaN", "status fatal", "a return before its time", "an error on Set", "clocks")
 """Of FMI 3.0, the cases that the tests run."""
 
@@ -322,10 +181,7 @@ def outcome(case: Case, folder: Path) -> Outcome:
     home, temporary = folder / "home", folder / "temporary"
     home.mkdir()
     temporary.mkdir()
-    if case.make is not None:
-        case.make(home / "vendor.fmu")
-    else:
-        _write(home / "vendor.fmu", xml=XML.format(guid=case.guid))
+    _write(case, home / "vendor.fmu")
     (home / "run.yaml").write_text(_SCENARIO.replace("TIMEOUT", case.timeout))
     begun = perf_counter()
     process = _servant().Process(target=_command, args=(home, temporary))
@@ -360,7 +216,8 @@ def _servant() -> Any:
 def _command(home: Path, temporary: Path) -> None:
     """`orchestrate run.yaml` in the folder `home`.
 
-    It writes its exit status into a file: `Process.exitcode` is 255 where a thread that starts another process reads it first.
+    It writes its exit status into a file: `Process.exitcode` is 255 where a thread that starts another process reads it
+    first.
     """
     from orchestration.cli.main import main
 
@@ -415,7 +272,10 @@ def outcomes_3() -> dict[str, Outcome]:
 
 
 def page() -> str:
-    """tests/orchestration/broken.md, with all cases of FMI 3.0; raises AssertionError where one of these does not end as it should."""
+    """Returns tests/orchestration/broken.md, with all cases of FMI 3.0.
+
+    Raises AssertionError where one of these does not end as it should.
+    """
     found = _outcomes(CASES_3)
     differing = [
         (case.name, problems, found[case.name]) for case in CASES_3 if (problems := wrong(case, found[case.name]))
@@ -463,13 +323,15 @@ The same block behind the functions of FMI 3.0, with arrays and types of its own
 HEAD = """\
 # Broken FMUs
 
-What becomes of a run with an FMU that breaks, as its exit status (3: an FMU failed; 2: found before anything ran), its message and
-the samples on disk. Each row is a test, which also sees to it that the run ends by itself, that no process is left over and that no
-file lies where it should not. This file is made from their output by `python -m tests.orchestration.broken > tests/orchestration/broken.md`,
-which tests all rows; of those of FMI 3.0, `make test` tests some.
+What becomes of a run with an FMU that breaks, as its exit status (3: an FMU failed; 2: found before anything ran), its
+message and the samples on disk. Each row is a test, which also sees to it that the run ends by itself, that no process
+is left over and that no file lies where it should not. This file is made from their output by
+`python -m tests.orchestration.broken > tests/orchestration/broken.md`, which tests all rows; of those of FMI 3.0,
+`make test` tests some.
 
-The FMU is given by its path, so it runs in a process of its own, here with `timeout: 1 s` (`20 s` where it takes memory) and `memory: 300 MB`; it breaks in the step
-that begins at 1 s, or where the row says. A sample is taken every 0.1 s from 0 on: 11 up to 1 s, 21 in a whole run.
+The FMU is given by its path, so it runs in a process of its own, here with `timeout: 1 s` (`20 s` where it takes
+memory) and `memory: 300 MB`; it breaks in the step that begins at 1 s, or where the row says. A sample is taken every
+0.1 s from 0 on: 11 up to 1 s, 21 in a whole run.
 
 | what is broken | message | status | samples |
 |---|---|---|---|"""
