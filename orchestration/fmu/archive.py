@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import hashlib
 import re
-import stat
 import time
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from fmus import places
 from fmus.kept import code, kept
@@ -116,56 +115,31 @@ def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line.
 
     `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the same.
-    What has been read is kept for the file as it is: by its size, time and number on the disk, or by the hash of its content.
+    What has been read is kept for the file as it is: by its size, time and number on the disk.
     """
-    state = _state(path)
-    known, fmu = _kept.pop((path, lenient), (None, None))
-    if fmu is None or state is None or (state != known and not _same(path, state, fmu)):
-        fmu = _opened(path, lenient)
-        while len(_kept) >= _KEPT_MAX:
-            del _kept[next(iter(_kept))]
-    # What was written a moment ago may be written again at the same time by the clock of the disk.
-    settled = state is not None and time.time_ns() - state.time > _MOMENT
-    _kept[path, lenient] = state if settled else None, fmu
-    return fmu
-
-
-class _State(NamedTuple):
-    """What tells of a file that it has been written or replaced."""
-
-    size: int
-    time: int
-    number: int
+    try:
+        status = path.stat()
+        # What was written a moment ago may be written again at the same time by the clock of the disk.
+        moment = time.time_ns() if time.time_ns() - status.st_mtime_ns < _MOMENT else 0
+    except OSError:
+        return _opened(path, lenient)
+    return _opened(path, lenient, status.st_size, status.st_mtime_ns, status.st_ino, moment)
 
 
 _MOMENT = 2 * 10**9
 """ns"""
 
 
-def _state(path: Path) -> _State | None:
-    """None where there is no file."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return _State(status.st_size, status.st_mtime_ns, status.st_ino) if stat.S_ISREG(status.st_mode) else None
+@lru_cache(50)
+def _opened(path: Path, lenient: bool, *state: object) -> Fmu:
+    """Opens one in this state, of which it is kept.
 
-
-def _same(path: Path, state: _State, fmu: Fmu) -> bool:
-    """Whether a file has the content of this FMU."""
-    return state.size <= zipped.ARCHIVE_MAX and _digest(path) == fmu.sha256
-
-
-def _opened(path: Path, lenient: bool) -> Fmu:
-    """One that this project has built or brings along, whose code runs here anyway, is read once for all processes."""
+    One that this project has built or brings along, whose code runs here anyway, is read once for all processes.
+    """
     if not any(path.is_relative_to(folder) for folder in (places.work() / "fmus", places.READY)):
         return _open(path, lenient)
     readers = code(Path(__file__).parents[1]), code(Path(places.__file__).parent)
     return kept(Fmu, (path, lenient, _digest(path), readers, version_of("fmpy")), lambda: _open(path, lenient))
-
-
-_kept: dict[tuple[Path, bool], tuple[_State | None, Fmu]] = {}
-_KEPT_MAX = 50
 
 
 def _digest(path: Path) -> str:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import hint
+from ..errors import InputError, hint
 from ..quantities import ONE, Unit
 from .names import unescaped
 from .types import Native, Type
@@ -126,7 +126,7 @@ def shared(units: Sequence[Unit | None]) -> tuple[Unit | None, tuple[Unit | None
     return Unit(", ".join("no unit" if unit is None else str(unit) for unit in units), None), tuple(units)
 
 
-class NameUnknown(ValueError):
+class NameUnknown(InputError):
     """The block has no such variable or element."""
 
 

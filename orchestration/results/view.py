@@ -16,7 +16,6 @@ from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit
 from ..rotation import matrix, quaternions
-from ..scenario.checked import checked_before
 from ..scenario.references import Reference
 from ..scenario.view import GHOSTS, ViewEntry
 from . import phases
@@ -117,7 +116,7 @@ def _default(result: RunData) -> ViewEntry | None:
                 found["vectors"].append({**arrow, "signal": f"{block}.{arrow['signal']}", "along": along})
     if "attitude" not in found:
         return None
-    return checked_before(ViewEntry, found, lambda: ViewEntry.model_validate(found))
+    return ViewEntry.model_validate(found)
 
 
 def _goal(result: RunData, block: str, own: Mapping[str, Any], given: Mapping[str, Any]) -> str | None:

@@ -19,36 +19,14 @@ from .text import read as read_text
 
 
 def read(path: Path) -> Source:
-    """A file, laid over the files that it extends. Raises InputError.
-
-    What was laid is kept for the texts of the files, which are looked at every time.
-    """
-    key = path, Path.cwd()
-    texts, source = _laid.get(key, ({}, None))
-    if source is None or any(_text(file) != text for file, text in texts.items()):
-        files = [path]
-        source = extended(read_text(path), (path.resolve(),), files)
-        while len(_laid) >= _LAID_MAX:
-            del _laid[next(iter(_laid))]
-        _laid[key] = {file: _text(file) for file in files}, source
-    return source.copy()
+    """Returns the data of a file, laid over the files that it extends. Raises InputError."""
+    return extended(read_text(path), (path.resolve(),))
 
 
-_laid: dict[tuple[Path, Path], tuple[dict[Path, str | None], Source]] = {}
-_LAID_MAX = 20
+def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
+    """Returns the source laid over the files that it extends, in their order; `within` are the files that lead to it.
 
-
-def _text(file: Path) -> str | None:
-    try:
-        return file.read_text("utf-8")
-    except (OSError, ValueError):
-        return None
-
-
-def extended(source: Source, within: tuple[Path, ...] = (), files: list[Path] | None = None) -> Source:
-    """The source laid over the files that it extends, in their order; `within` are the files that lead to it. Raises InputError.
-
-    The files are added to `files`.
+    Raises InputError.
     """
     if not isinstance(source.data, dict) or "extends" not in source.data:
         return source
@@ -59,15 +37,14 @@ def extended(source: Source, within: tuple[Path, ...] = (), files: list[Path] | 
     merged = Source({}, source.file, source.folder, {(): source.lines.get((), 1)} if source.file else {})
     for number, name in enumerate(names):
         key = ("extends", number) if given is names else ("extends",)
-        _lay(merged, _part(source, key, name, within, [] if files is None else files))
+        _lay(merged, _part(source, key, name, within))
     _lay(merged, source)
-    del merged.data["extends"]
-    _forget(merged, ("extends",))
+    _forget(merged, ("extends",), merged.data.pop("extends"))
     merged.options = dict(source.options)
     return merged
 
 
-def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], files: list[Path]) -> Source:
+def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Source:
     with source.naming(key):
         path = located(name, Path(source.file).parent if source.file else source.folder)
     if path.resolve() in within:
@@ -77,8 +54,7 @@ def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], files: 
         part = read_text(path)
     if not isinstance(part.data, dict):
         raise InputError(part.error((), f"expected keys such as 'shared' or 'blocks', found {as_written(part.data)}"))
-    files.append(path)
-    part = extended(part, (*within, path.resolve()), files)
+    part = extended(part, (*within, path.resolve()))
     _anchor(part, source.folder)
     return part
 
@@ -147,10 +123,9 @@ def _lay_under(
         if isinstance(value, dict) and isinstance(data.get(name), dict) and not _is_value(place):
             _lay_under(below, above, place, data[name], value, part)
         else:
-            inherited = name in data
-            if inherited:
-                _forget(below, place)
-            if value is None and inherited:
+            if name in data:
+                _forget(below, place, data[name])
+            if value is None and name in data:
                 del data[name]
                 continue
             data[name] = copied(value)  # in its place: what a campaign draws depends on the order
@@ -182,8 +157,8 @@ def _change(
         if at in moved.values():
             raise InputError(above.error(place, f"{as_written(entry)}: the connection to this input is replaced twice"))
         moved["replace", number] = at
+        _forget(below, (*key, at), entries[at])
         entries[at] = entry
-        _forget(below, (*key, at))
     for number, entry in enumerate(change.get("add", ())):
         moved["add", number] = len(entries)
         entries.append(copied(entry))
@@ -203,11 +178,12 @@ def _target(connection: Any) -> str:
         return ""
 
 
-def _forget(source: Source, key: Key) -> None:
-    """Drops the places of what stands under a key."""
+def _forget(source: Source, key: Key, value: Any) -> None:
+    """Drops the places of a value that stands at a key, and of what it holds."""
     for places in (getattr(source, name) for name in PLACES):
-        for place in [p for p in places if p[: len(key)] == key]:
-            del places[place]
+        held = [p for p in places if p[: len(key)] == key] if isinstance(value, (dict, list)) else [key]
+        for place in held:
+            places.pop(place, None)
 
 
 def _is_value(place: Key) -> bool:

@@ -7,7 +7,6 @@ from typing import Any
 
 from ..errors import InputError
 from . import complaints
-from .checked import checked_before
 from .extends import extended
 from .scenario import Scenario
 from .source import Source
@@ -29,6 +28,6 @@ def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | No
             "is a campaign, which varies the scenario under 'scenario'; remedy: orchestrate campaign, or that scenario"
         )
         raise InputError(source.error((), message))
-    loaded = checked_before(Scenario, source.data, lambda: complaints.checked(Scenario, source))
+    loaded = complaints.checked(Scenario, source)
     loaded._source = source
     return loaded

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from typing import Annotated, Literal, Unpack
 
 from pydantic import Field, PrivateAttr, field_validator
@@ -147,6 +148,10 @@ class Scenario(Extending):
     def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
         """Returns an error at the place of a key in the file."""
         return self._source.error(key, text, **fields)
+
+    def naming(self, key: Key) -> AbstractContextManager[None]:
+        """Places at a key the errors of what stands or is named there."""
+        return self._source.naming(key)
 
     def note(self, key: Key, text: str) -> str:
         """Returns a note on what stands at a key in the file."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 from ..errors import Fields, InputError, Place, Problem, hint
+from ..quantities import QuantityError
 
 Key = tuple[str | int, ...]
 
@@ -77,9 +78,11 @@ class Source:
 
     @contextmanager
     def naming(self, key: Key) -> Iterator[None]:
-        """Places at a key the errors of the file that is named there; those in a line of that file stay there."""
+        """Places at a key the errors of what stands or is named there; those in a line of another file stay there."""
         try:
             yield
+        except QuantityError as error:
+            raise InputError(self.error(key, str(error))) from None
         except InputError as error:
             place = self.place(key)
             raise InputError(*(p if p.place and p.place.line else p.at(place) for p in error.problems)) from None

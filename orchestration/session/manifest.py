@@ -16,7 +16,6 @@ from ..fmu.archive import Fmu
 from ..fmu.model import Element, Model
 from ..fmu.names import RULE
 from ..results.data import RunData
-from ..scenario.checked import dumped
 from ..scenario.source import copied
 from ..system import acting, signals
 from ..system.starts import Start
@@ -99,9 +98,11 @@ def manifest(known: Mapping[str, Any], notes: Sequence[str], finished: datetime,
 
 def _resolved(plan: Plan, recorded: list[str]) -> dict[str, Any]:
     """The scenario with its defaults filled in and all values in the units of the ports; it can be run as it stands."""
-    data = dumped(plan.scenario)
+    data = plan.scenario.model_dump(exclude_none=True)
     data["record"] = {"interval": plan.clock.time(plan.clock.interval), "signals": recorded}
-    data["expect"] += [dumped(entry) for entry, _ in plan.not_evaluated]  # a restart names them, too
+    data["expect"] += [
+        entry.model_dump(exclude_none=True) for entry, _ in plan.not_evaluated
+    ]  # a restart names them, too
     for key in ("shared", "extends"):  # each value stands where it is taken
         data.pop(key)
     for block, values in plan.starts.items():

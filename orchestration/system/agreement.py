@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from ..errors import InputError, hint
+from ..errors import Problems, hint
 from ..fmu.model import Model, Variable
 from ..scenario.scenario import Scenario
 from .starts import Start
@@ -39,15 +39,13 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
 
 
 def _check(scenario: Scenario, models: Mapping[str, Model]) -> None:
-    errors = []
-    for block, entry in scenario.blocks.items():
-        known = {v.name for v in models[block].of("parameter") if v.quantity} | models[block].lacks
-        for number, name in enumerate(entry.differs):
-            if name not in known | {v.quantity for v in models[block].of("parameter")}:
-                text = f"{block} has no parameter {name!r} that other blocks state, too{hint(name, known)}"
-                errors.append(scenario.error(("blocks", block, "differs", number), text))
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for block, entry in scenario.blocks.items():
+            known = {v.name for v in models[block].of("parameter") if v.quantity} | models[block].lacks
+            for number, name in enumerate(entry.differs):
+                if name not in known | {v.quantity for v in models[block].of("parameter")}:
+                    text = f"{block} has no parameter {name!r} that other blocks state, too{hint(name, known)}"
+                    problems.append(scenario.error(("blocks", block, "differs", number), text))
 
 
 def _places(scenario: Scenario) -> dict[str, int]:

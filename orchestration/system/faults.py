@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from ..errors import InputError, Problem
-from ..fmu.model import Element, Model, NameUnknown
+from ..errors import InputError, Problems
+from ..fmu.model import Element, Model
 from ..quantities import QuantityError
 from ..scenario.faults import Fault, sentence
 from ..scenario.references import Name, Reference
@@ -54,25 +54,20 @@ class Faults:
 def resolve(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) -> Faults:
     """The faults of the scenario, checked against its blocks. Raises InputError with everything that is wrong."""
     faults = Faults()
-    errors: list[Problem] = []
-    for number, fault in enumerate(scenario.faults):
-        key: Key = ("faults", number)
-        try:
-            span = _span(scenario, key, fault, faults.notes)
-            if span is None:
-                continue
-            if fault.set is not None:
-                made = setting(fault.set.target, fault.set.value, models, wiring, span)
+    with Problems() as problems:
+        for number, fault in enumerate(scenario.faults):
+            key: Key = ("faults", number)
+            with problems.gathered():
+                span = _span(scenario, key, fault, faults.notes)
+                if span is None:
+                    continue
+                with scenario.naming((*key, fault.kind)):
+                    if fault.set is None:
+                        faults.disturbances += disturbances_of(number, fault, models, wiring, span)
+                        continue
+                    made = setting(fault.set.target, fault.set.value, models, wiring, span)
                 if not is_unseen(scenario, (*key, "at"), fault.at, made, sentence(fault), faults.notes):
                     faults.settings.append(made)
-            else:
-                faults.disturbances += disturbances_of(number, fault, models, wiring, span)
-        except (QuantityError, NameUnknown) as error:
-            errors.append(scenario.error((*key, fault.kind), str(error)))
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
     return faults
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..errors import InputError, Problem
+from ..errors import Problems
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit, value_in
 from ..scenario.figures import Panel
-from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from . import signals
@@ -18,36 +17,32 @@ from .wiring import Node
 def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the figures need. Raises InputError, which names the place in the scenario."""
     needed: dict[Node, None] = {}
-    errors: list[Problem] = []
     first: dict[str, int] = {}
-    for i, entry in enumerate(scenario.figures):
-        if (same := first.setdefault(entry.name, i)) != i:
-            message = f"is that of figures[{same + 1}], too; expected another, since it names the file"
-            errors.append(scenario.error(("figures", i, "name"), message))
-        wanted: list[tuple[Key, Reference]] = [
-            (("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)
-        ]
-        for j, panel in enumerate(entry.panels):
-            place = ("figures", i, "panels", j)
-            wanted += [((*place, "signals", k), name) for k, name in enumerate(panel.signals)]
-            try:
-                variable, _ = signals.find(scenario, (*place, "signals", 0), panel.signals[0], models)
-                unit = unit_of(panel, variable)
-                for line in panel.lines:
-                    value_in(line, unit)
-            except QuantityError as error:
-                errors.append(scenario.error(place, str(error)))
-            except InputError:
-                pass  # reported below
-        if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
-            errors.append(scenario.error(("figures", i, "window"), "expected two times, the second after the first"))
-        for key, name in wanted:
-            try:
-                needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
-            except InputError as error:
-                errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for i, entry in enumerate(scenario.figures):
+            if (same := first.setdefault(entry.name, i)) != i:
+                text = f"is that of figures[{same + 1}], too; expected another, since it names the file"
+                problems.append(scenario.error(("figures", i, "name"), text))
+            if entry.window and not 0.0 <= entry.window[0] < entry.window[1]:
+                expected = "two times, the second after the first"
+                problems.append(scenario.error(("figures", i, "window"), expected=expected))
+            marks = [(("figures", i, key), getattr(entry, key)) for key in ("shade", "mark") if getattr(entry, key)]
+            for key, name in marks:
+                with problems.gathered():
+                    needed.update(dict.fromkeys(signals.find(scenario, key, name, models)[1]))
+            for j, panel in enumerate(entry.panels):
+                place: Key = ("figures", i, "panels", j)
+                variables = []
+                for k, name in enumerate(panel.signals):
+                    with problems.gathered():
+                        variable, nodes = signals.find(scenario, (*place, "signals", k), name, models)
+                        needed.update(dict.fromkeys(nodes))
+                        variables.append(variable)
+                if len(variables) == len(panel.signals):
+                    with problems.gathered(), scenario.naming(place):
+                        unit = unit_of(panel, variables[0])
+                        for line in panel.lines:
+                            value_in(line, unit)
     return list(needed)
 
 

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, Problem, hint
+from ..errors import InputError, Problems, hint
 from ..fmu.model import Floats, Model
-from ..quantities import QuantityError
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..scenario.timeline import windows
@@ -51,23 +50,19 @@ def phases(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, Phase]:
     if len(nodes) != 1 or variable.type == "real":
         message = f"expected one boolean, whole number or enumeration, but {scenario.phases.signal} is {variable.kind}"
         raise InputError(scenario.error(key, message))
-    errors: list[Problem] = []
-    for name, value in scenario.phases.names.items():
-        place: Key = ("phases", "names", name)
-        if name in found:
-            errors.append(scenario.error(place, "is a phase of the timeline, too; expected another name"))
-            continue
-        try:
-            phase = Phase(signal=nodes[0], value=float(scalar(variable, nodes[0].element.position, value)))
-        except QuantityError as error:
-            errors.append(scenario.error(place, str(error)))
-            continue
-        if phase in found.values():
-            other = next(known for known, there in found.items() if there == phase)
-            errors.append(scenario.error(place, f"has the value of {other!r}, {value}; expected one name for a value"))
-        found[name] = phase
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for name, value in scenario.phases.names.items():
+            place: Key = ("phases", "names", name)
+            if name in found:
+                text = "is a phase of the timeline, too"
+                problems.append(scenario.error(place, text, expected="another name"))
+                continue
+            with problems.gathered(), scenario.naming(place):
+                phase = Phase(signal=nodes[0], value=float(scalar(variable, nodes[0].element.position, value)))
+                if other := next((known for known, there in found.items() if there == phase), None):
+                    text = f"has the value of {other!r}, {value}"
+                    problems.append(scenario.error(place, text, expected="one name for a value"))
+                found[name] = phase
     return found
 
 

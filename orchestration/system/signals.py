@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager
 from fnmatch import fnmatchcase
 from typing import Protocol, Unpack
 
 from ..errors import Fields, InputError, Problem, Problems, hint
-from ..fmu.model import TYPES, Element, Model, NameUnknown, Variable
+from ..fmu.model import TYPES, Element, Model, Variable
 from ..fmu.names import escaped
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -22,16 +23,17 @@ class Places(Protocol):
     def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
         """Returns an error at the place of a key."""
 
+    def naming(self, key: Key) -> AbstractContextManager[None]:
+        """Places at a key the errors of what stands or is named there."""
+
 
 def find(places: Places, key: Key, reference: Reference, models: Mapping[str, Model]) -> tuple[Variable, list[Node]]:
     """The elements that one reference means. Raises InputError at the given place."""
     block = reference.block
     if block not in models:
         raise InputError(places.error(key, f"there is no block {block!r}{hint(block, models)}"))
-    try:
+    with places.naming(key):
         variable, positions = models[block].find(block, reference.variable, reference.indices)
-    except NameUnknown as error:
-        raise InputError(places.error(key, str(error))) from None
     if variable.type not in TYPES:
         raise InputError(places.error(key, f"{reference} is text, which cannot be recorded"))
     return variable.at(positions), [Node(block, Element(variable.name, position)) for position in positions]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from ..errors import InputError, Problem
+from ..errors import Problems
 from ..fmu.model import Model, Variable
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -19,29 +19,26 @@ Shapes = tuple[tuple[int, ...], ...]
 def check(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """The elements of the signals that the view needs. Raises InputError, which names the place in the scenario."""
     needed: list[Node] = []
-    errors: list[Problem] = []
-    for key, reference, shapes in _signals(scenario.view) if scenario.view else ():
-        try:
-            variable, nodes = signals.find(scenario, key, reference, models)
-        except InputError as error:
-            errors += error.problems
-            continue
-        shape = () if reference.indices else variable.shape
-        if shapes and shape not in shapes:
-            expected = " or ".join("a scalar" if s == () else f"the shape {list(s)}" for s in shapes)
-            errors.append(
-                scenario.error(key, f"{reference} is {variable.kind}; expected {expected}; remedy: another signal")
-            )
-        needed += nodes
-    for key, reference, expected, fits in _parameters(scenario.view) if scenario.view else ():
-        model = models.get(reference.block)
-        own = model.variables.get(reference.variable) if model else None
-        if own is None or own.causality != "parameter":
-            errors.append(scenario.error(key, f"there is no parameter {reference}; expected a parameter of a block"))
-        elif not fits(own) or reference.indices:
-            errors.append(scenario.error(key, f"{reference} is {own.kind}; expected {expected}"))
-    if errors:
-        raise InputError(*errors)
+    if scenario.view is None:
+        return needed
+    with Problems() as problems:
+        for key, reference, shapes in _signals(scenario.view):
+            with problems.gathered():
+                variable, nodes = signals.find(scenario, key, reference, models)
+                shape = () if reference.indices else variable.shape
+                if shapes and shape not in shapes:
+                    text, remedy = f"{reference} is {variable.kind}", "another signal"
+                    expected = " or ".join("a scalar" if s == () else f"the shape {list(s)}" for s in shapes)
+                    problems.append(scenario.error(key, text, expected=expected, remedy=remedy))
+                needed += nodes
+        for key, reference, expected, fits in _parameters(scenario.view):
+            model = models.get(reference.block)
+            own = model.variables.get(reference.variable) if model else None
+            if own is None or own.causality != "parameter":
+                text = f"there is no parameter {reference}"
+                problems.append(scenario.error(key, text, expected="a parameter of a block"))
+            elif not fits(own) or reference.indices:
+                problems.append(scenario.error(key, f"{reference} is {own.kind}", expected=expected))
     return needed
 
 
