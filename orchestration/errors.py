@@ -101,6 +101,15 @@ class Problems(list[Problem]):
             self += error.problems
 
 
+@contextmanager
+def naming(place: Place) -> Iterator[None]:
+    """Puts at a place what is raised inside as InputError; what stands in a line already stays there."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(*(p if p.place and p.place.line else p.at(place) for p in error.problems)) from None
+
+
 class NoRoom(InputError):
     """A folder of this machine cannot take what a run needs there: no error of the scenario, and nothing was run.
 

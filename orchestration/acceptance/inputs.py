@@ -9,13 +9,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..fmu.model import Floats, NameUnknown
+from ..errors import InputError
+from ..fmu.model import Floats
 from ..results.result import Result
 from ..scenario.references import Connection
 from ..session.open import Opened
 from ..swap.as_ours import model
 from ..swap.findings import Finding, Fit
-from ..system.wiring import Link, Mismatch, links
+from ..system.wiring import Link, links
 
 
 def look(fitted: Fit, findings: list[Finding]) -> None:
@@ -29,7 +30,7 @@ def look(fitted: Fit, findings: list[Finding]) -> None:
             continue
         try:
             _, warnings = links(Connection(f"{signal} -> {name}.{theirs}"), {**others, name: model(fitted)}, {})
-        except (Mismatch, NameUnknown) as error:
+        except InputError as error:
             remedy = "connect a signal of its unit and shape, each element of its own if need be"
             findings.append(Finding("error", "input", f"{key}: {error}", remedy))
         else:

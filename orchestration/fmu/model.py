@@ -6,7 +6,7 @@ description.py makes this of an FMU's modelDescription.xml; tests make it by han
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -189,11 +189,12 @@ class Model:
         return [element for variable in self.of("input") for element in variable.elements]
 
     def find(
-        self, block: str, name: str, index: tuple[int, ...] = (), of: Iterable[str] = ()
+        self, block: str, name: str, index: tuple[int, ...] = (), of: Sequence[str] = (), kind: str = ""
     ) -> tuple[Variable, list[int]]:
         """The variable and the positions that a reference means. Raises NameUnknown, which names the nearest.
 
-        A name may be written as `escaped` has it.
+        A name may be written as `escaped` has it. The error offers those `of` causalities, and calls them `kind`;
+        without a name of the block it speaks of another team's FMU.
         """
         name = name if name in self.variables else unescaped(name)
         name = self.aliases.get(name, name)
@@ -205,26 +206,24 @@ class Model:
         ):
             if index and exact in self.variables:
                 return self.variables[exact], [0]
+        whole = f"{block}.{name}" if block else name
         if name in self.left_out:
-            raise NameUnknown(f"{block}.{name} is {self.left_out[name]}")
+            raise NameUnknown(f"{whole} is {self.left_out[name]}")
         if name not in self.variables:
-            wanted = tuple(of)
-            kind = " or ".join(wanted) or "variable"
-            names = [v.name for v in self.variables.values() if not wanted or v.causality in wanted]
-            names += self.helpers if "parameter" in wanted else ()
-            raise NameUnknown(f"{block} has no {kind} {name!r}{hint(name, names)}")
+            names = [v.name for v in self.variables.values() if not of or v.causality in of]
+            names += self.helpers if "parameter" in of else ()
+            kind = kind or " or ".join(of) or "variable"
+            raise NameUnknown(f"{block or 'their FMU'} has no {kind} {name!r}{hint(name, names)}")
         variable = self.variables[name]
         if not index:
             return variable, list(range(variable.size))
         first = variable.first_index or (1,) * len(variable.shape)
         if len(index) != len(variable.shape):
-            raise NameUnknown(f"{block}.{name} is {variable.kind}; an element of it has {len(variable.shape)} indices")
+            raise NameUnknown(f"{whole} is {variable.kind}; an element of it has {len(variable.shape)} indices")
         position = 0
         for i, one, length in zip(index, first, variable.shape, strict=True):
             if not one <= i < one + length:
-                raise NameUnknown(
-                    f"{block}.{name} is {variable.kind}; index {i} is outside {one} to {one + length - 1}"
-                )
+                raise NameUnknown(f"{whole} is {variable.kind}; index {i} is outside {one} to {one + length - 1}")
             position = position * length + i - one
         return variable, [position]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
-from ..errors import Fields, InputError, Place, Problem, hint
+from ..errors import Fields, InputError, Place, Problem, hint, naming
 from ..quantities import QuantityError
 
 Key = tuple[str | int, ...]
@@ -80,12 +80,10 @@ class Source:
     def naming(self, key: Key) -> Iterator[None]:
         """Places at a key the errors of what stands or is named there; those in a line of another file stay there."""
         try:
-            yield
+            with naming(self.place(key)):
+                yield
         except QuantityError as error:
             raise InputError(self.error(key, str(error))) from None
-        except InputError as error:
-            place = self.place(key)
-            raise InputError(*(p if p.place and p.place.line else p.at(place) for p in error.problems)) from None
 
     def copy(self) -> Source:
         """The same data and places anew, to be changed."""

@@ -12,7 +12,7 @@ from fmus.build import BLOCKS, FLAVOURS, BuildError, ensure, ensure_all
 from fmus.fingerprint import unchanging
 from fmus.interface import load as load_interface
 
-from ..errors import InputError, Kind, Problem, hint, reason
+from ..errors import InputError, Kind, Problem, Problems, hint, reason
 from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block
@@ -73,21 +73,17 @@ def open_fmus(scenario: Scenario) -> dict[str, Fmu]:
 
 def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
-    errors: list[Problem] = []
-    known: dict[tuple[Path, bool], Fmu] = {}
     _build(scenario)
-    for name, entry in scenario.blocks.items():
-        if entry.flavour and is_path(entry.fmu):
-            message = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
-            errors.append(scenario.error(("blocks", name, "flavour"), message))
-        try:
-            path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
-            lenient = entry.validation == "lenient"
-            fmus[name] = known[path, lenient] = known.get((path, lenient)) or open_fmu(path, lenient)
-        except InputError as error:
-            errors += with_remedies(error, scenario, name)
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for name, entry in scenario.blocks.items():
+            if entry.flavour and is_path(entry.fmu):
+                text = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
+                problems.append(scenario.error(("blocks", name, "flavour"), text))
+            try:
+                path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
+                fmus[name] = open_fmu(path, entry.validation == "lenient")
+            except InputError as error:
+                problems += with_remedies(error, scenario, name)
     return fmus
 
 
@@ -108,12 +104,11 @@ def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
     beyond its library (files, a license, another library), and FMI forbids it.
     """
     if pair := second({name: fmu for name, fmu in fmus.items() if limits(scenario, name) is None}):
-        message = (
+        text = (
             f"{shown(fmus[pair[1]].path)} can have one instance in a process "
-            "(canBeInstantiatedOnlyOncePerProcess), and "
-            f"{pair[0]} is one in this process, too; remedy: isolation: process"
+            f"(canBeInstantiatedOnlyOncePerProcess), and {pair[0]} is one in this process, too"
         )
-        raise InputError(scenario.error(("blocks", pair[1], "fmu"), message))
+        raise InputError(scenario.error(("blocks", pair[1], "fmu"), text, remedy="isolation: process"))
 
 
 def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from ..errors import InputError, Problem
+from ..errors import Problems
 from ..expectations import checks, holds
 from ..expectations.checks import Check
 from ..expectations.holds import HoldCheck
@@ -96,12 +96,8 @@ def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | 
 def _together(*checks: Callable[[], Any]) -> list[Any]:
     """What the checks return. Raises InputError with the errors of all of them."""
     returned: list[Any] = []
-    errors: list[Problem] = []
-    for check in checks:
-        try:
-            returned.append(check())
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for check in checks:
+            with problems.gathered():
+                returned.append(check())
     return returned

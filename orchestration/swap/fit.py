@@ -109,10 +109,7 @@ def _connected(fitted: Fit, mapping: Mapping, taken: dict[Element, str]) -> None
 def _elements(model: Model, name: Name) -> list[Element]:
     if name in model.variables:
         return model.variables[name].elements
-    try:
-        variable, positions = model.find("theirs", name.variable, name.indices)
-    except NameUnknown as error:
-        raise NameUnknown(str(error).replace("theirs.", "").replace("theirs has", "their FMU has")) from None
+    variable, positions = model.find("", name.variable, name.indices)
     return [Element(variable.name, position) for position in positions]
 
 

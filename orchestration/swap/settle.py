@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ..errors import InputError, Problem
+from ..errors import Problems
 from ..scenario.load import load
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
@@ -19,38 +19,34 @@ def settle(prepared: Prepared) -> None:
     Raises InputError with all that cannot be taken out.
     """
     scenario = prepared.scenario
-    errors: list[Problem] = []
-    gone = _left_out(prepared, errors)
-    unconnected = _unconnected(prepared)
-    gone |= dict.fromkeys(unconnected)
-    for number, connection in enumerate(scenario.connections):
-        output = connection.source
-        if _lacks(prepared, output) and ("connections", number) not in unconnected:
-            message = f"{connection}: {output.block} lacks the output {output.variable}; remedy: map it, or take out the connection"
-            errors.append(scenario.error(("connections", number), message))
-    acted_on: list[tuple[Key, Reference, str]] = [
-        *((("faults", i, fault.kind), fault.target, "fault") for i, fault in enumerate(scenario.faults)),
-        *((("timeline", i, "set", name), name, "entry") for i, e in enumerate(scenario.timeline) for name in e.set),
-    ]
-    for key, signal, what in acted_on:
-        fitted = prepared.fits.get(signal.block)
-        if fitted is not None and signal.variable in fitted.without:
-            text = f"{signal} is optional and {signal.block} lacks it, so the {what} would change nothing; remedy: take out the {what}"
-            errors.append(scenario.error(key, text))
-        if fitted is not None and signal.variable in fitted.ignored:
-            text = (
-                f"{signal} is under 'ignore' in the mapping of {signal.block}, so the {what} would change nothing; "
-                f"remedy: map it, or take out the {what}"
-            )
-            errors.append(scenario.error(key, text))
-    source = scenario.source.without(gone) if gone else scenario.source
-    if errors:
-        raise InputError(*errors)
-    if source is not scenario.source:
-        prepared.scenario = load(source)
+    with Problems() as problems:
+        gone = _left_out(prepared, problems)
+        unconnected = _unconnected(prepared)
+        gone |= dict.fromkeys(unconnected)
+        for number, connection in enumerate(scenario.connections):
+            output = connection.source
+            if _lacks(prepared, output) and ("connections", number) not in unconnected:
+                text = f"{connection}: {output.block} lacks the output {output.variable}"
+                remedy = "map it, or take out the connection"
+                problems.append(scenario.error(("connections", number), text, remedy=remedy))
+        acted_on: list[tuple[Key, Reference, str]] = [
+            *((("faults", i, fault.kind), fault.target, "fault") for i, fault in enumerate(scenario.faults)),
+            *((("timeline", i, "set", name), name, "entry") for i, e in enumerate(scenario.timeline) for name in e.set),
+        ]
+        for key, signal, what in acted_on:
+            fitted = prepared.fits.get(signal.block)
+            if fitted is not None and signal.variable in fitted.without:
+                text = f"{signal} is optional and {signal.block} lacks it, so the {what} would change nothing"
+                problems.append(scenario.error(key, text, remedy=f"take out the {what}"))
+            if fitted is not None and signal.variable in fitted.ignored:
+                ignored = f"{signal} is under 'ignore' in the mapping of {signal.block}"
+                text, remedy = f"{ignored}, so the {what} would change nothing", f"map it, or take out the {what}"
+                problems.append(scenario.error(key, text, remedy=remedy))
+    if gone:
+        prepared.scenario = load(scenario.source.without(gone))
 
 
-def _left_out(prepared: Prepared, errors: list[Problem]) -> dict[Key, None]:
+def _left_out(prepared: Prepared, problems: Problems) -> dict[Key, None]:
     """What of records, expectations, holds and figures refers to outputs that are not there."""
     scenario = prepared.scenario
     gone: dict[Key, None] = {}
@@ -64,17 +60,14 @@ def _left_out(prepared: Prepared, errors: list[Problem]) -> dict[Key, None]:
             if ours is None or ours.causality != "output":
                 continue
             if name in fitted.missing and key[0] in ("record", "expect"):
-                text = (
-                    f"{signal.block} lacks the output {name}, to which this refers; remedy: map it in the "
-                    "mapping, or list it "
-                    "under ignore there, and this is left out"
-                )
-                errors.append(scenario.error(key, text))
+                text = f"{signal.block} lacks the output {name}, to which this refers"
+                remedy = "map it in the mapping, or list it under ignore there, and this is left out"
+                problems.append(scenario.error(key, text, remedy=remedy))
         if whole[0] == "expect" and whole not in gone:
             prepared.not_evaluated.append((scenario.expect[int(whole[1])], f"{signal.whole} is not there"))
         gone[whole] = lost[signal.whole] = None
     _empty(scenario, gone)
-    if gone and not errors:
+    if gone and not problems:
         outermost = [key for key in gone if not any(key[:n] in gone for n in range(1, len(key))) and "names" not in key]
         entries = "; ".join(dict.fromkeys(_entry(scenario, key) for key in outermost))
         verb = "are" if len(lost) > 1 else "is"

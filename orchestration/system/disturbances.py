@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from ..errors import InputError, as_written, hint
+from ..errors import Problems, as_written, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
 from ..quantities import QuantityError, convert_difference, parse
 from ..scenario.faults import Fault, sentence
@@ -63,20 +63,18 @@ def acting(
     places = {block: place for place, block in enumerate(blocks)}
     numbers = {d.number for d in disturbances if _is_seen(scenario, d, places)}
     unseen = {d.number: d for d in disturbances if d.number not in numbers}
-    late, errors = ("duration",) in scenario.source.options, []
-    for number, disturbance in unseen.items():
-        fault, every = scenario.faults[number], scenario.blocks[disturbance.target.block].every
-        if late and fault.until is None:
-            notes.append(LATE.format(sentence(fault)))
-            continue
-        message = (
-            f"no step of {disturbance.target.block} is given a value from {fault.at:.10g} s"
-            f"{'' if fault.until is None else f' to {fault.until:.10g} s'}; "
-            f"it is stepped each {float(every * Fraction(repr(scenario.step))):.10g} s"
-        )
-        errors.append(scenario.error(("faults", number, "at"), message))
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, disturbance in unseen.items():
+            fault, every = scenario.faults[number], scenario.blocks[disturbance.target.block].every
+            if ("duration",) in scenario.source.options and fault.until is None:
+                notes.append(LATE.format(sentence(fault)))
+                continue
+            until = "" if fault.until is None else f" to {fault.until:.10g} s"
+            text = (
+                f"no step of {disturbance.target.block} is given a value from {fault.at:.10g} s{until}; "
+                f"it is stepped each {float(every * Fraction(repr(scenario.step))):.10g} s"
+            )
+            problems.append(scenario.error(("faults", number, "at"), text))
     return [d for d in disturbances if d.number in numbers]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import as_written, nearest, suggestion
-from ..fmu.model import Element, Model, NameUnknown, Variable, unit_of
+from ..fmu.model import Element, Model, Variable, unit_of
 from ..quantities import QuantityError, convert, parse, value_in
 from ..scenario.forms import matrix
 from ..scenario.references import Name
@@ -18,16 +18,10 @@ Scalar = float | int | bool | str
 
 def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element, Scalar]:
     """The values of a parameter or input, or of an element of it. Raises QuantityError or NameUnknown."""
-    try:
-        variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"))
-    except NameUnknown as error:
-        raise NameUnknown(str(error).replace("parameter or input", "parameter")) from None
+    variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"), "parameter")
     if variable.causality not in ("parameter", "input"):
-        match = nearest(variable.name, (v.name for v in model.of("parameter", "input")))
         kind = f"{'an' if variable.causality[0] in 'aeiou' else 'a'} {variable.causality}"
-        raise QuantityError(
-            f"{block}.{variable.name} is {kind}; only parameters and inputs take start values{suggestion(match)}"
-        )
+        raise QuantityError(f"{block}.{variable.name} is {kind}; only parameters and inputs take start values")
     shape = variable.shape if len(positions) == variable.size else ()
     scalars = leaves(value, shape, variable)
     try:
@@ -132,14 +126,9 @@ def _real(variable: Variable, value: Any) -> float:
             else (*parse(value.strip()[: -len(unit.name)])[:1], None)
         )
         return convert(number, own, unit) if own is not None else number
-    try:
-        return value_in(value, unit)
-    except QuantityError as error:
-        if isinstance(value, str) and variable.unit is None and "does not fit" in str(error):
-            raise QuantityError(
-                f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}"
-            ) from None
-        raise
+    if isinstance(value, str) and variable.unit is None and (own := parse(value)[1]) and not own.fits(unit):
+        raise QuantityError(f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}")
+    return value_in(value, unit)
 
 
 def _limited(variable: Variable, position: int, number: float, value: Any) -> float:

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ..errors import InputError, Problem, hint
-from ..fmu.model import Element, Model, NameUnknown, Variable
+from ..errors import InputError, Place, Problem, Problems, hint, naming
+from ..fmu.model import Element, Model, Variable
 from ..scenario.references import Connection, Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
@@ -72,28 +72,22 @@ class _End(NamedTuple):
 def connect(scenario: Scenario, models: Mapping[str, Model]) -> Wiring:
     """All connections of the scenario. Raises InputError with everything that is wrong."""
     wiring = Wiring()
-    errors: list[Problem] = []
     taken: dict[Node, str] = {}
-    delays = _delays(scenario, models, errors)
-    for number, text in enumerate(scenario.connections):
-        key: Key = ("connections", number)
-        try:
-            made, warnings = links(text, models, delays)
-            targets = [node for link in made for node in link.target]
-            for node in targets:
-                if node in taken:
-                    raise Mismatch(f"{_name(node, models)} already has a source: {taken[node]}")
-            taken.update(dict.fromkeys(targets, text))
-        except (Mismatch, NameUnknown) as error:
-            errors.append(scenario.error(key, f"{text}: {error}"))
-            continue
-        wiring.links += made
-        wiring.warnings += [scenario.note(key, warning) for warning in warnings]
-    if not errors:
-        errors += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
-        wiring.warnings += _unused_starts(scenario, models, taken, delays)
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        delays = _delays(scenario, models, problems)
+        for number, text in enumerate(scenario.connections):
+            key: Key = ("connections", number)
+            with problems.gathered(), scenario.naming(key), naming(Place(text)):
+                made, warnings = links(text, models, delays)
+                targets = [node for link in made for node in link.target]
+                if twice := [node for node in targets if node in taken]:
+                    raise InputError(f"{_name(twice[0], models)} already has a source: {taken[twice[0]]}")
+                taken.update(dict.fromkeys(targets, text))
+                wiring.links += made
+                wiring.warnings += [scenario.note(key, warning) for warning in warnings]
+        if not problems:
+            problems += _undelayed(scenario, delays, taken) + _unconnected(scenario, models, taken)
+            wiring.warnings += _unused_starts(scenario, models, taken, delays)
     return wiring
 
 
@@ -104,31 +98,27 @@ def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Varia
     return [v for v in ports if v.causality == "input" and (not v.optional or f"{block}.{v.name}" in given)]
 
 
-class Mismatch(ValueError):
-    """The two ends of a connection do not fit."""
-
-
 def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
     """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings.
 
-    Raises Mismatch and NameUnknown.
+    Raises InputError, without a place.
     """
     source, target = _end(text.source, models, "output"), _end(text.target, models, "input")
     if source.variable.type != target.variable.type:
-        raise Mismatch(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
+        raise InputError(f"{source.name} is {source.variable.type}, {target.name} is {target.variable.type}")
     if source.variable.type == "string":
-        raise Mismatch("text cannot be connected")
+        raise InputError("text cannot be connected")
     if source.variable.items != target.variable.items:
-        raise Mismatch(
+        raise InputError(
             f"the enumerations differ: {source.name} has {source.variable.items_text}, {target.name} has "
             f"{target.variable.items_text}"
         )
     alike = source.variable.shape == target.variable.shape and len(source.positions) == len(target.positions)
     if not alike and not (source.single and target.single):
-        raise Mismatch(f"the shapes differ: {_shape(source)}, {_shape(target)}")
+        raise InputError(f"the shapes differ: {_shape(source)}, {_shape(target)}")
     delayed = {node in delays for node in target.nodes}
     if len(delayed) != 1:
-        raise Mismatch("either all elements of a connection are delayed or none")
+        raise InputError("either all elements of a connection are delayed or none")
     pairs = list(zip(source.elements, target.elements, strict=True))
     if not (source.variable.units or target.variable.units):
         pairs = [(source, target)]
@@ -154,11 +144,13 @@ def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, i
 def _end(reference: Reference, models: Mapping[str, Model], causality: str) -> _End:
     block = reference.block
     if block not in models:
-        raise Mismatch(f"there is no block {block!r}{hint(block, models)}")
+        raise InputError(f"there is no block {block!r}{hint(block, models)}")
     variable, positions = models[block].find(block, reference.variable, reference.indices, (causality,))
     if variable.causality != causality:
         article = "an" if variable.causality[0] in "aeio" else "a"
-        raise Mismatch(f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}")
+        raise InputError(
+            f"{block}.{variable.name} is {article} {variable.causality}; expected an {causality} of {block}"
+        )
     return _End(block, variable, positions)
 
 
@@ -173,27 +165,19 @@ def _conversion(source: _End, target: _End) -> tuple[float, float, str]:
         unknown = given if given.exponents is None else wanted
         if given.name == wanted.name:
             return 1.0, 0.0, ""
-        return (
-            1.0,
-            0.0,
-            (
-                f"{source.name} in {given} feeds {target.name} in {wanted} as it is, since the FMU does not "
-                f"define the unit {unknown}"
-            ),
-        )
+        fed = f"{source.name} in {given} feeds {target.name} in {wanted} as it is"
+        return 1.0, 0.0, f"{fed}, since the FMU does not define the unit {unknown}"
     if not given.fits(wanted):
-        raise Mismatch(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
+        raise InputError(f"the units do not fit: {source.name} is in {given}, {target.name} in {wanted}")
     return *given.conversion(wanted), ""
 
 
-def _delays(scenario: Scenario, models: Mapping[str, Model], errors: list[Problem]) -> dict[Node, int]:
+def _delays(scenario: Scenario, models: Mapping[str, Model], problems: Problems) -> dict[Node, int]:
     """Every input that is to be fed with a delay, with its place in the list."""
     delayed: dict[Node, int] = {}
     for number, text in enumerate(scenario.delays):
-        try:
+        with problems.gathered(), scenario.naming(("delays", number)):
             delayed.update(dict.fromkeys(_end(text, models, "input").nodes, number))
-        except (Mismatch, NameUnknown) as error:
-            errors.append(scenario.error(("delays", number), str(error)))
     return delayed
 
 
@@ -219,8 +203,8 @@ def _unconnected(scenario: Scenario, models: Mapping[str, Model], taken: Mapping
             remedy = "a connection, or a value under 'start'"
             if variable.optional:
                 remedy += f"; {variable.name} is optional: it may also stay unconnected as a whole"
-            message = f"the input {names} is neither connected nor given a value; remedy: {remedy}"
-            errors.append(scenario.error(("blocks", block), message))
+            text = f"the input {names} is neither connected nor given a value"
+            errors.append(scenario.error(("blocks", block), text, remedy=remedy))
     return errors
 
 
