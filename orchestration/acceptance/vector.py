@@ -7,7 +7,9 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from fmus import kit
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import reference
+from ..fmu.model import Floats
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
 from ..session.read import load
@@ -113,22 +116,38 @@ def play(fmu: Path, fitted: Fit, interface: str, folder: Path, tolerance: float)
     expected = {n: table[:, c] for n, c in columns.items() if model.variables[n].causality == "output"}
     if not expected:
         raise InputError(f"{folder / 'vector.csv'}:1: expected a column of an output of {model.name}, found none")
-    entry = {
-        "fmu": str(fmu.resolve()),
-        "interface": interface,
-        "start": parameters_of(model, folder, {*fitted.missing, *fitted.ignored}),
-    }
+    start = parameters_of(model, folder, {*fitted.missing, *fitted.ignored})
+    return compared(fmu, fitted, interface, time, inputs, expected, start, dict.fromkeys(expected, tolerance), "vector")
+
+
+def compared(
+    fmu: Path,
+    fitted: Fit,
+    interface: str,
+    time: Floats,
+    inputs: Mapping[str, Floats],
+    expected: Mapping[str, Floats],
+    start: Mapping[str, Any],
+    tolerances: Mapping[str, float],
+    topic: str,
+) -> list[Finding]:
+    """Returns how far an FMU's outputs on inputs (instants, *shape) are from those expected, one finding an output.
+
+    `expected` are (instants, elements), NaN where nothing is; `tolerances` are relative to an output's largest value.
+    """
+    model = fitted.reference.model
+    entry: dict[str, Any] = {"fmu": str(fmu.resolve()), "interface": interface, "start": dict(start)}
     if fitted.mapping is not None:
         entry["map"] = fitted.mapping.model_dump(exclude_none=True)
     played = playback.play("block", entry, ".", time, inputs)
     if played.failure is not None:
-        return [Finding("error", "vector", str(played.failure), "see what the FMU logged")]
+        return [Finding("error", topic, str(played.failure), "see what the FMU logged")]
     findings = []
     for name, wanted in expected.items():
         if name not in played.outputs:
             continue
-        difference = np.abs(played.outputs[name] - wanted[played.rows])
-        peak = float(np.abs(wanted).max()) or 1.0
+        difference = np.nan_to_num(np.abs(played.outputs[name] - wanted[played.rows]))
+        peak = float(np.nanmax(np.abs(wanted))) or 1.0
         row = int(difference.max(axis=1).argmax())
         largest = float(difference.max())
         unit = model.variables[name].unit
@@ -137,11 +156,11 @@ def play(fmu: Path, fitted: Fit, interface: str, folder: Path, tolerance: float)
         if largest:
             text = f"{name}: differs by at most {largest:.3g}{shown_unit}, {largest / peak:.2g} of its largest value"
             text += f", at {time[played.rows[row]]:.10g} s"
-        within = largest <= max(tolerance * peak, ROUNDING)
+        within = largest <= max(tolerances[name] * peak, ROUNDING)
         remedy = (
             ""
             if within
             else "with the same equations: look at the units and signs, then at --tolerance; others give other outputs"
         )
-        findings.append(Finding("ok" if within else "error", "vector", text, remedy))
+        findings.append(Finding("ok" if within else "error", topic, text, remedy))
     return findings

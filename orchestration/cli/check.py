@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from ..acceptance.check import check
+from ..acceptance.log import against_log
 from ..acceptance.suggest import suggest as proposed
 from ..acceptance.vector import play
 from ..errors import InputError
@@ -29,6 +30,7 @@ from .status import DOES_NOT_FIT
         "orchestrate check vendor.fmu --as allocator",
         "orchestrate check vendor.fmu --as allocator --map mapping.yaml --scenario loop.yaml",
         "orchestrate check allocator.fmu --as allocator --vector vector --json",
+        "orchestrate check controller.fmu --as controller --telemetry log.yaml --tolerance 0.01",
     ),
 )
 @click.argument("fmu", type=PATH)
@@ -41,6 +43,12 @@ from .status import DOES_NOT_FIT
     help="Also name the expectations of this scenario that read an output of this FMU itself.",
 )
 @click.option("--vector", type=PATH, metavar="DIR", help="Also run it on a test vector of the kit.")
+@click.option(
+    "--telemetry",
+    type=PATH,
+    metavar="FILE",
+    help="Also run it, open loop, on the inputs of a recorded log, and compare its outputs with those of the log.",
+)
 @click.option(
     "--tolerance",
     default=1e-6,
@@ -69,6 +77,7 @@ def command(
     map_: Path | None,
     scenario: Path | None,
     vector: Path | None,
+    telemetry: Path | None,
     tolerance: float,
     play_: bool,
     lenient: bool,
@@ -88,6 +97,8 @@ def command(
     findings, fitted = check(fmu, as_, map_, lenient, judged, tolerance if play_ else None)
     if vector is not None and fitted is not None and not _errors(findings):
         findings += play(fmu, fitted, as_, vector, tolerance)
+    if telemetry is not None and fitted is not None and not _errors(findings):
+        findings += against_log(fmu, fitted, as_, telemetry, tolerance)
     fits = not _errors(findings)
     if suggest and fitted is not None:
         say(proposed(fitted).rstrip())
@@ -117,8 +128,12 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
     counts = {level: sum(f.level == level for f in findings) for level in ("error", "warning")}
     counted = ", ".join(f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n)
     say()
-    if counts["error"] and all(finding.topic == "vector" for finding in _errors(findings)):
-        say(f"the ports fit, the outputs are not those of the vector: {counted}", fg="red", bold=True)
+    if counts["error"] and all(finding.topic in ("vector", "log") for finding in _errors(findings)):
+        say(
+            f"the ports fit, the outputs are not those of the {_errors(findings)[0].topic}: {counted}",
+            fg="red",
+            bold=True,
+        )
         swap = f"orchestrate SCENARIO --swap BLOCK={shown(fmu)}" + (f" --map {shown(map_)}" if map_ else "")
         say(folded(f"A block with equations of its own gives other outputs; a run judges it: {swap}"))
     elif counts["error"]:

@@ -138,9 +138,10 @@ def _print(opened: Opened, path: Path) -> None:
     rows = []
     for name in plan.order.blocks:
         entry, fmu = scenario.blocks[name], opened.fmus[name]
-        kind = "" if is_path(entry.fmu) else f", {entry.flavour or scenario.flavour}"
+        kind = "" if entry.telemetry or is_path(entry.fmu) else f", {entry.flavour or scenario.flavour}"
         where = "own process" if limits(scenario, name) else "this process"
         own = str(shown(fmu.path)) if is_path(entry.fmu) else entry.fmu
+        own = f"record {entry.telemetry.file}" if entry.telemetry else own
         rows.append((name, f"{own}{kind}", f"{entry.every * clock.step:.10g} s", where, str(len(plan.starts[name]))))
     say_table(("block, in order", "FMU", "stepped every", "runs in", "start values"), rows)
     say()

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..fmu import zipped
 from ..fmu.archive import Fmu
 from ..interrupt import held
 from .log import Log
@@ -125,7 +126,8 @@ class Own:
                 with held():
                     folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
                     atexit.register(self._remove, folder)
-                fmu.extract(folder, [fmu.library])
+                resources = (name for name in zipped.names(fmu.path, "FMU") if name.startswith("resources/"))
+                fmu.extract(folder, [fmu.library, *resources])
                 self._loaded[fmu.sha256] = _loaded(folder / fmu.library, version, c.PyDLL), folder
                 # What is registered later is called earlier, and Windows removes no file of a library that is loaded.
                 atexit.register(_unload, self._loaded[fmu.sha256][0]._handle)

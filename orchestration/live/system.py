@@ -107,7 +107,10 @@ def _refuse(scenario: Scenario) -> None:
     errors = []
     for name, entry in scenario.blocks.items():
         key = ("blocks", name)
-        if is_path(entry.fmu):
+        if entry.telemetry is not None:
+            message = f"{name} is a record, which a page has not; remedy: orchestrate run"
+            errors.append(scenario.error((*key, "telemetry"), message))
+        elif is_path(entry.fmu):
             what = f"{entry.fmu} is an FMU in binaries, which no browser runs; expected one of the project's own blocks"
             errors.append(scenario.error((*key, "fmu"), f"{what}; remedy: orchestrate run"))
         elif (entry.flavour or scenario.flavour) != "native":

@@ -6,9 +6,9 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
-from typing import Annotated, Literal, Unpack
+from typing import Annotated, Any, Literal, Unpack
 
-from pydantic import Field, PrivateAttr, field_validator
+from pydantic import ConfigDict, Field, PrivateAttr, field_validator, model_validator
 
 from ..errors import Fields, Problem
 from .consistency import Consistency
@@ -20,16 +20,26 @@ from .mapping import MapEntry
 from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
+from .telemetry import Telemetry
 from .timeline import Phases, TimelineEntry
 from .types import Bytes, Extending, Flavour, Isolation, Model, Period, Value
 from .view import ViewEntry
 
 
-class BlockEntry(Model):
-    """A block of the loop: an FMU, how often it is stepped and its start values."""
+def _fmu_or_telemetry(schema: dict[str, Any]) -> None:
+    schema["anyOf"] = [{"required": ["fmu"]}, {"required": ["telemetry"]}]
+    schema["properties"]["fmu"].pop("default", None)
 
-    fmu: str = Field(strict=True, min_length=1)
+
+class BlockEntry(Model):
+    """A block of the loop: an FMU or a record, how often it is stepped and its start values."""
+
+    model_config = ConfigDict(json_schema_extra=_fmu_or_telemetry)
+
+    fmu: str = Field("", strict=True, min_length=1)
     """One of the project's own blocks by its name, or the path of an .fmu file, relative to the scenario."""
+    telemetry: Telemetry | None = None
+    """In place of `fmu`: a file of recorded columns, which are outputs at the instants of its rows."""
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
@@ -56,6 +66,12 @@ class BlockEntry(Model):
     `{quaternion: [1, 0, 0, 0]}`, scalar first."""
     differs: list[Annotated[str, Field(strict=True, min_length=1)]] = []
     """Parameters whose values are meant to differ from those of the same quantity in other blocks: no warning then."""
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> BlockEntry:
+        if bool(self.fmu) == (self.telemetry is not None):
+            raise ValueError(f"expected either 'fmu' or 'telemetry', found {'both' if self.fmu else 'neither'}")
+        return self
 
 
 class Record(Model):

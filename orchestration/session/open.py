@@ -17,10 +17,12 @@ from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block
 from ..paths import located
+from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
 from ..system.rates import Rates, rates
+from ..telemetry.pack import notes_of, packed
 from .limits import limits
 from .manifest import described
 from .plan import Plan, plan
@@ -56,11 +58,12 @@ def open_scenario(scenario: Scenario, fmus: dict[str, Fmu] | None = None) -> Ope
     Raises InputError with all errors.
     """
     fmus = open_fmus(scenario) if fmus is None else fmus
+    scenario, unfed = _without_inputs(scenario)
     _refuse_second(scenario, fmus)
     prepared = prepare(scenario, fmus)
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
-    ready.notes[:0] = [*_not_valid(scenario, fmus), *prepared.notes, *timed.notes]
+    ready.notes[:0] = [*_not_valid(scenario, fmus), *_of_records(scenario, fmus), *unfed, *prepared.notes, *timed.notes]
     ready.not_evaluated = prepared.not_evaluated
     return Opened(fmus, prepared, timed, ready)
 
@@ -80,10 +83,13 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
                 text = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
                 problems.append(scenario.error(("blocks", name, "flavour"), text))
             try:
-                path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
+                if entry.telemetry is not None:
+                    path = packed(scenario, name, entry.telemetry)
+                else:
+                    path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
                 fmus[name] = open_fmu(path, entry.validation == "lenient")
             except InputError as error:
-                problems += with_remedies(error, scenario, name)
+                problems += error.problems if entry.telemetry else with_remedies(error, scenario, name)
     return fmus
 
 
@@ -120,6 +126,23 @@ def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
         for name, fmu in fmus.items()
         for problem in fmu.problems
     ]
+
+
+def _without_inputs(scenario: Scenario) -> tuple[Scenario, list[str]]:
+    """Returns the scenario without connections to records, which take none, and what to say of it."""
+    records = {name for name, entry in scenario.blocks.items() if entry.telemetry is not None}
+    fed = [i for i, connection in enumerate(scenario.connections) if connection.target.block in records]
+    if not fed:
+        return scenario, []
+    names = ", ".join(str(scenario.connections[i].target) for i in fed)
+    return load(scenario.source.without(("connections", i) for i in fed)), [
+        f"a record takes no inputs; left out: {names}"
+    ]
+
+
+def _of_records(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
+    records = {name: entry.telemetry for name, entry in scenario.blocks.items() if entry.telemetry is not None}
+    return [f"{name}: {note}" for name, record in records.items() for note in notes_of(fmus[name].path, record.file)]
 
 
 def locate(fmu: str, folder: Path, flavour: str) -> Path:

@@ -1,0 +1,83 @@
+"""A record as a block: which columns of a file are ports, and what its time column means."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, field_validator
+
+from .types import Model, UnitName
+
+Text = Annotated[str, Field(strict=True, min_length=1)]
+OWN = ("hold", "shift", "rows", "age", "ended")
+"""What every record has beside its columns."""
+Scale = Literal["UTC", "GPS", "TAI", "elapsed"]
+
+
+def _listed(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+class TimeColumn(Model):
+    """The column of the rows' instants."""
+
+    column: Text
+    """Its name in the header."""
+    scale: Scale
+    """In which scale it counts: UTC (with leap seconds, as Unix time has it), GPS, TAI, or `elapsed`, from the start of the run."""
+    unit: UnitName = "s"
+    """The unit of a number; a text is a date and time in ISO 8601."""
+    epoch: Text | None = None
+    """The instant of the number 0, in the same scale. Default: 1970-01-01 of UTC, 1980-01-06 of GPS."""
+
+
+class Column(Model):
+    """A port, and the columns that it is made of."""
+
+    of: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=str | list[str])]
+    """One column, or those of a vector in their order."""
+    unit: UnitName = "1"
+    """Their unit, which is the port's."""
+    offset: list[float] | None = None
+    """Taken off the columns first, in their unit."""
+    matrix: list[list[float]] | None = None
+    """By which they are then multiplied: a row for each element of the port."""
+    gain: list[tuple[float, float]] = []
+    """By which they are last multiplied: pairs of time, s, and factor, linear between and constant beyond."""
+    missing: list[float] = []
+    """Numbers that mean that there is no value, beside an empty cell and NaN."""
+    required: bool = False
+    """Whether a value that is missing is an error."""
+    description: str = ""
+    """What it is."""
+
+
+class Telemetry(Model):
+    """A file of recorded columns in the place of an FMU."""
+
+    file: Text
+    """CSV with a header, or Parquet (`.parquet`), relative to the scenario. Lines that begin with # are no rows."""
+    time: TimeColumn
+    columns: Annotated[
+        dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], Column],
+        Field(min_length=1),
+    ]
+    """The ports by their names. Each `NAME` brings `NAME_valid` and `NAME_sample`, the number of its last sample."""
+    start: Text | float | None = None
+    """The instant that is t = 0 of the run, in UTC; with the scale `elapsed` a number. Default: the first row, or 0."""
+    where: dict[Text, Text] = {}
+    """Only rows that have this text in this column."""
+    repeated: Literal["last", "first", "refused"] = "last"
+    """Which of several rows of one instant counts."""
+    disordered: Literal["dropped", "sorted", "refused"] = "dropped"
+    """What becomes of a row that is older than one before it; `sorted` reads the whole file into memory."""
+
+    @field_validator("columns")
+    @classmethod
+    def _free_names(cls, columns: dict[str, Column]) -> dict[str, Column]:
+        names = [*columns, *(f"{name}_{what}" for name in columns for what in ("valid", "sample")), *OWN]
+        if twice := next((name for name in names if names.count(name) > 1), None):
+            raise ValueError(
+                f"expected names other than {', '.join(OWN)} and NAME_valid, NAME_sample, found {twice!r} twice"
+            )
+        return columns

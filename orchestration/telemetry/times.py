@@ -1,0 +1,83 @@
+"""Time columns: UTC, GPS and TAI as seconds of TAI since 1970-01-01, so that differences are elapsed seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_LEAPS = (
+    "1972-07 1973-01 1974-01 1975-01 1976-01 1977-01 1978-01 1979-01 1980-01 1981-07 1982-07 1983-07 1985-07 1988-01 "
+    "1990-01 1991-01 1992-07 1993-07 1994-07 1996-01 1997-07 1999-01 2006-01 2009-01 2012-07 2015-07 2017-01"
+).split()
+"""Months that began after a leap second (IERS Bulletin C); TAI - UTC was 10 s before the first."""
+_UNIX = np.array([datetime.fromisoformat(f"{month}-01T00:00:00+00:00").timestamp() for month in _LEAPS])
+GPS_BEHIND_TAI = 19.0
+DEFAULT_EPOCHS = {"UTC": "1970-01-01", "GPS": "1980-01-06", "TAI": "1970-01-01"}
+
+
+class TimeError(ValueError):
+    """A time that cannot be read, or one of another scale."""
+
+
+def tai(seconds: Floats, scale: str) -> Floats:
+    """Returns seconds of TAI since 1970-01-01 of such of a scale, as a calendar of 86400 s a day counts them."""
+    if scale == "UTC":
+        return seconds + 10.0 + np.searchsorted(_UNIX, seconds, side="right")
+    return seconds + GPS_BEHIND_TAI if scale == "GPS" else seconds
+
+
+def utc_text(seconds: float) -> str:
+    """Returns the UTC, to a second, of seconds of TAI since 1970-01-01."""
+    leaps = 10 + int(np.searchsorted(_UNIX + 10.0 + np.arange(1, len(_UNIX) + 1), seconds, side="right"))
+    return datetime.fromtimestamp(seconds - leaps, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def calendar_seconds(text: str, scale: str) -> float:
+    """Returns the seconds since 1970-01-01 that a calendar of this scale counts to a text in ISO 8601. Raises TimeError."""
+    try:
+        when = datetime.fromisoformat(text.strip())
+    except ValueError:
+        raise TimeError(f"expected a date and time in ISO 8601, or a number, found {text!r}") from None
+    if when.tzinfo is not None and scale != "UTC":
+        raise TimeError(f"expected a time in {scale}, found {text!r}, which is UTC by its end")
+    return (when if when.tzinfo else when.replace(tzinfo=UTC)).timestamp()
+
+
+def instants(cells: Sequence[str], factor: float, epoch: float, scale: str) -> tuple[Floats, int | None, str]:
+    """Returns the times of a column's cells as `tai` counts them.
+
+    `factor` is that of a number's unit in s, `epoch` the calendar's seconds of the number 0. Behind the times: the
+    place of the first cell that is none, and why.
+    """
+    try:
+        return _finite(tai(factor * np.array([float(cell) for cell in cells]) + epoch, scale))
+    except ValueError:
+        seconds = np.full(len(cells), np.nan)
+    for i, cell in enumerate(cells):
+        try:
+            seconds[i] = _number(cell, factor, epoch) if _is_number(cell) else calendar_seconds(cell, scale)
+        except TimeError as error:
+            return tai(seconds, scale), i, str(error) if cell.strip() else "expected a time, found nothing"
+    return _finite(tai(seconds, scale))
+
+
+def _finite(times: Floats) -> tuple[Floats, int | None, str]:
+    bad = np.flatnonzero(~np.isfinite(times))
+    return times, (int(bad[0]) if len(bad) else None), "expected a finite time"
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(cell: str, factor: float, epoch: float) -> float:
+    return factor * float(cell) + epoch

@@ -1,0 +1,109 @@
+"""Records are read with their instants, gaps and missing values, and refused with line and column."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from astropy.time import Time
+
+from orchestration.errors import InputError
+from orchestration.scenario.telemetry import Telemetry
+from orchestration.telemetry.record import Record
+from orchestration.telemetry.times import instants
+
+COLUMNS = {"w": {"of": ["x", "y"], "unit": "deg/s"}}
+
+
+def read(tmp_path, text, name="log.csv", scale="elapsed", **more):
+    path = tmp_path / name
+    if text is not None:
+        path.write_text(text, "utf-8")
+    time = {"column": "t", "scale": scale, **more.pop("time", {})}
+    record = Record(Telemetry.model_validate({"file": name, "time": time, "columns": COLUMNS, **more}), path, name)
+    return record, np.concatenate(list(record.stream()))
+
+
+def refused(tmp_path, text, **more):
+    with pytest.raises(InputError) as error:
+        read(tmp_path, text, **more)
+    return str(error.value)
+
+
+def test_rows_keep_their_own_instants_and_values_that_are_missing_are_nan(tmp_path):
+    record, table = read(tmp_path, "# a comment\nt,x,y\n0,1,2\n0.7,,4\n5,5,6\n")
+    np.testing.assert_array_equal(table, [[0, 1, 2], [0.7, np.nan, 4], [5, 5, 6]])
+    assert record.seen.missing == {"w": 1}
+    assert record.seen.gap == (4.3, 5)
+
+
+def test_of_rows_of_one_instant_the_last_counts_and_older_rows_are_dropped(tmp_path):
+    text = "t,x,y\n0,1,1\n1,2,2\n1,3,3\n0.5,4,4\n2,5,5\n"
+    record, table = read(tmp_path, text)
+    np.testing.assert_array_equal(table[:, :2], [[0, 1], [1, 3], [2, 5]])
+    assert (record.seen.repeated, record.seen.disordered) == ([4], [5])
+    first = read(tmp_path, text, repeated="first", disordered="sorted")[1]
+    np.testing.assert_array_equal(first[:, :2], [[0, 1], [0.5, 4], [1, 2], [2, 5]])
+
+
+def test_rows_of_one_instant_in_two_blocks_are_one_sample(tmp_path, monkeypatch):
+    monkeypatch.setattr("orchestration.telemetry.rows.BLOCK", 2)
+    _, table = read(tmp_path, "t,x,y\n0,1,1\n1,2,2\n1,3,3\n1,4,4\n0,9,9\n2,5,5\n")
+    np.testing.assert_array_equal(table[:, :2], [[0, 1], [1, 4], [2, 5]])
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "message"),
+    [
+        ("a,x,y\n0,1,2\n", {}, "log.csv:1: there is no column 't'"),
+        ("t,x,y\n,1,2\n", {}, "log.csv:2: t: expected a number, found ''"),
+        ("t,x,y\n0,1,2\n1,one,2\n", {}, "log.csv:3: x: expected a number, found 'one'"),
+        ("t,x [T],y\n0,1,2\n", {}, "log.csv:1: x: the unit 'T' of this column does not fit 'deg/s' of w"),
+        ("t,x,y\n0,1,2\n0,1,2\n", {"repeated": "refused"}, "log.csv:3: t: this row has the time"),
+        ("t,x,y\n0,1,2\n-1,1,2\n", {"disordered": "refused"}, "log.csv:3: t: this row is older"),
+        ("t,x,y\n0,1,2\n0,1\n", {}, "log.csv:3: expected at least 3 cells, found 2"),
+        ("t,x,y\n2020-01-01T00:00:00Z,1,2\n", {"scale": "GPS"}, "log.csv:2: t: expected a time in GPS, found"),
+        ("t,x,y\n", {}, "log.csv:1: there are no rows"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_at_its_line_and_column(tmp_path, text, more, message):
+    assert message in refused(tmp_path, text, **more)
+
+
+def test_nan_is_refused_where_a_value_is_required(tmp_path):
+    columns = {"w": {"of": ["x"], "unit": "deg/s", "required": True}}
+    with pytest.raises(InputError, match="log.csv:3: x: expected a value, since w is required, found 'nan'"):
+        read(tmp_path, "t,x,y\n0,1,2\n1,nan,2\n", columns=columns)
+
+
+def test_columns_are_corrected_by_offset_matrix_and_gain(tmp_path):
+    columns = {"w": {"of": ["x", "y"], "offset": [1, 2], "matrix": [[0, 1], [1, 0]], "gain": [[0, 1], [10, 3]]}}
+    _, table = read(tmp_path, "t,x,y\n0,2,5\n5,2,5\n", columns=columns)
+    np.testing.assert_allclose(table[:, 1:], [[3, 1], [6, 2]])
+
+
+def test_parquet_gives_what_csv_gives(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as parquet
+
+    when = [datetime(2024, 1, 1, tzinfo=UTC), datetime(2024, 1, 1, 0, 0, 1, 500_000, tzinfo=UTC)]
+    parquet.write_table(pa.table({"t": when, "x": [1.0, None], "y": [2.0, 3.0]}), tmp_path / "log.parquet")
+    _, table = read(tmp_path, None, name="log.parquet", scale="UTC")
+    np.testing.assert_array_equal(table, [[0, 1, 2], [1.5, np.nan, 3]])
+
+
+@pytest.mark.parametrize("scale", ["UTC", "GPS", "TAI"])
+def test_seconds_between_two_dates_are_those_of_astropy_in_each_scale(scale):
+    dates = ["2016-12-31T23:59:00", "2017-01-01T00:01:00", "1998-06-01T00:00:00", "2024-05-05T05:05:05.5"]
+    times, bad, _ = instants(dates, 1.0, 0.0, scale)
+    assert bad is None
+    shift = 19.0 if scale == "GPS" else 0.0  # GPS is a count, which astropy has no calendar for
+    wanted = Time(dates, scale="tai" if scale == "GPS" else scale.lower()).tai
+    np.testing.assert_allclose(times - times[0], (wanted - wanted[0]).sec, atol=2e-6)
+    assert times[0] - shift == pytest.approx((wanted[0] - Time("1970-01-01", scale="tai")).sec, abs=1e-5)
+
+
+def test_the_run_starts_at_a_date_whatever_the_scale_of_the_rows(tmp_path):
+    text = "t,x,y\n1378209616,1,2\n"  # 2023-09-09 12:00:00 TAI - 19 s of GPS
+    gps = Time(1378209616, format="gps").utc.isot
+    _, table = read(tmp_path, text, scale="GPS", start=gps)
+    assert table[0, 0] == pytest.approx(0.0, abs=2e-3)
