@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
@@ -60,50 +60,51 @@ def interruptible() -> Iterator[list[int]]:
     """
     global _latest
     _latest = came = []
-    ours = threading.current_thread() is threading.main_thread()
-    before = {n: signal.getsignal(n) for n in SIGNALS if ours}
-    before = {n: handler for n, handler in before.items() if handler in (signal.default_int_handler, _stop)}
 
-    def restore() -> None:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-    def note(number: int, frame: FrameType | None) -> None:
+    def note(number: int, restore: Callable[[], None]) -> None:
         came.append(number)
         restore()
 
-    for number in before:
-        signal.signal(number, note)
-    try:
+    with _handled(note, lambda handler: handler in (signal.default_int_handler, _stop)):
         yield came
-    finally:
-        restore()
 
 
 @contextmanager
 def held(firmly: bool = False) -> Iterator[None]:
-    """Keeps the signals until the block of code is left, and obeys them then. A second one is obeyed at once, if not `firmly`."""
+    """Keeps the signals until the block of code is left, and obeys them then.
+
+    A second one is obeyed at once, if not `firmly`.
+    """
     came: list[int] = []
-    ours = threading.current_thread() is threading.main_thread()
-    before = {n: signal.getsignal(n) for n in SIGNALS if ours}
-    before = {n: handler for n, handler in before.items() if handler not in (signal.SIG_IGN, None)}
 
-    def restore() -> None:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-    def note(number: int, frame: FrameType | None) -> None:
+    def note(number: int, restore: Callable[[], None]) -> None:
         came.append(number)
         if len(came) > 1 and not firmly:
             came.clear()
             restore()
             signal.raise_signal(number)
 
+    try:
+        with _handled(note, lambda handler: handler not in (signal.SIG_IGN, None)):
+            yield
+    finally:
+        if came:
+            signal.raise_signal(came[0])
+
+
+@contextmanager
+def _handled(note: Callable[[int, Callable[[], None]], None], taken: Callable[[object], bool]) -> Iterator[None]:
+    """Gives the signals to `note`, with what restores their handlers; only those whose handlers are `taken` over."""
+    ours = threading.current_thread() is threading.main_thread()
+    before = {n: handler for n in SIGNALS if ours and taken(handler := signal.getsignal(n))}
+
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
     for number in before:
-        signal.signal(number, note)
+        signal.signal(number, lambda number, frame: note(number, restore))
     try:
         yield
     finally:
         restore()
-        if came:
-            signal.raise_signal(came[0])

@@ -23,10 +23,10 @@ from . import zipped
 from .aliases import aliases, set_together
 from .co_simulation import CoSimulation
 from .description import describe
-from .head import Head, line, read_head
+from .head import Head, read_head
 from .model import Model
 from .starts import starts_of
-from .zipped import shown
+from .zipped import line, shown
 
 __all__ = [
     "Fmu",

@@ -27,11 +27,7 @@ class Bound(Model):
 
     @model_validator(mode="after")
     def _one(self) -> Bound:
-        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(
-                f"expected exactly one of below, above, within, equals; found {' and '.join(given) or 'none'}"
-            )
+        self._only(*type(self).model_fields)
         if isinstance(self.within, list):
             if len(self.within) != 2:
                 raise ValueError(f"within: expected one number or [low, high], found {self.within!r}")
@@ -43,7 +39,8 @@ class Bound(Model):
 
     @property
     def kind(self) -> str:
-        return next(name for name in type(self).model_fields if getattr(self, name) is not None)
+        """Which of them it is."""
+        return self._only(*type(self).model_fields)
 
 
 class _Signal(Model):
@@ -80,9 +77,7 @@ class Expectation(Span, _Signal):
 
     @model_validator(mode="after")
     def _one(self) -> Expectation:
-        given = [name for name in ("always", "ever", "zeros") if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected exactly one of always, ever, zeros; found {' and '.join(given) or 'none'}")
+        self._only("always", "ever", "zeros")
         return self
 
 

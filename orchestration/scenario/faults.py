@@ -36,9 +36,7 @@ class Fault(Model):
 
     @model_validator(mode="after")
     def _one(self) -> Fault:
-        given = [name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected exactly one of set, freeze, bias, cut; found {' and '.join(given) or 'none'}")
+        self._only("set", "freeze", "bias", "cut")
         if (self.by is None) == (self.bias is not None):
             raise ValueError("'by' says what 'bias' adds; expected both or neither")
         if self.to is not None and self.cut is None:
@@ -51,7 +49,7 @@ class Fault(Model):
 
     @property
     def kind(self) -> str:
-        return next(name for name in ("set", "freeze", "bias", "cut") if getattr(self, name) is not None)
+        return self._only("set", "freeze", "bias", "cut")
 
     @property
     def target(self) -> Reference:

@@ -19,36 +19,20 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InputError, as_written
-from ..quantities import QuantityError, parse, real
+from ..quantities import ONE, parse, real, value_in
 from . import complaints, source, text
 from .references import Name, Reference
-from .types import UnitName
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+from .types import Model, UnitName
 
 
 def _quantity(value: Any) -> Any:
-    if isinstance(value, str):
-        number, text = _read(value), value
-    elif isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"expected a number or text with a unit, found {as_written(value)}")
-    else:
-        number, text = real(value), str(value)
+    number = parse(value)[0] if isinstance(value, str) else value_in(value, ONE)
     if not math.isfinite(number):
-        raise ValueError(f"expected a finite number, found {text}")
+        raise ValueError(f"expected a finite number, found {value}")
     return value
-
-
-def _read(text: str) -> float:
-    try:
-        return parse(text)[0]
-    except QuantityError as error:
-        raise ValueError(str(error)) from None
 
 
 def _offset(value: Any) -> Any:
@@ -81,7 +65,7 @@ _Rows = Annotated[list[list[float]], BeforeValidator(_matrix)]
 _Offset = Annotated[Any, BeforeValidator(_offset, json_schema_input_type=float | str | list[float | str])]
 
 
-class PortMap(_Model):
+class PortMap(Model):
     """How one port or parameter of theirs stands to ours: theirs = matrix (scale ours) + offset."""
 
     theirs: _Names
@@ -128,7 +112,7 @@ def _file(value: Any) -> Any:
 _Port = Annotated[PortMap, BeforeValidator(_port, json_schema_input_type=str | list[str] | PortMap)]
 
 
-class Mapping(_Model):
+class Mapping(Model):
     """How another team's FMU stands in a block's place."""
 
     file: Annotated[str, Field(strict=True, min_length=1)] | None = None

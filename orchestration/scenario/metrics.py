@@ -36,16 +36,11 @@ class Metric(Span):
 
     @model_validator(mode="after")
     def _one(self) -> Metric:
-        given = [name for name in ("statistic", *BOUNDS, "python") if getattr(self, name) is not None]
-        if len(given) != 1:
-            found = " and ".join(given) or "none"
-            raise ValueError(f"expected exactly one of statistic, settles, reaches, share, python; found {found}")
-        if self.python is not None:
+        if self.kind == "python":
             beside = [name for name in ("signal", "after", "before", "when") if getattr(self, name) is not None]
             if beside or self.measure != "element":
-                raise ValueError(
-                    f"a Python function goes without {' and '.join(beside) or 'measure'}; expected 'signals'"
-                )
+                without = " and ".join(beside) or "measure"
+                raise ValueError(f"a Python function goes without {without}; expected 'signals'")
             if not self.signals:
                 raise ValueError("a Python function needs 'signals', which it is given")
         elif self.signal is None:
@@ -57,7 +52,7 @@ class Metric(Span):
     @property
     def kind(self) -> str:
         """Which of the five it is."""
-        return next(name for name in ("statistic", *BOUNDS, "python") if getattr(self, name) is not None)
+        return self._only("statistic", *BOUNDS, "python")
 
 
 BOUNDS = ("settles", "reaches", "share")

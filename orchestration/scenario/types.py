@@ -68,10 +68,7 @@ def _positive(value: float) -> float:
 
 def quantity(value: Any) -> Any:
     if isinstance(value, str):
-        try:
-            parse(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
+        parse(value)
     elif isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         raise ValueError(f"expected a number or text with a unit, found {as_written(value)}")
     return value
@@ -79,10 +76,7 @@ def quantity(value: Any) -> Any:
 
 def unit_name(value: Any) -> Any:
     if isinstance(value, str):
-        try:
-            parse_unit(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
+        parse_unit(value)
     return value
 
 
@@ -97,6 +91,13 @@ Value = Annotated[Any, WithJsonSchema(_VALUE)]
 
 class Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    def _only(self, *names: str) -> str:
+        """Returns which one of these fields is given. Raises ValueError where none is, or several."""
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected exactly one of {', '.join(names)}; found {' and '.join(given) or 'none'}")
+        return given[0]
 
 
 def _whole_or_extending(schema: dict[str, Any]) -> None:

@@ -10,8 +10,8 @@ from urllib.parse import unquote
 import fmpy
 from lxml import etree
 
-from ..errors import InputError
-from ..fmu.zipped import shown
+from ..errors import InputError, Place, naming
+from ..fmu.zipped import shown, xml_root
 from .words import NAMESPACES
 
 _SCHEMAS = {
@@ -41,15 +41,8 @@ def parsed(path: Path, file: Path, tag: str) -> Any:
         raise InputError(
             f"{shown(path)}: {file.name} holds {size / 1e6:.3g} MB; expected at most {SIZE_MAX / 1e6:.3g} MB"
         )
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True
-    )
-    try:
-        root = etree.fromstring(file.read_bytes(), parser, base_url=file.name)
-    except (etree.XMLSyntaxError, LookupError, ValueError) as error:
-        raise InputError(f"{shown(path)}: {file.name} cannot be read: {' '.join(str(error).split())}") from None
-    if root.getroottree().docinfo.doctype:
-        raise InputError(f"{shown(path)}: {file.name} has a DOCTYPE, which it does not need and which can do harm")
+    with naming(Place(str(shown(path)))):
+        root = xml_root(file.read_bytes(), file.name)
     prefix, _, name = tag.partition(":")
     if root.tag != f"{{{NAMESPACES[prefix]}}}{name}":
         raise InputError(f"{shown(path)}: {file.name} is no {name} of SSP 1.0: it begins with {root.tag}")

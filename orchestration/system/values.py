@@ -21,7 +21,10 @@ def values_of(block: str, model: Model, name: Name, value: Any) -> dict[Element,
     variable, positions = model.find(block, name.variable, name.indices, ("parameter", "input"), "parameter")
     if variable.causality not in ("parameter", "input"):
         kind = f"{'an' if variable.causality[0] in 'aeiou' else 'a'} {variable.causality}"
-        raise QuantityError(f"{block}.{variable.name} is {kind}; only parameters and inputs take start values")
+        # What an output starts at, not what is spelt alike: omega_B0 for omega_B, and for b_B no J_B.
+        start = next((v.name for v in model.of("parameter", "input") if v.name.startswith(variable.name)), None)
+        text = f"{block}.{variable.name} is {kind}; only parameters and inputs take start values"
+        raise QuantityError(f"{text}{suggestion(start)}")
     shape = variable.shape if len(positions) == variable.size else ()
     scalars = leaves(value, shape, variable)
     try:

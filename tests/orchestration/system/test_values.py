@@ -36,6 +36,12 @@ def test_a_height_given_as_a_radius_gets_the_input_that_takes_heights():
     assert told.endswith("found 500000 m (500 km); did you mean 'altitude: 500 km'?\n")
 
 
+@pytest.mark.parametrize(("output", "start"), [("omega_B", "; did you mean 'omega_B0'?"), ("b_B", "")])
+def test_an_output_gets_the_parameter_that_it_starts_at_and_none_that_is_spelt_alike(output, start):
+    told = orchestrate("validate", PAPER, "--set", f"plant.{output}=1").stderr
+    assert told.endswith(f"plant.{output} is an output; only parameters and inputs take start values{start}\n")
+
+
 @pytest.mark.parametrize(
     ("value", "found"),
     [
