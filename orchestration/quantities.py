@@ -4,13 +4,29 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 
 from fmus.units import BASES, ONE, SECOND, Exponents, QuantityError, Unit, parse_unit
 
 from .errors import as_written
 
 __all__ = ["BASES", "ONE", "SECOND", "Exponents", "QuantityError", "Unit"]
-__all__ += ["convert", "convert_difference", "parse", "parse_unit", "real", "value_in", "with_unit"]
+__all__ += ["Quantity", "convert", "convert_difference", "parse", "parse_unit", "real", "shown", "suffix"]
+__all__ += ["value_in", "with_unit"]
+
+
+@dataclass(frozen=True, repr=False)
+class Quantity:
+    """A number with its unit, as data; `str` writes it as `parse` reads it."""
+
+    number: float
+    unit: Unit
+
+    def __str__(self) -> str:
+        return f"{self.number!r} {self.unit}"
+
+    def __repr__(self) -> str:
+        return repr(str(self))
 
 
 def convert(value: float, unit: Unit, to: Unit) -> float:
@@ -54,7 +70,9 @@ def real(value: float) -> float:
 
 
 def value_in(value: object, unit: Unit) -> float:
-    """A finite number, given as such or as text with a unit, in `unit`. Raises QuantityError."""
+    """A finite number, given as such, as a Quantity or as text with a unit, in `unit`. Raises QuantityError."""
+    if isinstance(value, Quantity):
+        return convert(value.number, value.unit, unit)
     if isinstance(value, str):
         number, own = parse(value)
         if own is not None:
@@ -66,6 +84,16 @@ def value_in(value: object, unit: Unit) -> float:
     if not math.isfinite(number):
         raise QuantityError(f"expected a finite number, found {value}")
     return number
+
+
+def shown(unit: Unit | None) -> str:
+    """A unit as it stands behind a value; "" for none, and for 1."""
+    return "" if unit is None or str(unit) in ("", "1") else str(unit)
+
+
+def suffix(unit: Unit | None) -> str:
+    """The same with a space before it."""
+    return f" {shown(unit)}".rstrip()
 
 
 def with_unit(value: float, unit: str) -> str:

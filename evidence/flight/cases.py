@@ -76,7 +76,7 @@ class Group:
 def drawn(case: Case, runs: int) -> list[Data]:
     """Start values of a campaign's first runs by `block.parameter`."""
     job = case.job
-    return [job.draws.given(job.draws.at(point)) for point in job.design.points(range(runs)).tolist()]
+    return [job.draws.texts(job.draws.at(point)) for point in job.design.points(range(runs)).tolist()]
 
 
 def metrics(duration: float, early: float, scenario: Data, settled_rate: float = RATE) -> list[Data]:

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, Problem, hint
+from ..errors import InputError, Problems, hint
 from ..expectations import metrics
 from ..expectations.span import numeric
 from ..paths import located
-from ..quantities import QuantityError
+from ..quantities import QuantityError, shown
 from ..scenario import complaints, extends
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
@@ -26,7 +26,6 @@ from ..system.starts import resolve
 from .drawing import draws as drawing
 from .drawing.design import design, notes, samples
 from .drawing.expression import NoValue
-from .file import analysis
 from .file.campaign import Campaign
 from .flying.functions import Code, NotLoaded, find
 from .flying.job import CheckedRequirement, Job
@@ -155,28 +154,27 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
     """A campaign held against its scenario. Raises InputError."""
     opened = open_scenario(scenario)
     plan = opened.plan
-    errors: list[Problem] = []
     measures: list[metrics.Measure] = []
     codes: dict[str, Code] = {}
     broken: set[str] = set()
-    for number, metric in enumerate(campaign.metrics):
-        key: Key = ("metrics", number)
-        try:
-            measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario))
-            if metric.python and metric.python.partition(":")[0] not in broken:
-                codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
-        except InputError as error:
-            errors += error.problems
-            if isinstance(error, NotLoaded):  # of a module that several metrics name, once
-                broken.add(error.module)
-    try:
-        draws = drawing.prepare(campaign, source, plan.models)
-        _resolved(campaign, source, plan.scenario, draws, plan.models)
-        errors += [source.error((key,), text) for key, text in analysis.problems(campaign, draws.dimension)]
-    except InputError as error:
-        errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, metric in enumerate(campaign.metrics):
+            key: Key = ("metrics", number)
+            try:
+                measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario))
+                if metric.python and metric.python.partition(":")[0] not in broken:
+                    codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
+            except InputError as error:
+                problems += error.problems
+                if isinstance(error, NotLoaded):  # of a module that several metrics name, once
+                    broken.add(error.module)
+        with problems.gathered():
+            draws = drawing.prepare(campaign, source, plan.models)
+            _resolved(campaign, source, plan.scenario, draws, plan.models)
+            for section, least in (("sensitivity", 2), ("search", 1)):
+                if getattr(campaign, section) is not None and draws.dimension < least:
+                    message = f"expected {least} or more numbers that vary, found {draws.dimension}"
+                    problems.append(source.error((section,), message))
     requirements = _requirements(campaign, source, measures, [check.expectation.name for check in plan.checks])
     try:
         made = design(campaign.sampling, campaign.seed, campaign.runs, draws)
@@ -199,7 +197,7 @@ def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: dra
 
     Raises InputError.
     """
-    places = {name: source.where(("vary", name)) for name in campaign.vary}
+    places = {StartName.of(name): source.where(("vary", name)) for name in campaign.vary}
     for point in samples(draws):
         try:
             values = draws.given(draws.at(point))
@@ -212,31 +210,31 @@ def _requirements(
     campaign: Campaign, source: Source, measures: list[metrics.Measure], expectations: list[str]
 ) -> list[CheckedRequirement]:
     known = [measure.metric.name for measure in measures]
-    requirements, errors = [], []
-    for number, entry in enumerate(campaign.requirements):
-        key: Key = ("requirements", number)
-        given = entry.name, entry.probability, entry.confidence
-        if entry.expectation is not None:
-            if entry.expectation not in expectations:
-                text = f"the scenario has no expectation {entry.expectation!r} that is evaluated{hint(entry.expectation, expectations)}"
-                errors.append(source.error((*key, "expectation"), text))
+    requirements = []
+    with Problems() as problems:
+        for number, entry in enumerate(campaign.requirements):
+            key: Key = ("requirements", number)
+            given = entry.name, entry.probability, entry.confidence
+            if entry.expectation is not None:
+                expected = f"{entry.expectation}: met"
+                requirements.append(CheckedRequirement(*given, None, entry.expectation, None, expected))
+                if entry.expectation not in expectations:
+                    text = f"the scenario has no expectation {entry.expectation!r} that is evaluated"
+                    text += hint(entry.expectation, expectations)
+                    problems.append(source.error((*key, "expectation"), text))
                 continue
-            requirements.append(CheckedRequirement(*given, None, entry.expectation, None, f"{entry.expectation}: met"))
-            continue
-        if entry.metric not in known:
-            errors.append(
-                source.error((*key, "metric"), f"there is no metric {entry.metric!r}{hint(str(entry.metric), known)}")
-            )
-            continue
-        place = known.index(entry.metric)
-        assert entry.bound is not None
-        try:
-            unit = measures[place].unit
-            limits = numeric(entry.metric, unit if str(unit) != "1" else None, entry.bound)
-        except QuantityError as error:
-            errors.append(source.error((*key, entry.bound.kind), str(error)))
-            continue
-        requirements.append(CheckedRequirement(*given, place, None, limits, f"{entry.metric} {limits.text}"))
-    if errors:
-        raise InputError(*errors)
+            if entry.metric not in known:
+                text = f"there is no metric {entry.metric!r}{hint(str(entry.metric), known)}"
+                problems.append(source.error((*key, "metric"), text))
+                continue
+            place = known.index(entry.metric)
+            assert entry.bound is not None
+            try:
+                unit = measures[place].unit
+                limits = numeric(entry.metric, unit if shown(unit) else None, entry.bound)
+            except QuantityError as error:
+                problems.append(source.error((*key, entry.bound.kind), str(error)))
+            else:
+                expected = f"{entry.metric} {limits.text}"
+                requirements.append(CheckedRequirement(*given, place, None, limits, expected))
     return requirements

@@ -14,7 +14,7 @@ from ..expectations.metrics import MetricError
 from ..results.place import put
 from .case import Case
 from .flying.batches import Crew
-from .metric_function import FlownMetrics
+from .metric_function import of_campaign
 from .replay import replay
 from .statistics import search, sensitivity
 
@@ -39,7 +39,7 @@ def analyse(
         key = hashlib.sha256(f"{case.fingerprint} {section.model_dump_json()}".encode()).hexdigest()
         if done.get(name) != key or name not in more:
             remark(f"{name}: flying its runs")
-            more[name] = module.run(section, FlownMetrics(case, hands()), case.campaign.seed)
+            more[name] = module.run(section, of_campaign(case, hands()), case.campaign.seed)
             done[name] = key
     more["analyses"] = done
     if text := more.get("search", {}).get("scenario"):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fmus.versions import version_of
 
 from ..errors import InputError
+from ..quantities import shown
 from .case import Case
 from .statistics.verdicts import Announced, Verdict
 from .sums import MANIFEST, RUNS, read
@@ -69,7 +70,7 @@ def manifest(
             {
                 "name": measure.metric.name,
                 "column": measure.metric.name,
-                "unit": "" if str(measure.unit) == "1" else str(measure.unit),
+                "unit": shown(measure.unit),
                 "text": measure.text,
                 "signal": measure.metric.signal,
             }

@@ -14,6 +14,7 @@ from ..fmu.interfaces import is_path
 from ..quantities import QuantityError
 from ..results.place import put
 from ..results.result import Result
+from ..scenario.source import StartName
 from ..scenario.text import written
 from ..session.flight import with_values
 from ..session.manifest import start_values
@@ -30,7 +31,7 @@ class Replayed:
     """A run that was flown again."""
 
     values: dict[str, Any]
-    """Start values by name, as `--set` takes them."""
+    """Its start values by name, as `--set` takes them."""
     metrics: dict[str, float | None]
     met: dict[str, bool]
     result: Result
@@ -98,11 +99,11 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
     draws = case.job.draws
     try:
         drawn = draws.at(point)
-        values = draws.given(drawn)
     except QuantityError as error:
         raise InputError(f"{title} of the campaign: {error}") from None
     file = folder / "scenario.yaml"
-    text = scenario_text(case, values, f"{title} of the campaign {case.campaign.name}", f"{case.scenario.name}{ending}")
+    named = f"{title} of the campaign {case.campaign.name}", f"{case.scenario.name}{ending}"
+    text = scenario_text(case, draws.given(drawn), *named)
     with writing(file):
         folder.mkdir(parents=True, exist_ok=True)
         put(file, text)
@@ -121,11 +122,11 @@ def at(case: Case, point: Sequence[float], folder: Path, title: str, ending: str
     flags = [*met.values(), *(expected[name] for name in case.job.expectations)]
     row: list[Cell] = [OK if whole_run else FAILED, None, None, *draws.cells(drawn), *metrics.values()]
     row += flags if whole_run else [None] * len(flags)
-    return Replayed(values, metrics, met, result, file), row
+    return Replayed(draws.texts(drawn), metrics, met, result, file), row
 
 
-def scenario_text(case: Case, values: Mapping[str, Any], title: str, name: str = "") -> str:
-    """The scenario with these start values as YAML, every value in force written out. Raises InputError."""
+def scenario_text(case: Case, values: Mapping[StartName, Any], title: str, name: str = "") -> str:
+    """Returns the scenario with these start values as YAML, every value in force written out. Raises InputError."""
     plan = case.job.opened.plan
     starts = resolve(with_values(plan.scenario, values), plan.models)
     data = json.loads(json.dumps(case.scenario.model_dump(exclude_none=True)))

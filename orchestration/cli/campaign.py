@@ -18,7 +18,7 @@ from ..campaign.report.page import value_text
 from ..campaign.sums import read
 from ..errors import InputError
 from ..expectations.metrics import MetricError
-from ..quantities import with_unit
+from ..quantities import shown, with_unit
 from ..results.place import check_writable
 from .campaign_summary import summary
 from .console import Progress, complain, notes, open_page, say, say_table
@@ -165,7 +165,7 @@ def _print_replay(case: Case, index: str, again: Replayed) -> None:
     notes(again.result.warnings)
     say(f"{'worst case' if index == 'worst' else f'run {index}'} of the campaign {case.campaign.name}", bold=True)
     say_table(("varied", "value"), _varied(case, again))
-    units = {m.metric.name: "" if str(m.unit) == "1" else str(m.unit) for m in case.job.measures}
+    units = {m.metric.name: shown(m.unit) for m in case.job.measures}
     metrics = {name: _measured(x, units[name]) for name, x in again.metrics.items()}
     if metrics:
         say()
@@ -185,9 +185,7 @@ def _print_replay(case: Case, index: str, again: Replayed) -> None:
 
 def _varied(case: Case, again: Replayed) -> list[tuple[str, str]]:
     """Returns what varies with its values, each with the unit that it is in."""
-    ports = {
-        draw.name: draw.port for draw in case.job.draws.draws if draw.numbers and not draw.unit and not draw.suffix
-    }
+    ports = {draw.name: draw.port for draw in case.job.draws.draws if draw.numbers and draw.unit is None}
     texts = {name: value_text(value) for name, value in again.values.items()}
     return [(name, f"{text} {ports.get(name) or ''}".rstrip()) for name, text in texts.items()]
 

@@ -29,6 +29,9 @@ class StartName(NamedTuple):
         block, dot, variable = text.partition(".")
         return cls(block, variable) if dot else cls("shared", text)
 
+    def __str__(self) -> str:
+        return self.variable if self.shared else f"{self.block}.{self.variable}"
+
     @property
     def shared(self) -> bool:
         """Whether every block that has such a parameter takes it."""

@@ -5,7 +5,7 @@ Tests: tests/orchestration/session/test_flight.py, tests/orchestration/campaign.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,9 +34,9 @@ class Flown:
 
 
 def fly(
-    session: Session, values: Mapping[str, Any], observers: Sequence[Observer] = (), nodes: Sequence[Node] = ()
+    session: Session, values: Mapping[StartName, Any], observers: Sequence[Observer] = (), nodes: Sequence[Node] = ()
 ) -> Flown:
-    """Flies with these start values, by name as `--set` takes them; a value that is refused makes the run a failed one.
+    """Flies with these start values; a value that is refused makes the run a failed one.
 
     The observers are shown `nodes`, and what the expectations need. A signal that ends it raises Stopped.
     """
@@ -55,29 +55,29 @@ def fly(
     return Flown(reason, [observer.outcome(failed) for observer in expected], recording.wall)
 
 
-def _unchanged(plan: Plan, values: Mapping[str, Any]) -> dict[str, list[Start]] | None:
+def _unchanged(plan: Plan, values: Iterable[StartName]) -> dict[str, list[Start]] | None:
     """Returns the start values of the blocks that none of these values reaches.
 
     None where a shared value is among them, which may reach all.
     """
-    starts = [StartName.of(text) for text in values]
-    if any(start.shared for start in starts):
+    reached = {start.block for start in values}
+    if any(start.shared for start in values):
         return None
-    reached = {start.block for start in starts}
     return {block: given for block, given in plan.starts.items() if block not in reached}
 
 
-def with_values(scenario: Scenario, values: Mapping[str, Any], places: Mapping[str, str] | None = None) -> Scenario:
-    """The scenario with other start values, by name as `--set` takes them. Raises InputError.
+def with_values(
+    scenario: Scenario, values: Mapping[StartName, Any], places: Mapping[StartName, str] | None = None
+) -> Scenario:
+    """Returns the scenario with other start values: numbers, quantities, or what a scenario may hold.
 
-    As `load` with overrides, but the rest of it, which is known to be sound, is not looked at again. `places` say where each stands,
-    for messages.
+    As `load` with overrides, but the rest of it, which is known to be sound, is not looked at again. `places` say where
+    each stands, for messages. Raises InputError.
     """
     shared, blocks, options = dict(scenario.shared), dict(scenario.blocks), dict(scenario.source.options)
-    for text, value in values.items():
-        start = StartName.of(text)
+    for start, value in values.items():
         name, block = Name(start.variable), start.block
-        options[start.key] = place = (places or {}).get(text) or f"{text}={value}"
+        options[start.key] = place = (places or {}).get(start) or f"{start}={value}"
         if start.shared:
             starts = shared
         else:

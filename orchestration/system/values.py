@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import as_written, nearest, suggestion
 from ..fmu.model import Element, Model, Variable, unit_of
-from ..quantities import QuantityError, convert, parse, value_in
+from ..quantities import Quantity, QuantityError, Unit, convert, parse, suffix, value_in
 from ..scenario.forms import matrix
 from ..scenario.references import Name
 
@@ -121,6 +121,8 @@ def item(variable: Variable, value: Any) -> int:
 
 def _real(variable: Variable, value: Any) -> float:
     unit = unit_of(variable)
+    if isinstance(value, Quantity) and unit.exponents is None:
+        value = str(value)
     if isinstance(value, str) and unit.exponents is None:
         # The FMU names its unit without defining it: only the same name, or no unit, will do.
         number, own = (
@@ -129,9 +131,16 @@ def _real(variable: Variable, value: Any) -> float:
             else (*parse(value.strip()[: -len(unit.name)])[:1], None)
         )
         return convert(number, own, unit) if own is not None else number
-    if isinstance(value, str) and variable.unit is None and (own := parse(value)[1]) and not own.fits(unit):
+    if variable.unit is None and (own := _unit_of(value)) is not None and not own.fits(unit):
         raise QuantityError(f"{variable.name} has no unit, so expected a bare number, found {as_written(value)}")
     return value_in(value, unit)
+
+
+def _unit_of(value: Any) -> Unit | None:
+    """Returns the unit that a value says, if it says one."""
+    if isinstance(value, Quantity):
+        return value.unit
+    return parse(value)[1] if isinstance(value, str) else None
 
 
 def _limited(variable: Variable, position: int, number: float, value: Any) -> float:
@@ -139,7 +148,8 @@ def _limited(variable: Variable, position: int, number: float, value: Any) -> fl
     high = variable.maxima[position] if variable.maxima else float("inf")
     if low <= number <= high:
         return number
-    unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
+    unit = suffix(variable.unit)
+    value = str(value) if isinstance(value, Quantity) else value
     given = f" ({value})" if isinstance(value, str) and not _is(value, number, unit) else ""
     element = f"{variable.label(position)}: " if variable.shape else ""
     side = f"at least {low:.10g}" if number < low else f"at most {high:.10g}"

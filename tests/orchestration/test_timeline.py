@@ -11,8 +11,10 @@ import pytest
 from orchestration import InputError, load, run
 from orchestration.cli.summary import summary
 from orchestration.export.system import check_plain
+from orchestration.quantities import SECOND, Quantity
 from orchestration.results.figures import draw
 from orchestration.results.phases import bands
+from orchestration.scenario.source import StartName
 from orchestration.session.flight import fly
 from orchestration.session.open import open_scenario
 from orchestration.session.session import Session
@@ -80,7 +82,8 @@ def test_a_scenario_flown_again_and_again_begins_its_timeline_anew() -> None:
     """As a campaign flies it: the FMU is reset from run to run, and the values of its timeline with it."""
     expect = [{"name": "safe", "signal": "supervisor.mode", "during": "commanded", "ever": {"equals": 2}}]
     with Session(open_scenario(load({**BASE, "timeline": TIMELINE, "expect": expect})), resets=True) as session:
-        seen = [fly(session, {"supervisor.rate_time": value}).outcomes[0].passed for value in ("2 s", "6 s", "2 s")]
+        name = StartName("supervisor", "rate_time")
+        seen = [fly(session, {name: value}).outcomes[0].passed for value in (2.0, Quantity(6.0, SECOND), 2.0)]
     assert seen == [True, False, True]
 
 

@@ -5,16 +5,16 @@ columns of the dataset.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ... import rotation
-from ...errors import InputError, Problem
+from ...errors import Problems
 from ...fmu.model import Model, NameUnknown, Variable
-from ...quantities import BASES, ONE, QuantityError, Unit, parse_unit
+from ...quantities import BASES, ONE, Quantity, QuantityError, Unit, parse_unit, shown
 from ...scenario.references import Name
 from ...scenario.source import Source, StartName
 from ...system.starts import taken
@@ -31,13 +31,14 @@ class Draw:
     """One value that varies."""
 
     name: str
-    """As `--set` takes it, or that of a helper under `draw`."""
-    helper: bool
+    """As the file has it."""
+    start: StartName | None
+    """What it sets; None for a helper under `draw`."""
     entry: Varied
     text: str
     """The distribution in words."""
-    unit: str
-    """Of its numbers; empty where they are in that of the port, or have none."""
+    unit: Unit | None
+    """Of its numbers; None where they are in that of the port, or have none."""
     sampler: samplers.Sampler | Expression
     first: int
     """Its first coordinate in the unit cube."""
@@ -45,10 +46,6 @@ class Draw:
     columns: tuple[str, ...]
     numbers: bool
     """Whether its columns hold numbers, and no text."""
-    si: Unit
-    """Its unit with its factor, for expressions."""
-    suffix: str = ""
-    """The unit that an expression's numbers are given."""
     quaternion: bool = False
     """Whether a rotation is set as a quaternion, and not as a matrix."""
     whole: bool = False
@@ -57,24 +54,33 @@ class Draw:
     """The unit of the port that takes it, where its numbers have none of their own."""
 
     @property
+    def helper(self) -> bool:
+        """Whether it sets nothing itself, and expressions take it."""
+        return self.start is None
+
+    @property
     def shown(self) -> str:
         """The unit of its columns; empty where they have none."""
-        return "" if self.entry.rotation or not self.numbers else self.suffix or self.unit or self.port
+        if self.entry.rotation or not self.numbers:
+            return ""
+        return self.port if self.unit is None else str(self.unit)
 
     def given(self, value: Any) -> Any:
-        """The value as `--set` takes it."""
+        """Returns the value as a start value: a number, a Quantity or lists of these, an item's name, or a rotation."""
         if self.entry.rotation:
             return value if self.quaternion else {"quaternion": value}
         if self.whole:
-            return _whole(value)
-        return _with(value, self.suffix or self.unit) if self.numbers else value
+            return _each(value, lambda number: int(number) if number.is_integer() else number)
+        unit = self.unit
+        return value if unit is None or not self.numbers else _each(value, lambda number: Quantity(number, unit))
 
     def known(self, value: Any) -> Any:
         """The value in expressions: in base units, rotations as matrices."""
         if self.entry.rotation:
             R = rotation.matrix(value)
             return [R[0:3], R[3:6], R[6:9]]
-        return _scaled(value, self.si) if self.numbers else value
+        unit = self.unit or ONE
+        return _each(value, lambda number: number * unit.factor + unit.offset) if self.numbers else value
 
     def cells(self, value: Any) -> list[Any]:
         """The value in the columns of the dataset."""
@@ -104,9 +110,15 @@ class Draws:
             values.append(value)
         return values
 
-    def given(self, values: Sequence[Any]) -> dict[str, Any]:
-        """Start values by name, as `--set` takes them."""
-        return {draw.name: draw.given(value) for draw, value in zip(self.draws, values, strict=True) if not draw.helper}
+    def given(self, values: Sequence[Any]) -> dict[StartName, Any]:
+        """Returns the start values, which `with_values` takes."""
+        pairs = zip(self.draws, values, strict=True)
+        return {draw.start: draw.given(value) for draw, value in pairs if draw.start is not None}
+
+    def texts(self, values: Sequence[Any]) -> dict[str, Any]:
+        """Returns the start values by name, as a file or `--set` has them."""
+        pairs = zip(self.draws, values, strict=True)
+        return {draw.name: _written(draw.given(value)) for draw, value in pairs if not draw.helper}
 
     def cells(self, values: Sequence[Any]) -> list[Any]:
         """The values in the columns of the dataset."""
@@ -130,26 +142,24 @@ class Draws:
 def prepare(campaign: Campaign, source: Source, models: Mapping[str, Model]) -> Draws:
     """Holds what varies against the blocks. Raises InputError with every error."""
     draws: list[Draw] = []
-    errors: list[Problem] = []
     helpers: list[str] = []
-    for key, entries in (("draw", campaign.draw), ("vary", campaign.vary)):
-        for name, entry in entries.items():
-            try:
-                variable = None if key == "draw" else _target(name, models)
+    with Problems() as problems:
+        for key, entries in (("draw", campaign.draw), ("vary", campaign.vary)):
+            for name, entry in entries.items():
+                start = None if key == "draw" else StartName.of(name)
+                variable = None if start is None else _target(start, models)
                 first = draws[-1].first + draws[-1].count if draws else 0
-                draws.append(_draw(name, entry, key == "draw", variable, first, helpers))
-            except QuantityError as error:
-                errors.append(source.error((key, name, entry.kind), str(error)))
-            if key == "draw":
-                helpers.append(name)
-    if errors:
-        raise InputError(*errors)
+                try:
+                    draws.append(_draw(name, start, entry, variable, first, helpers))
+                except QuantityError as error:
+                    problems.append(source.error((key, name, entry.kind), str(error)))
+                if key == "draw":
+                    helpers.append(name)
     return Draws(draws)
 
 
-def _target(name: str, models: Mapping[str, Model]) -> Variable | None:
+def _target(start: StartName, models: Mapping[str, Model]) -> Variable | None:
     """The parameter that a name means; None where there is none, of which `resolve` tells."""
-    start = StartName.of(name)
     wanted = Name(start.variable)
     of = [(block, model) for block, model in models.items() if start.shared or block == start.block]
     for block, model in of:
@@ -166,12 +176,13 @@ def _target(name: str, models: Mapping[str, Model]) -> Variable | None:
     return None
 
 
-def _draw(name: str, entry: Varied, helper: bool, variable: Variable | None, first: int, helpers: list[str]) -> Draw:
+def _draw(
+    name: str, start: StartName | None, entry: Varied, variable: Variable | None, first: int, helpers: list[str]
+) -> Draw:
     sampler: samplers.Sampler | Expression
-    unit, suffix, quaternion = "", "", False
+    quaternion = False
     if entry.expression is not None:
-        sampler = Expression(entry.expression, set(helpers), helpers)
-        suffix = "" if helper else _base_unit(variable)
+        sampler, unit = Expression(entry.expression, set(helpers), helpers), _base_unit(variable)
         sample = None
     else:
         sampler, unit = of(entry)
@@ -187,25 +198,21 @@ def _draw(name: str, entry: Varied, helper: bool, variable: Variable | None, fir
         shape = np.shape(sample) if numbers else ()
     elif variable is not None:
         shape = variable.shape
-    columns = _columns(name, entry, shape)
-    own = parse_unit(unit) if unit else ONE
-    hidden = helper and sample is None
+    hidden = start is None and sample is None
     return Draw(
         name,
-        helper,
+        start,
         entry,
         describe(entry),
         unit,
         sampler,
         first,
         count,
-        () if hidden else columns,
-        numbers,
-        own,
-        suffix,
-        quaternion,
-        sample is None and variable is not None and variable.type == "integer",
-        "" if variable is None or variable.unit is None or str(variable.unit) == "1" else str(variable.unit),
+        columns=() if hidden else _columns(name, entry, shape),
+        numbers=numbers,
+        quaternion=quaternion,
+        whole=sample is None and variable is not None and variable.type == "integer",
+        port=shown(variable.unit if variable is not None else None),
     )
 
 
@@ -221,30 +228,20 @@ def _columns(name: str, entry: Varied, shape: tuple[int, ...]) -> tuple[str, ...
     return tuple(f"{name}[{','.join(str(i + 1) for i in index)}]" if index else name for index in np.ndindex(*shape))
 
 
-def _base_unit(variable: Variable | None) -> str:
-    """The base unit of a port whose own is another; empty where a bare number will do."""
+def _base_unit(variable: Variable | None) -> Unit | None:
+    """The base unit of a port whose own is another; None where a bare number will do."""
     unit = variable.unit if variable is not None else None
     if unit is None or unit.exponents is None or (unit.factor == 1.0 and unit.offset == 0.0):
-        return ""
-    return ".".join(f"{base}{power}" for base, power in zip(BASES, unit.exponents, strict=True) if power)
+        return None
+    powers = zip(BASES, unit.exponents, strict=True)
+    return parse_unit(".".join(f"{base}{power}" for base, power in powers if power)) if any(unit.exponents) else None
 
 
-def _with(value: Any, unit: str) -> Any:
-    """The value with its unit as text; as it is without one."""
-    if not unit:
-        return value
-    return [_with(item, unit) for item in value] if isinstance(value, list) else f"{value!r} {unit}"
+def _each(value: Any, change: Callable[[Any], Any]) -> Any:
+    """Returns a number, or lists of numbers, with each of them changed."""
+    return [_each(item, change) for item in value] if isinstance(value, list) else change(value)
 
 
-def _whole(value: Any) -> Any:
-    """Floats that are whole as whole numbers."""
-    if isinstance(value, list):
-        return [_whole(item) for item in value]
-    return int(value) if value.is_integer() else value
-
-
-def _scaled(value: Any, unit: Unit) -> Any:
-    """The value in base units."""
-    if isinstance(value, list):
-        return [_scaled(item, unit) for item in value]
-    return value * unit.factor + unit.offset
+def _written(value: Any) -> Any:
+    """Returns a start value as a file has it: quantities as text."""
+    return _each(value, lambda item: str(item) if isinstance(item, Quantity) else item)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import as_written
 from ...fmu.model import Floats
-from ...quantities import QuantityError, Unit, convert, convert_difference, parse, parse_unit, real
+from ...quantities import QuantityError, Unit, convert, convert_difference, parse, real
 from ..file.distributions import Steps, Varied
 from . import samplers
 
@@ -25,8 +25,8 @@ def examples(sampler: samplers.Sampler) -> list[Any]:
     return list(sampler.values) if isinstance(sampler, samplers.Pick) else [sampler.value([0.5] * sampler.count)]
 
 
-def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
-    """The distribution of an entry, and the unit of its numbers. Raises QuantityError."""
+def sampler(entry: Varied) -> tuple[samplers.Sampler, Unit | None]:
+    """Returns the distribution of an entry, and the unit of its numbers, if they have one. Raises QuantityError."""
     if entry.uniform is not None:
         (low, high), unit = _measured(*entry.uniform)
         if low.shape != high.shape:
@@ -44,9 +44,9 @@ def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
     if entry.integers is not None:
         if entry.integers[0] > entry.integers[1]:
             raise QuantityError(f"expected [low, high], found {entry.integers!r}")
-        return samplers.Integers(*entry.integers), ""
+        return samplers.Integers(*entry.integers), None
     if entry.rotation is not None:
-        return samplers.Rotation(), ""
+        return samplers.Rotation(), None
     if isinstance(entry.sphere, Varied):
         inner, unit = sampler(entry.sphere)
         if wrong := [value for value in examples(inner) if isinstance(value, list) or not numbers_only(value)]:
@@ -60,14 +60,14 @@ def sampler(entry: Varied) -> tuple[samplers.Sampler, str]:
     return _pick(entry)
 
 
-def _length(unit: str) -> str:
-    """The unit of a length. Raises QuantityError for one with an offset, which each element would be given."""
-    if unit and parse_unit(unit).offset:
+def _length(unit: Unit | None) -> Unit | None:
+    """Returns the unit of a length. Raises QuantityError for one with an offset, which each element would be given."""
+    if unit is not None and unit.offset:
         raise QuantityError(f"sphere: expected a unit without an offset, found {unit}")
     return unit
 
 
-def _normal(entry: Varied) -> tuple[samplers.Sampler, str]:
+def _normal(entry: Varied) -> tuple[samplers.Sampler, Unit | None]:
     normal = entry.normal
     assert normal is not None
     ends = [end for end in (normal.low, normal.high) if end is not None]
@@ -94,8 +94,9 @@ def _normal(entry: Varied) -> tuple[samplers.Sampler, str]:
     return samplers.Normal(mean, np.broadcast_to(deviation, mean.shape).copy(), low, high), unit
 
 
-def _pick(entry: Varied) -> tuple[samplers.Sampler, str]:
-    values, unit = entry.choice if entry.choice is not None else entry.grid, ""
+def _pick(entry: Varied) -> tuple[samplers.Sampler, Unit | None]:
+    unit: Unit | None = None
+    values = entry.choice if entry.choice is not None else entry.grid
     if isinstance(values, Steps):
         (start, to), unit = _measured(values.start, values.to)
         n = values.points - 1
@@ -115,8 +116,8 @@ def _pick(entry: Varied) -> tuple[samplers.Sampler, str]:
     return samplers.Pick(tuple(given), (*ends[:-1].tolist(), 1.0), entry.grid is not None), unit
 
 
-def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[Floats], str]:
-    """Numbers of quantities, or of lists of them, in one unit: the first that is given. Raises QuantityError.
+def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[Floats], Unit | None]:
+    """Returns numbers of quantities, or of lists of them, in one unit: the first that is given. Raises QuantityError.
 
     Those at the places `differences` are of two values, as a deviation is, so that the offset of a unit has no part in
     them.
@@ -142,7 +143,7 @@ def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[F
         raise QuantityError(f"expected a unit at each number, as {unit}, or at none")
     if not all(np.isfinite(array).all() for array in arrays):
         raise QuantityError("expected finite numbers")
-    return arrays, "" if unit is None else str(unit)
+    return arrays, unit
 
 
 def describe(entry: Varied) -> str:

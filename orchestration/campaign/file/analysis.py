@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from ...errors import hint
 from ...scenario.types import Model
 
 Count = Annotated[int, Field(strict=True)]
@@ -19,8 +17,8 @@ class Sensitivity(Model):
     method: Literal["sobol", "morris"] = "sobol"
     """sobol: shares of the variance (Saltelli's design); morris: mean effects, for many entries and few runs."""
     points: Annotated[Count, Field(ge=4, le=2**20)] = 256
-    """sobol: base points, a power of two, each with 2 runs and one more for each varied entry; morris: trajectories, each with
-    one run and one more for each varied entry."""
+    """sobol: base points, a power of two, each with 2 runs and one more for each varied entry; morris: trajectories, each
+    with one run and one more for each varied entry."""
 
     @model_validator(mode="after")
     def _balanced(self) -> Sensitivity:
@@ -46,28 +44,5 @@ class Search(Model):
     batch: Annotated[Count, Field(ge=4)] | None = None
     """Runs that are flown at once; default: 4 + 3 ln(d) of d coordinates, 8 at least. Choose more for a cluster."""
     within: Annotated[float, Field(gt=0.5, lt=1.0)] = 0.9973
-    """Of a distribution without end (normal, log-normal), the central share that is searched; default: that of 3 sigma."""
-
-
-def metric_problem(search: Search | None, metrics: Iterable[str]) -> str | None:
-    """Returns the problem of the search's metric; None where there is none."""
-    metrics = list(metrics)
-    if search is None or search.metric in metrics:
-        return None
-    return f"metric: the campaign has no metric {search.metric!r}{hint(search.metric, metrics)}"
-
-
-class Asked(Protocol):
-    """A campaign's analyses."""
-
-    @property
-    def sensitivity(self) -> Sensitivity | None: ...
-    @property
-    def search(self) -> Search | None: ...
-
-
-def problems(asked: Asked, dimension: int) -> Iterator[tuple[str, str]]:
-    """The analyses that so few numbers that vary do not allow, and why."""
-    for key, section, least in (("sensitivity", asked.sensitivity, 2), ("search", asked.search, 1)):
-        if section is not None and dimension < least:
-            yield key, f"expected {least} or more numbers that vary, found {dimension}"
+    """Of a distribution without end (normal, log-normal), the central share that is searched; default: that of 3 sigma.
+    """

@@ -10,11 +10,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from ...errors import hint
 from ...scenario.expectations import Bound
 from ...scenario.metrics import Metric
 from ...scenario.references import Name
 from ...scenario.types import NUMBER_OR_TEXT, Counted, Extending, Flavour, Model, Quantity, Value
-from .analysis import Search, Sensitivity, metric_problem
+from .analysis import Search, Sensitivity
 from .distributions import Varied
 
 Variable = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
@@ -141,8 +142,9 @@ class Campaign(Extending):
     @field_validator("search")
     @classmethod
     def _of_a_metric(cls, search: Search | None, info: ValidationInfo) -> Search | None:
-        if problem := metric_problem(search, [metric.name for metric in info.data.get("metrics", ())]):
-            raise ValueError(problem)
+        known = [metric.name for metric in info.data.get("metrics", ())]
+        if search is not None and search.metric not in known:
+            raise ValueError(f"metric: the campaign has no metric {search.metric!r}{hint(search.metric, known)}")
         return search
 
     @model_validator(mode="after")

@@ -18,13 +18,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from ..file.analysis import Search
-from .sensitivity import _EDGE, MetricFunction
+from .metric_function import Floats, MetricFunction
+from .sensitivity import _EDGE
 
-Floats = NDArray[np.float64]
 _STEP = 0.1
 """Standard deviation with which the search starts, of the cube's side."""
 
@@ -49,7 +48,7 @@ class _Runs:
     def badness(self, points: Floats) -> Floats:
         """How bad the runs of points (n, d) of the searched cube are; -inf where a run failed, which is no case."""
         unit = self.low + self.span * points[:, : self.function.dimension]
-        values = self.sign * self.function(unit)[self.section.metric]
+        values = self.sign * self.function.fly(unit)[self.section.metric]
         self.count += len(points)
         self.failed += int(np.isnan(values).sum())
         values = np.where(np.isnan(values), -math.inf, values)

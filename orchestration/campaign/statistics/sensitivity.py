@@ -14,51 +14,22 @@ indices are those of the loss itself (1 without a value, 0 with one), which say 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import rankdata
 
 from ...errors import InputError
 from ..file.analysis import Sensitivity
+from .metric_function import Floats, MetricFunction
 
-Floats = NDArray[np.float64]
 LOST = 0.1
 """Share of base points or trajectories from which on no indices are given."""
 RANKED = 200_000
 """Runs that a rank correlation uses at most, the first ones; its error is below 0.005 then."""
 _EDGE = 2.0**-40
 """How near to 0 and 1 a coordinate may come."""
-
-
-class MetricFunction(Protocol):
-    """Metrics as functions of points in the unit cube, as the engine flies them."""
-
-    dimension: int
-    coordinates: list[str]
-    """A label for each coordinate."""
-    entries: list[tuple[str, int, int]]
-    """Name, first coordinate and count of coordinates of each varied entry."""
-    bounded: list[bool]
-    """By coordinate, whether its distribution has ends."""
-    metrics: dict[str, str]
-    """Units by metric."""
-    reasons: dict[str, int]
-    """How many runs failed up to now, by reason."""
-
-    def __call__(self, unit: Floats) -> dict[str, Floats]:
-        """The metrics (n,) of n points (n, dimension); nan where a run failed."""
-        ...
-
-    def values(self, unit: Floats) -> dict[str, Any]:
-        """Returns the start values at a point (dimension,)."""
-        ...
-
-    def scenario(self, unit: Floats) -> str:
-        """The scenario of a point as YAML."""
-        ...
 
 
 def run(section: Sensitivity, function: MetricFunction, seed: int) -> dict[str, Any]:
@@ -75,7 +46,7 @@ def run(section: Sensitivity, function: MetricFunction, seed: int) -> dict[str, 
         ends = np.where(function.bounded, 0.0, 0.5 * (1.0 - 0.9973))
         unit = ends + (1.0 - 2.0 * ends) * unit
     before = dict(function.reasons)
-    flown = function(np.clip(unit, _EDGE, 1.0 - _EDGE))
+    flown = function.fly(np.clip(unit, _EDGE, 1.0 - _EDGE))
     size = len(unit) // section.points
 
     def indices(values: Floats) -> dict[str, Any]:

@@ -81,5 +81,5 @@ def test_it_flies_in_the_place_of_the_planned_controller_and_slows_the_tumble():
 def test_a_campaign_with_a_foreign_fmu_in_our_blocks_place_reaches_its_workers():
     group = cases.tumbles("rival", 7, 2, scheme="literature")
     job = pickle.loads(pickle.dumps(group.case.job))
-    first = job.draws.given(job.draws.at(job.design.points(range(2)).tolist()[0]))
+    first = job.draws.texts(job.draws.at(job.design.points(range(2)).tolist()[0]))
     assert first["plant.omega_B0"] == pytest.approx(group.drawn()[0]["plant.omega_B0"])

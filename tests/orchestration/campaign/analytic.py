@@ -29,7 +29,7 @@ class Analytic:
         self.reasons: dict[str, int] = {}
         self.asked: list[Floats] = []
 
-    def __call__(self, unit: Floats) -> dict[str, Floats]:
+    def fly(self, unit: Floats) -> dict[str, Floats]:
         assert unit.shape[1] == self.dimension
         assert ((unit > 0.0) & (unit < 1.0)).all()
         self.asked.append(unit)

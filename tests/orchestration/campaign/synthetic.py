@@ -16,7 +16,7 @@ from orchestration.campaign.file.analysis import Search, Sensitivity
 from orchestration.campaign.statistics import search, sensitivity
 from orchestration.campaign.statistics.verdicts import Announced, Requirement, verdicts
 
-from .analytic import Analytic, separate
+from .analytic import Analytic
 
 _VARIED = [
     ("plant.h_w0", "uniform from -5 to 5 mN.m.s", "mN.m.s", ["plant.h_w0"]),
@@ -147,19 +147,13 @@ def write(
 def _analyses() -> dict[str, Any]:
     runs = Analytic(lambda u: 500 + 400 * u[:, 2] ** 2 + 200 * np.abs(u[:, 1] - 0.5) * (1 + u[:, 0]) + 60 * u[:, 0], [])
     runs.entries = [(name, i, 1) for i, (name, *_) in enumerate(_VARIED)]
-    runs.dimension, runs.coordinates, runs.bounded, runs.metrics = (
-        5,
-        [v[0] for v in _VARIED],
-        [True] * 5,
-        {"settle": "s"},
-    )
-    asked = runs.__call__
-    runs_y = type("Named", (Analytic,), {"__call__": lambda self, u: {"settle": asked(u)["y"]}})
-    named = runs_y(runs.function, separate(5))
-    named.__dict__.update(runs.__dict__)
+    runs.dimension, runs.bounded, runs.metrics = 5, [True] * 5, {"settle": "s"}
+    runs.coordinates = [v[0] for v in _VARIED]
+    asked = runs.fly
+    runs.fly = lambda unit: {"settle": asked(unit)["y"]}
     return {
-        "sensitivity": sensitivity.run(Sensitivity(points=256), named, 1),
-        "search": search.run(Search(metric="settle", runs=200), named, 1),
+        "sensitivity": sensitivity.run(Sensitivity(points=256), runs, 1),
+        "search": search.run(Search(metric="settle", runs=200), runs, 1),
     }
 
 

@@ -14,7 +14,7 @@ from orchestration.campaign import engine
 from orchestration.campaign.case import read_campaign
 from orchestration.campaign.file.analysis import Search
 from orchestration.campaign.flying.crew import crew
-from orchestration.campaign.metric_function import FlownMetrics
+from orchestration.campaign.metric_function import of_campaign
 from orchestration.campaign.statistics.bounds import elsewhere, fixed
 from orchestration.campaign.statistics.search import run as search
 from orchestration.cli.main import main
@@ -141,8 +141,8 @@ metrics:
     )
     case = read_campaign(path)
     with crew(case.job, 0) as (here, _):
-        runs = FlownMetrics(case, here)
+        runs = of_campaign(case, here)
         found = search(Search(metric="missing_torque", runs=200), runs, 3)
-        drawn = runs(case.job.design.points(np.arange(200)))["missing_torque"]
+        drawn = runs.fly(case.job.design.points(np.arange(200)))["missing_torque"]
     assert found["runs"] == 200
     assert found["value"] > 1.1 * np.nanmax(drawn)

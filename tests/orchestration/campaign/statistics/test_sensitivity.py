@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from orchestration.campaign.file.analysis import Search, Sensitivity, metric_problem
+from orchestration.campaign.file.analysis import Sensitivity
 from orchestration.campaign.statistics.sensitivity import ranks, run
 from orchestration.errors import InputError
 
@@ -111,7 +111,3 @@ def test_wrong_sections_are_refused_with_the_remedy():
         Sensitivity(points=100)
     assert Sensitivity(points=64).runs(3) == 320
     assert Sensitivity(method="morris", points=10).runs(3) == 40
-    assert metric_problem(Search(metric="settle"), ["settled"]) == (
-        "metric: the campaign has no metric 'settle'; did you mean 'settled'?"
-    )
-    assert metric_problem(Search(metric="settled"), ["settled"]) is None
