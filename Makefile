@@ -96,7 +96,6 @@ docs: $(VENV)/test
 	$(BIN)/python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md
 	$(BIN)/python -m tests.orchestration.broken > tests/orchestration/broken.md
 	$(BIN)/python -m docs.site.packages
-	$(BIN)/python -m fmus.native
 
 # The reference data that our FMUs carry; needed where the behaviour of a block is meant to change.
 references: $(VENV)/test

@@ -3,13 +3,13 @@
  *
  * Flight code: plain functions of plain structures, no memory but `AllocatorState`, fixed time, no recursion.
  * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
- * SI units; frames as in ports.h. A function that returns false has noted a fault and changed nothing else.
+ * SI units; frames as at the ports. A function that returns false has noted a fault and changed nothing else.
  */
 #ifndef ALLOCATOR_H
 #define ALLOCATOR_H
 
 #include "fault.h"
-#include "ports.h"
+#include "allocator_ports.h"
 
 typedef struct {
     double t;            /* s */

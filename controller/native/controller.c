@@ -123,8 +123,8 @@ static bool gravity_gradient(const ControllerLaw *law, const ControllerInputs *u
     return true;
 }
 
-/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a reference
- * is connected: who gives it knows of an attitude that is lost. */
+/* Whether there is none: a matrix of zeros, as simple masters give before the first value. Once flown, only where a
+ * reference is connected: who gives it knows of an attitude that is lost. */
 static bool no_attitude(const ControllerState *x, const ControllerInputs *u)
 {
     return is_zero_matrix(matrix(u->R_NB)) && (!x->flown || controller_has_R_ref(u));
@@ -150,8 +150,8 @@ static bool latch(const ControllerLaw *law, const ControllerInputs *u, Controlle
     return true;
 }
 
-/* tau = -L omega with |omega(0)| = |omega| in [10]; the error of attitude is unknown, and given as the largest. omega is the
- * rate, less the one that is asked for where only the attitude of the reference is missing. */
+/* tau = -L omega with |omega(0)| = |omega| in [10]; the error of attitude is unknown, and given as the largest.
+ * omega is the rate, less the one that is asked for where only the attitude of the reference is missing. */
 static void damp(const ControllerParameters *p, const ControllerInputs *u, ControllerOutputs *y)
 {
     const Vector wanted = is_zero_matrix(matrix(u->R_ref)) ? vector(u->Omega_ref) : zero;

@@ -1,14 +1,13 @@
 /* Almost-global attitude tracking on SO(3): the law of Sanyal and Lee-Ho, AIAA 2009-5902, equations [3] to [11].
  *
- * Flight code: plain functions of plain structures, no memory but `ControllerState`, fixed time, no recursion.
- * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
- * SI units and radians; frames as in ports.h. A function that returns false has noted a fault and changed nothing else.
- */
+ * Flight code: plain functions of plain structures, no memory but `ControllerState`, fixed time, no recursion. Use:
+ * check and prepare once (and again after a change of parameters), start once, then step at every sample. SI units
+ * and radians; frames as at the ports. A function that returns false has noted a fault and changed nothing else. / */
 #ifndef CONTROLLER_H
 #define CONTROLLER_H
 
 #include "fault.h"
-#include "ports.h"
+#include "controller_ports.h"
 
 typedef struct {
     double t;                /* s */

@@ -79,7 +79,8 @@ static void put_out(const EstimatorLaw *law, const Estimate *x, EstimatorOutputs
     y->sunlight = x->oriented ? estimator_sunlight(x->r_N, sun_N) : 0.0;
 }
 
-/* Of each measurement whether it is new, from its number and the last one; at the start 0 says that there is none yet. */
+/* Of each measurement whether it is new, from its number and the last one; at the start 0 says that there is none
+ * yet. */
 static Fresh fresh_of(const int32_t counts[5], const int32_t last[5])
 {
     bool fresh[5];

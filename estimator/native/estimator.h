@@ -2,7 +2,7 @@
  *
  * Flight code: plain functions of plain structures, no memory but `EstimatorState`, bounded time, no recursion.
  * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
- * SI units and radians; frames as in ports.h. A function that returns false has noted a fault. */
+ * SI units and radians; frames as at the ports. A function that returns false has noted a fault. */
 #ifndef ESTIMATOR_H
 #define ESTIMATOR_H
 

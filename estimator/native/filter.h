@@ -28,8 +28,8 @@ typedef struct {
 /* With nothing known but standard deviations in each axis. */
 void estimator_covariance_at_start(double attitude, double rate, double bias, Covariance *P);
 
-/* After h s, in which the body turns by `turn`, rad: the rate's error grows by F, 1/s, and turns the attitude's with `sign`:
- * -1 for a gyro's bias, +1 for a rate. */
+/* After h s, in which the body turns by `turn`, rad: the rate's error grows by F, 1/s, and turns the attitude's with
+ * `sign`: -1 for a gyro's bias, +1 for a rate. */
 void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P);
 
 /* Takes a measurement, its components in turn, each in Joseph's form; gives the error state and returns the normalised

@@ -4,8 +4,8 @@
 
 #include "vector.h"
 
-/* Unit vector from the Earth to the Sun in N at days from 2000-01-01T12:00: the low-precision formula of the Astronomical
- * Almanac, 0.01 deg from 1950 to 2050. */
+/* Unit vector from the Earth to the Sun in N at days from 2000-01-01T12:00: the low-precision formula of the
+ * Astronomical Almanac, 0.01 deg from 1950 to 2050. */
 Vector estimator_sun_direction(double days);
 
 /* Part of the Sun that a spherical Earth leaves uncovered at r_N, m: 0 to 1, linear over the penumbra. */

@@ -5,7 +5,7 @@
 #include "filter.h"
 #include "fault.h"
 #include "onboard_field.h"
-#include "ports.h"
+#include "estimator_ports.h"
 #include "rotation.h"
 
 enum { GATED_FIELD, GATED_SUN, GATED_TRACKER, GATED };
@@ -71,8 +71,8 @@ typedef struct {
     double field_variance;
 } Directions;
 
-/* The first attitude, where there is one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field, or of the field and
- * an earlier one. What is measured now is taken once more, by the filter, so it counts little here. */
+/* The first attitude, where there is one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field, or of the
+ * field and an earlier one. What is measured now is taken once more, by the filter, so it counts little here. */
 void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *x);
 
 /* Takes star tracker, Sun and field, each unless it is beyond the gate. */

@@ -1,9 +1,9 @@
-/* What each call of the block costs, on the board's second UART: the time of the call in ticks, with the highest bit set at the
- * start of a run, and the deepest stack since the first call in bytes; 4 bytes each, lowest first. The linker puts it round
- * block_sample (--wrap), which is not changed.
+/* What each call of the block costs, on the board's second UART: the time of the call in ticks, with the highest bit
+ * set at the start of a run, and the deepest stack since the first call in bytes; 4 bytes each, lowest first. The
+ * linker puts it round block_sample (--wrap), which is not changed.
  *
- * QEMU runs an instruction in 1 ns (-icount shift=0) and SysTick counts at 25 MHz, so a tick is 40 instructions. It has 24
- * bits: a call may have 671 million. */
+ * QEMU runs an instruction in 1 ns (-icount shift=0) and SysTick counts at 25 MHz, so a tick is 40 instructions. It
+ * has 24 bits: a call may have 671 million. */
 #include "block.h"
 
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #define ACTUATORS_H
 
 #include "fault.h"
-#include "ports.h"
+#include "actuators_ports.h"
 
 typedef struct {
     double t; /* s */

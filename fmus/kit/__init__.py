@@ -83,9 +83,7 @@ def generated(interface: Interface) -> dict[str, str]:
     header = "/* Generated from interface.toml; do not edit. */\n"
     return {
         "modelDescription.xml": model_description(interface, guid, capabilities, _TOOL).decode(),
-        "ports.h": ports_header(interface).replace(
-            f"fmus/interfaces/{interface.name}.toml by python -m fmus.native", "interface.toml"
-        ),
+        **ports_header(interface, "interface.toml"),
         "block.h": header + block_header(interface, guid),
         "table.c": header + table(interface),
     }

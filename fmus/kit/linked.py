@@ -85,7 +85,7 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
         parts.append(f"#define block_sample {name}_sample")
     body = "\n".join(parts)
     return {
-        "ports.h": ports_header(interface),
+        **ports_header(interface, "interface.toml"),
         "block.h": (
             f'#ifndef BLOCK_H\n#define BLOCK_H\n\n#include "{name}.h"\n\n#include <stddef.h>\n\n{body}\n\n#endif\n'
         ),

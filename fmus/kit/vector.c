@@ -1,6 +1,7 @@
 /* Plays a test vector through the block, behind the FMI functions that the FMU exports, and compares its outputs.
  * Use: vector FOLDER [TOLERANCE]     FOLDER/parameters.csv: name,value     FOLDER/vector.csv: time, inputs, outputs
- * The tolerance is relative to the largest value of each output. Exit status 0 where all outputs are within it, else 1. */
+ * The tolerance is relative to the largest value of each output. Exit status 0 where all outputs are within it, else
+ * 1. */
 #include "instance.h"
 
 #include <math.h>

@@ -103,7 +103,7 @@ def lay_out(interface: Interface, guid: str, generated_into: Path) -> tuple[list
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
     whole = linked(interface)
     for name, text in {
-        "ports.h": ports_header(whole),
+        **ports_header(whole),
         "block.h": _block_header(whole, guid),
         "table.c": table(whole),
         "wire.h": wire.header(interface),
@@ -127,7 +127,7 @@ def _block_header(interface: Interface, guid: str) -> str:
 #define BLOCK_H
 
 #include "fault.h"
-#include "ports.h"
+#include "{interface.name}_ports.h"
 
 {identity(interface, guid)}
 

@@ -15,7 +15,7 @@ from ..block import lenders, module_of
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface
-from .generate import block_header, table
+from .generate import block_header, ports_header, table
 from .toolchain import FLAGS, PLATFORMS, CompilerError, compile_library, compiler, host_platform
 
 __all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
@@ -41,7 +41,7 @@ def package(
     `platforms` are FMI's names, or "host" for this machine's. Raises CompilerError.
     """
     chosen = [host_platform()] if platforms == "host" else [platforms] if isinstance(platforms, str) else platforms
-    generated = generated_sources(folder)
+    generated = generated_sources(interface, folder)
     guid = guid_from(_digest(interface, folder, generated))
     files = {
         "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
@@ -66,7 +66,7 @@ def lay_out(
 ) -> tuple[list[Path], list[Path]]:
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
     files = {"block.h": block_header(interface, guid), "table.c": table(interface)}
-    files |= generated_sources(folder) if generated is None else generated
+    files |= generated_sources(interface, folder) if generated is None else generated
     written = _written(files, generated_into)
     native = folder / "native"
     compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.rglob("*.c")), *written]
@@ -86,11 +86,11 @@ def sources(folder: Path) -> list[Path]:
     return sorted(here) + sorted(path for path in (folder / "native").rglob("*") if path.suffix in (".c", ".h", ".py"))
 
 
-def generated_sources(folder: Path) -> dict[str, str]:
-    """C from tables, by file name: what `generated()` of `native/tables.py` returns, of the block and of those that
-    lend to it.
+def generated_sources(interface: Interface, folder: Path) -> dict[str, str]:
+    """Returns the C that a block includes and that is kept nowhere, by file name: its structures, and what `generated()`
+    of `native/tables.py` returns, of the block and of those that lend to it.
     """
-    made: dict[str, str] = {}
+    made = ports_header(interface)
     if (folder / "native" / "tables.py").exists():
         with module_of(folder, "native.tables") as tables:
             made |= tables.generated()

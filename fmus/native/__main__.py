@@ -1,13 +1,18 @@
-"""python -m fmus.native [BLOCK]...: rewrites the blocks' `native/ports.h` from the interfaces, by default all."""
+"""python -m fmus.native FOLDER [BLOCK]...: writes the headers that the blocks' C includes and that builds generate."""
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
-from ..interface import BLOCKS, load
-from .generate import ports_header, ports_path
+from ..block import Block
+from ..interface import BLOCKS
+from . import generated_sources
 
-for block in sys.argv[1:] or BLOCKS:
-    path = ports_path(block)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(ports_header(load(block)), "utf-8", newline="\n")
+folder, *names = sys.argv[1:] or ["--help"]
+if folder.startswith("-"):
+    sys.exit(__doc__)
+Path(folder).mkdir(parents=True, exist_ok=True)
+for block in map(Block.named, names or BLOCKS):
+    for name, text in generated_sources(block.interface, block.folder).items():
+        Path(folder, name).write_text(text, "utf-8", newline="\n")

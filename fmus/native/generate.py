@@ -1,19 +1,16 @@
 """C from an interface: the structures that the laws see, and the table of ports that the shell reads.
 
-`ports_header(interface)` is `<block>/native/ports.h`, which is kept in the repository so that a block's C can be
-lifted out as it stands; a test fails when it drifts from the TOML. `python -m fmus.native` rewrites all.
-`block_header` and `table` are written anew by every build.
+Every build writes them anew into a folder of its own. `python -m fmus.native FOLDER` writes those that flight software
+and editors need.
 """
 
 from __future__ import annotations
 
 import itertools
 import textwrap
-from pathlib import Path
 
-from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text, package_of
+from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text
 
-ROOT = Path(__file__).parents[2]
 TEXT_SIZE = 128
 """Bytes of a string's buffer, its ending zero included."""
 
@@ -21,27 +18,22 @@ _RECORDS = {"parameter": ("Parameters", "p"), "input": ("Inputs", "u"), "output"
 _C_TYPES = {"real": "double", "integer": "int32_t", "enumeration": "int32_t", "boolean": "bool", "string": "char"}
 
 
-def ports_path(block: str) -> Path:
-    """Where a block's structures stand in the repository: `allocator/bounded/native/ports.h` for
-    `allocator_bounded`.
-    """
-    return ROOT.joinpath(*package_of(block).split(".")) / "native" / "ports.h"
-
-
 def camel_case(block: str) -> str:
     """A block's name as its C types begin: `AllocatorBounded`."""
     return block.title().replace("_", "")
 
 
-def ports_header(interface: Interface) -> str:
-    """A C header with the block's parameters, inputs and outputs as structures and its enumerations."""
+def ports_header(interface: Interface, source: str | None = None) -> dict[str, str]:
+    """Returns the header with the block's parameters, inputs and outputs as structures and its enumerations, by its
+    file's name. It names its source: by default the file in fmus/interfaces.
+    """
     name = interface.name
+    source = source or f"fmus/interfaces/{name}.toml"
     optional = [v for v in interface.of("input") if v.optional]
     cited = "".join(f" * {line}\n" for line in textwrap.wrap(citations(interface), 110))
     math_h = "#include <math.h>\n" if optional else ""
     parts = [
-        f"/* {interface.description}.\n{cited}"
-        f" * Generated from fmus/interfaces/{name}.toml by python -m fmus.native; do not edit. */",
+        f"/* {interface.description}.\n{cited} * Generated from {source}; do not edit. */",
         f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
         f"{math_h}#include <stdbool.h>\n#include <stdint.h>\n",
     ]
@@ -56,7 +48,7 @@ def ports_header(interface: Interface) -> str:
             f"{ABSENT_MIN!r}\n"
         )
         parts += [_connected(name, v, limit) for v in optional]
-    return "\n".join(parts) + "\n#endif\n"
+    return {f"{name}_ports.h": "\n".join(parts) + "\n#endif\n"}
 
 
 def _enumeration(block: str, variable: Variable) -> str:

@@ -1,4 +1,5 @@
-/* The library beside this one and memory, by the system's own means, so that no C runtime is needed where the system has none. */
+/* The library beside this one and memory, by the system's own means, so that no C runtime is needed where the system
+ * has none. */
 #ifndef PYTHON_LIBRARY_H
 #define PYTHON_LIBRARY_H
 

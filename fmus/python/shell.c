@@ -1,7 +1,7 @@
 /* A shell round PythonFMU's library, which stands beside it: the same functions, with truthful errors.
  *
- * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/calls.py keeps it alive),
- * and drops every message, errors too, when the host has logging off. Here fmi2Fatal becomes fmi2Error, and
+ * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/calls.py keeps it
+ * alive), and drops every message, errors too, when the host has logging off. Here fmi2Fatal becomes fmi2Error, and
  * messages of warnings and errors always reach the host. All else is handed through. */
 #include "fmi2.h"
 #include "handed_through.h"

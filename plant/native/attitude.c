@@ -16,8 +16,8 @@ static const Composition order_2 = {1, {1.0}};
 static const Composition order_4 = {5, {S, S, 1.0 - 4.0 * S, S, S}};
 static const Composition order_6 = {7, {Y3, Y2, Y1, 1.0 - 2.0 * (Y1 + Y2 + Y3), Y1, Y2, Y3}};
 
-/* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. The equation is of the second degree, so that
- * ((a + p).c) c is left of it after a change c. */
+/* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. The equation is of the second
+ * degree, so that ((a + p).c) c is left of it after a change c. */
 static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
 {
     const Vector wheel = scale(p, body->wheel_axis), difference = subtract(a, wheel), total = add(a, wheel);

@@ -1,7 +1,8 @@
 /* Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat, and its symmetric compositions.
  *
- * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F), R+ = R F, with Pi = J Omega + l_w u [12], u the wheel's axis (the paper's e1),
- * lm the mean of l_w over the step and a = h (Pi + h/2 M(t)), the Cayley vector f of F solves
+ * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F), R+ = R F, with Pi = J Omega + l_w u
+ * [12], u the wheel's axis (the paper's e1), lm the mean of l_w over the step and a = h (Pi + h/2 M(t)), the Cayley
+ * vector f of F solves
  *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h lm u,   and then   Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
  * The wheel's torque is internal: R Pi is kept to rounding whatever the wheel does. R is never reprojected.
  * Unforced: Lee, Leok and McClamroch, IEEE CCA 2005. Order 4: Suzuki 1990; order 6: Yoshida 1990, solution A. */

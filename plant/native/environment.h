@@ -1,7 +1,8 @@
 /* The satellite's surroundings as a function of time alone: gravity, field and air along its orbit.
  *
- * All are evaluated at nodes 10 s apart and interpolated by degree 5 through the six nearest, which errs by less than
- * 1e-3 nT. Nodes and polynomials follow from the parameters alone, so keeping some of them is no memory of the block. */
+ * All are evaluated at nodes 10 s apart and interpolated by degree 5 through the six nearest, which errs by less
+ * than 1e-3 nT. Nodes and polynomials follow from the parameters alone, so keeping some of them is no memory of the
+ * block. */
 #ifndef PLANT_ENVIRONMENT_H
 #define PLANT_ENVIRONMENT_H
 

@@ -6,8 +6,9 @@
 
 enum { FIELD_DEGREE_MAX = 13, FIELD_TERMS = 104 };
 
-/* Coefficients nT, Schmidt semi-normalised, n = 1 to 13 (WMM's are zero above 12), m = 0 to n in this order: in time linear between the epochs,
- * secular variation after the last. The build writes the table from the packages that maintain the models. */
+/* Coefficients nT, Schmidt semi-normalised, n = 1 to 13 (WMM's are zero above 12), m = 0 to n in this order: in time
+ * linear between the epochs, secular variation after the last. The build writes the table from the packages that
+ * maintain the models. */
 typedef struct {
     int epochs;
     const double *years;

@@ -46,10 +46,10 @@ static Vector in_cylinder(const Cylinder *cylinder, Vector v)
     }
 }
 
-/* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i,
- * F_i = -1/2 rho C_d A_i max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500.
- * Of two plates n and -n, max(0, v.n) (d n - c) + max(0, -v.n) (-d n - c) = d (v.n) n - |v.n| c; over the four pairs of sides
- * the first sums to 2 d (v - (v.e) e), e along the cylinder, and v x v is zero. */
+/* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i, F_i = -1/2 rho C_d A_i
+ * max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500. Of two plates n and -n, max(0, v.n) (d n - c) + max(0,
+ * -v.n) (-d n - c) = d (v.n) n - |v.n| c; over the four pairs of sides the first sums to 2 d (v - (v.e) e), e along
+ * the cylinder, and v x v is zero. */
 static Vector drag(const PlantLaw *plant, Vector v_B, double density)
 {
     static const double root =

@@ -1,26 +1,26 @@
 /* The plant: rigid satellite, wheel and rods on an orbit in the geomagnetic field and the upper atmosphere.
  * It owns the truth: whatever is commanded, rods and wheel stay within their limits here.
- * SI units and radians; frames as in ports.h. A function that returns false has noted a fault. */
+ * SI units and radians; frames as at the ports. A function that returns false has noted a fault. */
 #ifndef PLANT_H
 #define PLANT_H
 
 #include "attitude.h"
 #include "environment.h"
 #include "fault.h"
-#include "ports.h"
+#include "plant_ports.h"
 #include "wheel.h"
 
 typedef struct {
     double t;       /* s */
     double R[3][3]; /* N from B */
-    double Pi
-        [3]; /* J Omega + l_w u [12], u the wheel's axis, N m s: what is conserved, so that no conversion adds rounding */
+    /* J Omega + l_w u [12], u the wheel's axis, N m s: what is conserved, so that no conversion adds rounding */
+    double Pi[3];
     double l_w;            /* N m s */
     double dipole_mean[3]; /* of the rods over the last step, A m2 */
 } PlantState;
 
-/* An octagonal cylinder, eight sides and two ends, along a body axis; the normals of four sides lie along the two others.
- * Areas are times C_d/2: of a side and of an end. */
+/* An octagonal cylinder, eight sides and two ends, along a body axis; the normals of four sides lie along the two
+ * others. Areas are times C_d/2: of a side and of an end. */
 typedef struct {
     int32_t axis; /* a value of body_axis */
     Vector along; /* the same as a unit vector */

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "ports.h"
+#include "plant_ports.h"
 #include "vector.h"
 
 typedef struct {

@@ -29,8 +29,8 @@ static double perturbations(double T)
     return sum;
 }
 
-/* Meeus, Astronomical Formulae for Calculators (1979), ch. 18, on the elements of Astronomical Algorithms (1998), ch. 25;
- * T: Julian centuries from J2000. */
+/* Meeus, Astronomical Formulae for Calculators (1979), ch. 18, on the elements of Astronomical Algorithms (1998),
+ * ch. 25; T: Julian centuries from J2000. */
 static Vector position(double T)
 {
     const double L = radians(280.46646 + T * (36000.76983 + 0.0003032 * T));

@@ -66,7 +66,8 @@ static Matrix turn_of(double diagonal, double factor, Vector w, Vector v)
                     {factor * w.z * w.x - v.y, factor * w.z * w.y + v.x, diagonal + factor * w.z * w.z}};
 }
 
-/* The smallest turn that takes the direction of `from` to the unit vector b; of opposite ones any half turn that does. */
+/* The smallest turn that takes the direction of `from` to the unit vector b; of opposite ones any half turn that
+ * does. */
 static Matrix shortest(Vector from, Vector b)
 {
     const Vector a = scale(1.0 / norm(from), from); /* else its rounding would double from step to step */

@@ -22,7 +22,8 @@ Moving supervisor_line_of_sight(Vector point, double angle, Vector r, Vector v, 
 /* Of the satellite above the horizon of a point, rad. */
 double supervisor_elevation(Vector point, double latitude, double longitude, double angle, Vector r);
 
-/* Z along a direction, X in the sense of flight and turned by `yaw` about Z: LVLH where Z is nadir. `normal`: the orbit's. */
+/* Z along a direction, X in the sense of flight and turned by `yaw` about Z: LVLH where Z is nadir. `normal`: the
+ * orbit's. */
 Reference supervisor_steered(Moving z, Vector normal, double yaw);
 
 /* A body axis along a direction, by the smallest turn from an attitude. */

@@ -20,8 +20,8 @@ static Vector rate_towards(Vector axis_B, Vector to_B, double time, double rate_
     return scale(smaller(angle / time, rate_max) / norm(about), about);
 }
 
-/* Follows the direction of the field and its rate relative to N. Both are turned by the measured rate, so that the filter sees
- * the slow motion of the field alone; its two poles are at 1/FIELD_TIME. */
+/* Follows the direction of the field and its rate relative to N. Both are turned by the measured rate, so that the
+ * filter sees the slow motion of the field alone; its two poles are at 1/FIELD_TIME. */
 static void follow_field(const SupervisorInputs *u, double h, SupervisorState *x)
 {
     const Vector b = vector(u->b_B);
@@ -43,8 +43,8 @@ static void follow_field(const SupervisorInputs *u, double h, SupervisorState *x
     }
 }
 
-/* Whether it turns at all: the rates are damped first. Rods do not damp a spin about the field, so an axis that points along it
- * would keep its spin, and a fast one upsets the pointing. */
+/* Whether it turns at all: the rates are damped first. Rods do not damp a spin about the field, so an axis that
+ * points along it would keep its spin, and a fast one upsets the pointing. */
 static bool may_turn(const SupervisorParameters *p, const SupervisorInputs *u, const SupervisorState *x)
 {
     const bool slow = x->calm >= p->rate_time && norm(vector(u->omega_B)) * p->safe_time < SLOW;

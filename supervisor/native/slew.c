@@ -2,8 +2,8 @@
 
 #include "jacobian.h"
 
-/* Of the quintic from rest to rest: largest rate in angle/T, largest acceleration in angle/T^2; and of the one that takes an
- * initial rate to zero, the largest acceleration in rate/T. */
+/* Of the quintic from rest to rest: largest rate in angle/T, largest acceleration in angle/T^2; and of the one that
+ * takes an initial rate to zero, the largest acceleration in rate/T. */
 static const double PEAK_RATE = 1.875, PEAK_CHANGE = 5.773502691896258, PEAK_CHANGE_OF_RATE = 3.9413;
 static const double RATE_LEFT = 0.25; /* of the largest rate, which an initial rate leaves to the turn at least */
 

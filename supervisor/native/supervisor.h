@@ -1,12 +1,13 @@
 /* Modes of a mission: it gives the controller the reference of the present mode, and slews from one to the next.
  *
- * Flight code: plain functions of plain structures, no memory but `SupervisorState`, fixed time, no recursion.
- * SI units and radians; frames as in ports.h. A function that returns false has noted a fault and changed nothing else. */
+ * Flight code: plain functions of plain structures, no memory but `SupervisorState`, fixed time, no recursion. SI
+ * units and radians; frames as at the ports. A function that returns false has noted a fault and changed nothing
+ * else. */
 #ifndef SUPERVISOR_H
 #define SUPERVISOR_H
 
 #include "pointing.h"
-#include "ports.h"
+#include "supervisor_ports.h"
 #include "slew.h"
 
 /* As `mode`, `destination` and `command` count them. */

@@ -24,7 +24,7 @@ def test_a_file_made_from_an_interface_that_cites_names_the_paper(block):
     interface = load(block)
     cited = citations(interface) == SOURCE
     assert (SOURCE in interface.source) == cited
-    texts = [ports_header(interface)]
+    texts = [*ports_header(interface).values()]
     texts += [filled(name, interface) for name in ("block.h.template", "block.py.template", "device.py.template")]
     for text in texts:
         assert ("AIAA 2009-5902" in text) == cited

@@ -14,7 +14,7 @@ from fmus.build import Block, BuildError, blocks_of, build, ensure
 from fmus.fingerprint import data_packages, fingerprint
 from fmus.interface import BLOCKS, InterfaceError, load, parse
 from fmus.kit.fill import filled
-from fmus.native.generate import ports_header, ports_path
+from fmus.native.generate import ports_header
 
 from .host import Host
 from .toy import toy
@@ -79,7 +79,6 @@ def blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Block, Bloc
     for name, text in (
         ("toy_small.h", filled("block.h.template", small)),
         ("toy_small.c", filled("block.c.template", small)),
-        ("ports.h", ports_header(small)),
     ):
         (native / name).write_text(text)
     (native / "tables.py").write_text(TABLES.format(package="toy.small"))
@@ -114,11 +113,10 @@ def test_the_outer_block_neither_carries_nor_depends_on_it(blocks: tuple[Block, 
 
 
 def test_names_in_c_are_of_both_parts(blocks: tuple[Block, Block]) -> None:
-    header = ports_header(blocks[1].interface)
+    header = ports_header(blocks[1].interface)["toy_small_ports.h"]
     assert "} ToySmallInputs;" in header
     assert "TOY_SMALL_MODE_ONE = 1" in header
     assert "/* A.m2, A.m2, N.m; What two rods" in header
-    assert ports_path("toy_small").parts[-4:] == ("toy", "small", "native", "ports.h")
 
 
 def test_the_packages_behind_the_tables_of_its_c_count_for_its_fingerprint(blocks: tuple[Block, Block]) -> None:

@@ -1,5 +1,5 @@
-/* A block as flight software calls it, with no FMI shell before it that refuses values. Each function returns the name of the
- * variable that is refused, or NULL. */
+/* A block as flight software calls it, with no FMI shell before it that refuses values. Each function returns the
+ * name of the variable that is refused, or NULL. */
 #include "instance.h"
 
 #if defined _WIN32

@@ -15,7 +15,6 @@ from fmus import native
 from fmus.build import ensure
 from fmus.interface import BLOCKS, load
 from fmus.native import toolchain
-from fmus.native.generate import ports_header, ports_path
 from tests.blocks import folder, some
 from tests.machine import lacking
 
@@ -34,11 +33,6 @@ def packaged() -> dict[str, bytes]:
 def _library(data: bytes, path: str) -> bytes:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         return archive.read(path)
-
-
-@pytest.mark.parametrize("block", BLOCKS)
-def test_the_structures_in_the_repository_are_those_of_the_interface(block: str) -> None:
-    assert ports_path(block).read_text("utf-8") == ports_header(load(block)), "run python -m fmus.native"
 
 
 @pytest.mark.thorough

@@ -62,22 +62,14 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     source.write_text(text + "\nsize_t size_of(void) { return sizeof(AttitudeControl); }\n" + SIZES)
     library = made / "flight.so"
     objects = []
+    generated = made / "generated"
+    subprocess.run([sys.executable, "-m", "fmus.native", generated, "controller", "allocator"], cwd=ROOT, check=True)
+    includes = [f"-I{folder}" for folder in (ROOT, COMMON, generated)]
     for block in ("controller", "allocator"):
         objects.append(made / f"{block}.o")
         law = ROOT / block / "native" / f"{block}.c"
-        subprocess.run([*ZIG, *FLIGHT, f"-I{COMMON}", "-c", str(law), "-o", str(objects[-1])], check=True)
-    command = [
-        *ZIG,
-        *FLIGHT,
-        f"-I{ROOT}",
-        f"-I{COMMON}",
-        "-shared",
-        str(source),
-        *map(str, objects),
-        "-o",
-        str(library),
-    ]
-    subprocess.run(command, check=True)
+        subprocess.run([*ZIG, *FLIGHT, *includes, "-c", str(law), "-o", str(objects[-1])], check=True)
+    subprocess.run([*ZIG, *FLIGHT, *includes, "-shared", str(source), *map(str, objects), "-o", library], check=True)
     lib = ctypes.CDLL(str(library))
     for name in ("attitude_control_start", "attitude_control_step"):
         getattr(lib, name).restype = c_bool

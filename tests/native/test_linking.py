@@ -72,11 +72,23 @@ def test_all_blocks_link_into_one_program_that_includes_all_their_headers(
         if block != "plant_sensors"  # for which nothing but zeros is right
     )
     program = tmp_path / "main.c"
+    made = archives[BLOCKS[0]].parent
     program.write_text(
         f"{includes}\n\nint main(void)\n{{\n    Fault fault;\n    int refused = 0;\n{calls}    return refused;\n}}\n"
     )
     whole = ["-Wl,--whole-archive", *map(str, archives.values()), "-Wl,--no-whole-archive"]
-    command = [*ZIG, "cc", *FLIGHT, f"-I{native.COMMON}", str(program), *whole, "-lm", "-o", str(tmp_path / "all")]
+    command = [
+        *ZIG,
+        "cc",
+        *FLIGHT,
+        f"-I{native.COMMON}",
+        f"-I{made}",
+        str(program),
+        *whole,
+        "-lm",
+        "-o",
+        str(tmp_path / "all"),
+    ]
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
     assert subprocess.run([tmp_path / "all"], check=False).returncode == len(BLOCKS) - 1

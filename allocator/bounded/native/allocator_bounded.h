@@ -3,13 +3,13 @@
  *
  * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time.
  * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
- * SI units; frames as in ports.h. A function that returns false has noted a fault and changed nothing else.
+ * SI units; frames as at the ports. A function that returns false has noted a fault and changed nothing else.
  */
 #ifndef ALLOCATOR_BOUNDED_H
 #define ALLOCATOR_BOUNDED_H
 
 #include "fault.h"
-#include "ports.h"
+#include "allocator_bounded_ports.h"
 
 typedef struct {
     double t; /* s */

@@ -5,7 +5,7 @@
  * Flight code: plain functions of plain structures, no memory but `ControllerPlannedState` (and the workspace in
  * `ControllerPlannedLaw`, whose content matters within one call only), bounded time, no recursion. Use: check and
  * prepare once (and again after a change of parameters), start once, then step at every sample. SI units and
- * radians; frames as in ports.h. A function that returns false has noted a fault.
+ * radians; frames as at the ports. A function that returns false has noted a fault.
  * */
 #ifndef CONTROLLER_PLANNED_H
 #define CONTROLLER_PLANNED_H

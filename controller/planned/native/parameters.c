@@ -1,5 +1,5 @@
-/* The check of the parameters, and what follows from them alone: docs/how/planned-scales.md, Gains and periods that are refused.
- * Tests: test_refusals.py, test_scales.py. */
+/* The check of the parameters, and what follows from them alone: docs/how/planned-scales.md, Gains and periods that
+ * are refused. Tests: test_refusals.py, test_scales.py. */
 #include "controller_planned.h"
 
 #include "gauss_models.h"

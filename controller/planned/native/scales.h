@@ -6,7 +6,7 @@
 #ifndef CONTROLLER_PLANNED_SCALES_H
 #define CONTROLLER_PLANNED_SCALES_H
 
-#include "ports.h"
+#include "controller_planned_ports.h"
 #include "vector.h"
 
 static const double LOW_ORBIT = 7e6;   /* m, a semi-major axis where none is known */

@@ -5,7 +5,7 @@
 
 #include "estimate/friction.h"
 #include "estimate/identification.h"
-#include "ports.h"
+#include "controller_planned_ports.h"
 #include "plan/search.h"
 #include "estimate/sensors_watch.h"
 #include "plan/steering.h"

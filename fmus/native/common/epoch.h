@@ -97,8 +97,9 @@ static inline bool epoch_is_utc(const char *text)
     return *text == '\0';
 }
 
-/* UTC in the extended form of ISO 8601: 2009-08-10, or 2009-08-10T12:00[:00[.5]] and Z, +00:00, -00:00 or nothing. A space
- * may stand for the T and a comma for the point; digits beyond microseconds are dropped. Years 1 to 9999; no leap second. */
+/* UTC in the extended form of ISO 8601: 2009-08-10, or 2009-08-10T12:00[:00[.5]] and Z, +00:00, -00:00 or nothing. A
+ * space may stand for the T and a comma for the point; digits beyond microseconds are dropped. Years 1 to 9999; no
+ * leap second. */
 static inline bool epoch_read(const char *text, Epoch *epoch)
 {
     static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};

@@ -1,4 +1,5 @@
-/* An onboard model of the geomagnetic field, which the blocks of the flight software share. The plant's field is its own. */
+/* An onboard model of the geomagnetic field, which the blocks of the flight software share. The plant's field is its
+ * own. */
 #ifndef COMMON_ONBOARD_FIELD_H
 #define COMMON_ONBOARD_FIELD_H
 
@@ -17,8 +18,8 @@ static const double ONBOARD_FIELD_MAX = 1e-3; /* T; no orbit has more, so a larg
 static const double ONBOARD_TURN = 2.0 * 3.14159265358979323846;
 
 /* Gauss coefficients, nT, Schmidt semi-normalised, n = 1 to 13, m = 0 to n in this order; linear in time between the
- * epochs, with `g_rate`, `h_rate`, nT/year, after the last. The build writes the table gauss_models.h, in the order of the
- * parameter field_model. */
+ * epochs, with `g_rate`, `h_rate`, nT/year, after the last. The build writes the table gauss_models.h, in the order
+ * of the parameter field_model. */
 typedef struct {
     int epochs;
     const double *years;
@@ -109,8 +110,8 @@ static inline void onboard_field(const GaussModel *model, double days, int degre
     field->sidereal_angle = (seconds / 86400.0 - (double)(int64_t)(seconds / 86400.0)) * ONBOARD_TURN;
 }
 
-/* B_N, T, at a time after the epoch, s, and a position in N, m: the gradient of the potential in spherical components, by
- * recursion of the Schmidt functions and their derivatives. */
+/* B_N, T, at a time after the epoch, s, and a position in N, m: the gradient of the potential in spherical
+ * components, by recursion of the Schmidt functions and their derivatives. */
 static inline Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
 {
     const double angle = field->sidereal_angle + ONBOARD_EARTH_RATE * t;

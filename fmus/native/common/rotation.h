@@ -88,7 +88,8 @@ static inline double orthonormality_error(Matrix R)
     return is_finite(off) && is_finite(unit) ? larger(largest(off), largest(unit)) : NAN;
 }
 
-/* Whether R is a rotation, to `tolerance` element by element of R^T R - I; the fault names the matrix and `expected`. */
+/* Whether R is a rotation, to `tolerance` element by element of R^T R - I; the fault names the matrix and
+ * `expected`. */
 static inline bool is_rotation(Matrix R, double tolerance, const char *name, const char *expected, Fault *f)
 {
     const double error = orthonormality_error(R);
@@ -215,7 +216,8 @@ static inline bool are_rod_limits(const double rod_limits[3], Fault *f)
     return true;
 }
 
-/* Whether K0 is the diagonal of a gain of the law [8]: no two elements alike, so that its critical points are apart [9]. */
+/* Whether K0 is the diagonal of a gain of the law [8]: no two elements alike, so that its critical points are apart
+ * [9]. */
 static inline bool is_ascending(const double K0[3], Fault *f)
 {
     static const char *const order = "0 < K0[1] < K0[2] < K0[3], finite";

@@ -1,6 +1,7 @@
-/* sin, cos, atan2, log, log1p, exp and expm1, so that an FMU needs no library at all and gives the same bits on Linux, Windows and
- * macOS, whose own elementary functions differ in the last place. Each is within 2 units in the last place (tests/native/test_elementary.py).
- * Only the FMUs are linked with this file; a law that is lifted out uses its own platform's <math.h>. */
+/* sin, cos, atan2, log, log1p, exp and expm1, so that an FMU needs no library at all and gives the same bits on
+ * Linux, Windows and macOS, whose own elementary functions differ in the last place. Each is within 2 units in the
+ * last place (tests/native/test_elementary.py). Only the FMUs are linked with this file; a law that is lifted out
+ * uses its own platform's <math.h>. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

@@ -48,7 +48,8 @@ static double power_of_ten(int n)
     return x;
 }
 
-/* x >= 0 as d.ddd 10^exponent: its significant digits as an integer, nine at most without trailing zeros, and their count. */
+/* x >= 0 as d.ddd 10^exponent: its significant digits as an integer, nine at most without trailing zeros, and their
+ * count. */
 static uint64_t digits_of(double x, int *exponent, int *count)
 {
     *exponent = 0;

@@ -1,11 +1,11 @@
 /* The judge outside the loop: the tracking errors [4] of the true motion, to LVLH or to a given reference.
  *
- * SI units; frames as in ports.h. A function that returns false has noted a fault. */
+ * SI units; frames as at the ports. A function that returns false has noted a fault. */
 #ifndef PLANT_JUDGE_H
 #define PLANT_JUDGE_H
 
 #include "fault.h"
-#include "ports.h"
+#include "plant_judge_ports.h"
 
 typedef struct {
     double t;   /* s; the reference 'rate' needs it */

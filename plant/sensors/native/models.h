@@ -35,8 +35,8 @@ void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const Pl
 void plant_sensors_telemetry(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,
                              PlantSensorsOutputs *y);
 
-/* Whether a signal is lost `span` s after it `was`: a Markov process of two states in continuous time (Gilbert, 1960) that
- * is found for `interval` and lost for `duration` s in the mean. */
+/* Whether a signal is lost `span` s after it `was`: a Markov process of two states in continuous time (Gilbert,
+ * 1960) that is found for `interval` and lost for `duration` s in the mean. */
 bool plant_sensors_lost(bool was, double interval, double duration, double span, Draw draw);
 
 #endif

@@ -1,12 +1,12 @@
 /* The sensors between the plant and its flight software: when each measures, what it remembers, and what it puts out.
  *
  * Noise is a function of seed, number of the measurement, sensor and axis, so there is no generator's state and a
- * repeated step repeats it. SI units; frames as in ports.h. A function that returns false has noted a fault. */
+ * repeated step repeats it. SI units; frames as at the ports. A function that returns false has noted a fault. */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H
 
 #include "fault.h"
-#include "ports.h"
+#include "plant_sensors_ports.h"
 #include "vector.h"
 
 /* The sensors that have a period of their own; the first five count their measurements. */

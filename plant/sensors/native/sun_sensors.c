@@ -48,7 +48,8 @@ static void signals(const PlantSensorsLaw *law, int64_t sample, Vector s_B, doub
     }
 }
 
-/* x with A x = b, A symmetric and positive definite: Cholesky's method, which keeps its digits where A is next to singular. */
+/* x with A x = b, A symmetric and positive definite: Cholesky's method, which keeps its digits where A is next to
+ * singular. */
 static Vector solve_definite(Matrix A, Vector b)
 {
     const double ba = A.b.x / A.a.x, ca = A.c.x / A.a.x;

@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from estimator.native import tables
 from fmus.interface import load
+from fmus.native import generated_sources
 from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_library, compiler, host_platform
 from tests.once import built
 from tests.structures import filled, record
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 @cache
 def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
-    texts = tables.generated()
+    texts = generated_sources(load(_BLOCK), NATIVE.parent)
     sources = sorted(NATIVE.rglob("*.c"))
     probe = Path(__file__).with_name("probe.c")
     common = [ROOT / "fmus" / "native" / "common", NATIVE]

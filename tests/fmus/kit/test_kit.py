@@ -79,10 +79,9 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
     assert "outputs differ from what is expected" in empty.stdout
     source = folder_of(block) / "native"
     for path in source.rglob("*.[ch]"):
-        if path.name != "ports.h":  # the kit has its own
-            flat = re.sub(r'#include "[\w./]*/', '#include "', path.read_text("utf-8"))  # a kit has no folders
-            (folder / path.name).write_text(flat, "utf-8")
-    for name, text in generated_sources(folder_of(block)).items():
+        flat = re.sub(r'#include "[\w./]*/', '#include "', path.read_text("utf-8"))  # a kit has no folders
+        (folder / path.name).write_text(flat, "utf-8")
+    for name, text in generated_sources(load(block), folder_of(block)).items():
         (folder / name).write_text(text)
     right = make(folder, "vector", "CFLAGS=-O1")
     assert right.returncode == 0, right.stdout + right.stderr
@@ -165,7 +164,7 @@ def test_a_team_may_build_in_python_what_we_have_in_c_only(tmp_path):
 
 
 def test_what_the_skeletons_say_of_an_optional_input(tmp_path):
-    for language, file in (("c", "generated/ports.h"), ("python", "allocator_bounded/block.py")):
+    for language, file in (("c", "generated/allocator_bounded_ports.h"), ("python", "allocator_bounded/block.py")):
         kit.write(load("allocator_bounded"), tmp_path / language, language)
         text = (tmp_path / language / file).read_text()
         assert re.sub(r"\s+(\* )?", " ", text).count("optional; 1e9 means not connected") == 3
@@ -201,7 +200,7 @@ def test_a_kit_of_another_or_of_an_edited_interface_is_not_overwritten(tmp_path)
     assert f"remedy: another folder, or python -m fmus.kit {folder}" in refused.stderr
 
 
-@pytest.mark.parametrize("name", ["vector/vector.csv", "vector", "generated/ports.h", "tools/pack.c"])
+@pytest.mark.parametrize("name", ["vector/vector.csv", "vector", "generated/allocator_ports.h", "tools/pack.c"])
 def test_a_folder_in_use_by_something_else_is_not_overwritten(name, tmp_path):
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text("ours")

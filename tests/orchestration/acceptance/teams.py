@@ -17,6 +17,7 @@ import fmpy
 from fmus.interface import load, parse
 from fmus.kit import generated
 from fmus.native import COMMON, SHELL
+from fmus.native.generate import ports_header
 
 from ..fmus import write
 
@@ -132,7 +133,7 @@ def build(name: str, folder: Path) -> Path:
     interface = parse(text, "team.toml")
     work = folder / f"{name}-sources"
     work.mkdir(parents=True)
-    for file, content in generated(interface).items():
+    for file, content in (generated(interface) | ports_header(ours)).items():
         (work / file).write_text(content, "utf-8")
     copied = [v.name for v in ours.of("input") if v.name not in team.rewritten]
     (work / "team.h").write_text(_header(team.block), "utf-8")
@@ -160,7 +161,7 @@ def build(name: str, folder: Path) -> Path:
 
 def _header(block: str) -> str:
     Block = block.capitalize()
-    lines = ['#include "ports.h"', f'#include "{(ROOT / block / "native" / f"{block}.h").as_posix()}"']
+    lines = ['#include "team_ports.h"', f'#include "{(ROOT / block / "native" / f"{block}.h").as_posix()}"']
     lines += [f"typedef {Block}State TeamState;", f"typedef {Block}Law TeamLaw;"]
     lines += [
         "bool team_check(const TeamParameters *p, Fault *f);",

@@ -3,7 +3,7 @@
 #ifndef CONTROLLER_PLANNED_FRICTION_H
 #define CONTROLLER_PLANNED_FRICTION_H
 
-#include "../ports.h"
+#include "controller_planned_ports.h"
 
 /* What a wheel gives of its torque: the torque's mean square, (N m)2, that with the change of momentum instead, and
  * of how much time, s. */
