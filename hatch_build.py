@@ -1,7 +1,7 @@
 """Builds wheels: with two import names only, and with the FMUs and the step loop's libraries ready-made.
 
-In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and the others stand inside
-`attitude_cosim`, since names such as `plant` may be anyone's: docs/decisions/0006.
+In the repository the packages stand side by side. In a wheel `orchestration` keeps its name, and the others stand
+inside `attitude_cosim`, since names such as `plant` may be anyone's: docs/decisions/0006.
 
 The build backend is hatchling; what compiles the FMUs is asked for when a wheel is built, not for an editable install.
 """
@@ -35,8 +35,8 @@ NAME = "attitude_cosim"
 INSIDE = ("allocator", "controller", "design", "estimator", "fmus", "plant", "supervisor")
 """The packages that stand inside it in a wheel."""
 BUILT = "ATTITUDE_COSIM_FMUS"
-"""This variable of the environment names a folder of FMUs, by flavour. One that is made of these very sources is not built
-again: `python -m build` makes the wheel in a folder of its own, where nothing has been built before."""
+"""This variable of the environment names a folder of FMUs, by flavour. One that is made of these very sources is not
+built again: `python -m build` makes the wheel in a folder of its own, where nothing has been built before."""
 _BUILDING = {"numpy", "ppigrf", "pygeomag", "pythonfmu", "ziglang"}
 _BY_NAME = {"import_module", "__import__", "find_spec", "files", "run_module"}
 """Functions that take a module by its name."""
@@ -53,7 +53,8 @@ def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) 
 
 
 class Layout(BuildHookInterface):
-    """Lays the wheel out in out/wheel: `orchestration`, the other packages in `attitude_cosim`, and what is ready-made."""
+    """Lays the wheel out in out/wheel: `orchestration`, the other packages in `attitude_cosim`, and what is
+    ready-made."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if version == "editable":
@@ -83,7 +84,8 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def renamed(text: str, where: str) -> str:
-    """A module's source with `from fmus...` as `from attitude_cosim.fmus...`, and `import plant` as `from attitude_cosim import plant`.
+    """A module's source with `from fmus...` as `from attitude_cosim.fmus...`, and `import plant` as `from
+    attitude_cosim import plant`.
 
     Raises ValueError on any other way to import.
     """

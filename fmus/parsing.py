@@ -9,13 +9,13 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
 - `shape`: nothing for a scalar, `[n]` or `[rows, columns]`; elements are named in FMI's structured
   way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
-- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is a
-  list of the variable's shape, with a unit for each element, and there is no `display_unit`;
+- `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is
+  a list of the variable's shape, with a unit for each element, and there is no `display_unit`;
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
-  0.999e9 or more in any element means that it is not connected; of an integer the start is -1, and a negative one means it;
+  0.999e9 or more in any element means that it is not connected; an integer starts at -1, and a negative one means it;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
 - `steps` (parameters in s): how many steps of its block the time has to be, "whole" (a whole number) or "at least one";
 - `depends_on` (outputs): the inputs with direct feedthrough;

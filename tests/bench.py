@@ -1,7 +1,9 @@
 """`make bench`: how fast the loop is on this machine. Prints figures; asserts nothing.
 
 The first rows time work that never changes, so that figures of other days and machines can be compared by ratio.
-One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit, and 20 of them by its Monte Carlo.
+One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded
+at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit, and 20 of them by its Monte
+Carlo.
 """
 
 from __future__ import annotations
@@ -62,7 +64,8 @@ def machine(runs: int) -> None:
 
 
 def loops(runs: int) -> None:
-    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of it."""
+    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of
+    it."""
     for flavour, order, compiled, repeats, parts in (
         ("native", 4, True, runs, 1),
         ("native", 4, False, runs, 1),
@@ -90,7 +93,8 @@ def again(runs: int) -> None:
 
 
 def versions(runs: int) -> None:
-    """The orbit with plant, controller and allocator of FMI 3.0, which are those of FMI 2.0 behind as_fmi3.c, turn by turn."""
+    """The orbit with plant, controller and allocator of FMI 3.0, which are those of FMI 2.0 behind as_fmi3.c, turn by
+    turn."""
     from tests.orchestration import as_fmi3
 
     with tempfile.TemporaryDirectory() as folder:
@@ -139,7 +143,8 @@ def calls(flavour: str, count: int) -> None:
 def process(runs: int) -> None:
     """`orchestrate` as a whole process, FMUs built: start, V.B, results written, table printed.
 
-    Python keeps its compiled modules, as it does unless it is told not to; the first run, which compiles them, is not counted.
+    Python keeps its compiled modules, as it does unless it is told not to; the first run, which compiles them, is not
+    counted.
     """
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     with tempfile.TemporaryDirectory() as out:

@@ -1,11 +1,12 @@
 """One orbit of the same satellite by Basilisk, for tests.bench.
 
 `DURATION` (s): flies it once, and prints seconds of imports, of set-up and of the run.
-`DURATION RUNS PROCESSES`: flies it by Basilisk's Monte Carlo controller, and prints the seconds that all runs took and how many failed.
+`DURATION RUNS PROCESSES`: flies it by Basilisk's Monte Carlo controller, and prints the seconds that all runs took and
+how many failed.
 
-Field (WMM), drag on ten facets in an exponential atmosphere, gravity gradient, one wheel at a constant motor torque, three
-rods at constant dipoles; RK4 at 0.1 s, states recorded at 1 s. No control law flies, so Basilisk does less here than the FMUs.
-The Monte Carlo retains no data, since Basilisk 2.12 waits a second in each run that does.
+Field (WMM), drag on ten facets in an exponential atmosphere, gravity gradient, one wheel at a constant motor torque,
+three rods at constant dipoles; RK4 at 0.1 s, states recorded at 1 s. No control law flies, so Basilisk does less here
+than the FMUs. The Monte Carlo retains no data, since Basilisk 2.12 waits a second in each run that does.
 """
 
 from __future__ import annotations

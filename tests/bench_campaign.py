@@ -1,4 +1,5 @@
-"""`python -m tests.bench_campaign`, a part of `make bench`: how fast campaigns are on this machine. Prints figures; asserts nothing."""
+"""`python -m tests.bench_campaign`, a part of `make bench`: how fast campaigns are on this machine. Prints figures;
+asserts nothing."""
 
 from __future__ import annotations
 
@@ -58,7 +59,8 @@ def overhead(scenario: dict[str, Any], row: Row) -> None:
 
 
 def orbits(scenario: dict[str, Any], count: int, row: Row) -> None:
-    """So many orbits by worker processes, the start of these included; and a quarter by half of them. The rate is without the start."""
+    """So many orbits by worker processes, the start of these included; and a quarter by half of them. The rate is
+    without the start."""
     cores = os.cpu_count() or 1
     for workers, runs in ((cores, count), (max(cores // 2, 1), count // 4)):
         with tempfile.TemporaryDirectory() as folder:

@@ -21,7 +21,8 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # pytest imports readline, which states a terminal of 80 columns, also for other processes.
 os.environ.pop("COLUMNS", None)
 os.unsetenv("COLUMNS")
-# A shell lets what it starts in the background ignore Ctrl-C, and nohup a terminal that is closed; so would the tests that send these.
+# A shell lets what it starts in the background ignore Ctrl-C, and nohup a terminal that is closed; so would the tests
+# that send these.
 for name, handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
     if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is signal.SIG_IGN:
         signal.signal(getattr(signal, name), handler)

@@ -1,4 +1,5 @@
-"""What some tests ask of the machine beyond Python and make: without it they are skipped, but fail where .ci/run has installed it."""
+"""What some tests ask of the machine beyond Python and make: without it they are skipped, but fail where .ci/run has
+installed it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Mutation testing by mutmut: `python -m tests.mutants [MODULE ...]` changes a module's code and counts what its tests see.
+"""Mutation testing by mutmut: `python -m tests.mutants [MODULE ...]` changes a module's code and counts what its tests
+see.
 
 Works in a copy of the tree. Prints the score of each module and the changes that no test saw; exit status 1 where there
 are any. Not changed: what stands outside functions.

@@ -1,4 +1,5 @@
-"""The Python blocks import none of each other, so each keeps the vectors, rotations and dates that it needs: equal to the letter."""
+"""The Python blocks import none of each other, so each keeps the vectors, rotations and dates that it needs: equal to
+the letter."""
 
 from __future__ import annotations
 
@@ -27,9 +28,11 @@ PIECES = {
         *("REFERENCES", "REFERENCE_TOLERANCE", "Parameters.desired_attitude_0"),
     ),
 }
-"""Constants, functions and methods that two FMUs have, each of which carries its own folder alone: a nested block too."""
+"""Constants, functions and methods that two FMUs have, each of which carries its own folder alone: a nested block
+too."""
 OTHERS = {"lvlh", "sidereal_angle"}
-"""Of the same name and another content: the judge's and the supervisor's LVLH, onboard and reference models of the Earth's turn."""
+"""Of the same name and another content: the judge's and the supervisor's LVLH, onboard and reference models of the
+Earth's turn."""
 
 
 def functions() -> dict[str, dict[str, str]]:

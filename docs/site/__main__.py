@@ -19,7 +19,8 @@ SHIM = "https://unpkg.com/iframe-worker/shim"
 
 
 def build(with_gallery: bool = True) -> list[str]:
-    """Builds the site and returns what is wrong with its links. Without the gallery and the live pages nothing is flown."""
+    """Builds the site and returns what is wrong with its links. Without the gallery and the live pages nothing is
+    flown."""
     pages.gather(OUT / "pages")
     blocks.add(OUT / "pages")
     (OUT / "pages" / "docs" / "gallery.md").write_text(gallery.page(OUT) if with_gallery else gallery.HEAD, "utf-8")

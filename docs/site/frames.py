@@ -35,7 +35,8 @@ def _path(points: list[Point], colour: str, more: str = "") -> str:
 
 def _text(point: Point, words: str, colour: str = INK, size: int = 13, anchor: str = "middle") -> str:
     x, y = point
-    return f'<text x="{x:.1f}" y="{y:.1f}" fill="{colour}" font-size="{size}" text-anchor="{anchor}">{escape(words)}</text>'
+    drawn = f'fill="{colour}" font-size="{size}" text-anchor="{anchor}"'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {drawn}>{escape(words)}</text>'
 
 
 def _arrow(start: Point, end: Point, colour: str, label: str, dashed: bool = False) -> list[str]:

@@ -1,6 +1,7 @@
 """Draws docs/figures/packages.svg, the packages of orchestration and their imports: `python -m docs.site.packages`.
 
-The layers are those of pyproject.toml, the imports those of the code. An import that a chain of others implies is not drawn.
+The layers are those of pyproject.toml, the imports those of the code. An import that a chain of others implies is not
+drawn.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ def reduced(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:
 
 
 def lane(x: float, u: float, boxes: list[float], taken: list[float]) -> float:
-    """The abscissa at which a line from `x` to `u` passes between the boxes at `boxes` and beside the lines at `taken`."""
+    """The abscissa at which a line from `x` to `u` passes between the boxes at `boxes` and beside the lines at
+    `taken`."""
     free = [
         at
         for at in np.arange(APART, WIDTH, APART / 2)
@@ -88,11 +90,13 @@ def drawing() -> str:
         else:
             way = f"C{x:.0f},{start + gap / 2:.0f} {u:.0f},{end - gap / 2:.0f} {u:.0f},{end:.0f}"
         lines.append(
-            f'<path d="M{x:.0f},{start:.0f} {way}" fill="none" stroke="#0072b2" stroke-opacity=".8" marker-end="url(#tip)"/>'
+            f'<path d="M{x:.0f},{start:.0f} {way}" fill="none" stroke="#0072b2" stroke-opacity=".8" '
+            'marker-end="url(#tip)"/>'
         )
     for name, (x, y) in place.items():
         lines.append(
-            f'<rect x="{x - BOX[0] / 2:.0f}" y="{y - BOX[1] / 2:.0f}" width="{BOX[0]:.0f}" height="{BOX[1]:.0f}" rx="6" '
+            f'<rect x="{x - BOX[0] / 2:.0f}" y="{y - BOX[1] / 2:.0f}" width="{BOX[0]:.0f}" height="{BOX[1]:.0f}" '
+            'rx="6" '
             f'fill="#f4f7fa" stroke="#444"/><text x="{x:.0f}" y="{y + 5:.0f}" text-anchor="middle">{name}</text>'
         )
     body = "\n".join(lines)

@@ -47,7 +47,8 @@ def north_east_down(latitude: float, longitude: float) -> np.ndarray:
 
 
 def places(count: int, seed: int):
-    """Random latitude, longitude, rad, height, m, and years since the epoch; the poles' and the datum's neighbourhood too."""
+    """Random latitude, longitude, rad, height, m, and years since the epoch; the poles' and the datum's neighbourhood
+    too."""
     rng = np.random.default_rng(seed)
     for i in range(count):
         latitude = math.asin(rng.uniform(-1.0, 1.0)) if i > 3 else (-1) ** i * math.radians(89.99 if i < 2 else 1e-3)
@@ -94,7 +95,8 @@ def year_of(date: datetime) -> float:
 
 
 def year_as_ppigrf_counts(date: datetime) -> float:
-    """ppigrf interpolates by days between epochs five years apart, leap days included: up to 0.25 nT from counting years."""
+    """ppigrf interpolates by days between epochs five years apart, leap days included: up to 0.25 nT from counting
+    years."""
     first = 5 * (date.year // 5)
     start = datetime(first, 1, 1)
     return first + 5.0 * ((date - start) / (datetime(first + 5, 1, 1) - start))

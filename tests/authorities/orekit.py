@@ -1,4 +1,5 @@
-"""Orekit's TorqueFree attitude, an implementation of Jacobi's functions by others. Optional: needs orekit-jpype and a Java runtime."""
+"""Orekit's TorqueFree attitude, an implementation of Jacobi's functions by others. Optional: needs orekit-jpype and a
+Java runtime."""
 
 from __future__ import annotations
 
@@ -44,7 +45,8 @@ def orekit_torque_free() -> float:
     moments, axes = np.linalg.eigh(FULL_INERTIA)
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
     date, frame = AbsoluteDate.ARBITRARY_EPOCH, FramesFactory.getGCRF()
-    # Orekit's rotation takes inertial components to the body's, and so does its quaternion with the vector part of ours.
+    # Orekit's rotation takes inertial components to the body's, and so does its quaternion with the vector part of
+    # ours.
     to_body = OrekitRotation(*map(float, q0), True)
     assert np.allclose(_matrix(to_body), R0.T, atol=1e-12)
     spin = Vector3D(*map(float, omega))

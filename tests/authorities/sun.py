@@ -1,4 +1,5 @@
-"""The Sun and eclipses against astropy: its Sun by ERFA's ephemeris, and straight rays past the ellipsoid to the Sun's rim.
+"""The Sun and eclipses against astropy: its Sun by ERFA's ephemeris, and straight rays past the ellipsoid to the Sun's
+rim.
 
 Nothing is downloaded: the ephemeris is built in, and UT1 has no say in what is compared.
 """

@@ -20,7 +20,8 @@ LANDAU = "Landau and Lifshitz, Mechanics, section 37; scipy.special.ellipj, elli
 def worst_over_orderings() -> tuple[float, float]:
     """Largest error of rate, rad/s, and attitude, rad, of order 6 at 0.25 s after 100 s.
 
-    All six orders of the moments along the body axes, round the largest and round the least, and with products of inertia.
+    All six orders of the moments along the body axes, round the largest and round the least, and with products of
+    inertia.
     """
     rate_error = angle_error = 0.0
     for k, moments in enumerate(permutations((2.13, 2.66, 3.09))):

@@ -45,7 +45,8 @@ def law(**changes):
 
 
 def given(t):
-    """A reference whose rate changes in size and direction: R_d as a SciPy rotation, Omega_d and dOmega_d by differences."""
+    """A reference whose rate changes in size and direction: R_d as a SciPy rotation, Omega_d and dOmega_d by
+    differences."""
 
     def attitude(t):
         return Rotation.from_rotvec([0.7 * np.sin(1.3 * t), 0.4 * t, -0.9 * np.cos(0.8 * t)]) * R_D0

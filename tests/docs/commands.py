@@ -57,7 +57,8 @@ def commands(page: str) -> Iterator[Command]:
 
 
 def workspace(folder: Path) -> dict[str, str]:
-    """Copies into `folder` what a clone has and the pages' commands need; returns the environment of a reader's shell."""
+    """Copies into `folder` what a clone has and the pages' commands need; returns the environment of a reader's
+    shell."""
     ignored = shutil.ignore_patterns("build", "results", "*.fmu", "__pycache__")
     for name in _COPIED:
         target = folder / name
@@ -69,8 +70,8 @@ def workspace(folder: Path) -> dict[str, str]:
     (folder / ".venv").symlink_to(sys.prefix)
     path = f"{Path(sys.prefix) / 'bin'}{os.pathsep}{os.environ['PATH']}"
     os.utime(folder / "pyproject.toml", (0, 0))  # older than the environment, so make does not install it again
-    # Examples and kits are compiled without optimisation, which takes a third of the time. `python -m` runs what is installed,
-    # as `orchestrate` does, and not the part of it that is copied.
+    # Examples and kits are compiled without optimisation, which takes a third of the time. `python -m` runs what is
+    # installed, as `orchestrate` does, and not the part of it that is copied.
     return {**os.environ, "PATH": path, "COLUMNS": "200", "NO_COLOR": "1", "CFLAGS": "-O0", "PYTHONSAFEPATH": "1"}
 
 

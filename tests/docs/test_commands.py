@@ -24,10 +24,10 @@ NOT_RUN = {
     "pip install -e '.[campaign]'": "installs the environment that this test runs in",
     "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install casadi": "installs the environment that this test runs in",
-    "orchestrate campaign scenarios/campaigns/estimated.yaml": "flies 1000 runs; docs/use/campaigns.md has a smaller one",
-    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; docs/use/campaigns.md has a smaller one",
-    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; docs/use/campaigns.md has a smaller one",
-    "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/; tests/estimator flies fewer",
+    "orchestrate campaign scenarios/campaigns/estimated.yaml": "flies 1000 runs; campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; campaigns.md has a smaller one",
+    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; campaigns.md has a smaller one",
+    "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/",
     "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
     "python -m evidence rival --cases 50": "takes minutes; tests/evidence/flight/test_rival.py flies one",
     "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
@@ -65,7 +65,8 @@ def test_a_command_is_left_out_only_where_a_page_shows_it() -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_a_command_named_in_a_sentence_exists(page: str) -> None:
-    """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module, `studies` too."""
+    """`make X` has its target, `orchestrate X --option` its command and options, `python -m X` its module, `studies`
+    too."""
     text = re.sub(r"^```.*?^```$", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
     names = ("Makefile", "fmus/kit/Makefile.template", "fmus/kit/Makefile.device.template")
     makefiles = [(ROOT / name).read_text("utf-8") for name in names]

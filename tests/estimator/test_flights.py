@@ -1,4 +1,5 @@
-"""The estimator behind the sensors of a tumbling plant, against the truth: `evidence.estimator.consistency` with few runs."""
+"""The estimator behind the sensors of a tumbling plant, against the truth: `evidence.estimator.consistency` with few
+runs."""
 
 from __future__ import annotations
 

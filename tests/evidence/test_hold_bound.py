@@ -174,7 +174,8 @@ def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_ne
     assert (excess[1] + dt * means(needed) <= 0.0).all()
     assert (excess[2:4] <= 0.25 * dt * np.abs(needed).max()).all()
     assert (excess[4:] <= 1e-12).all()
-    # With the disturbance turned round the same motion breaks the balance; with drag, whose bound is wide, with a torque thrice as large.
+    # With the disturbance turned round the same motion breaks the balance; with drag, whose bound is wide, with a
+    # torque thrice as large.
     turned_round = [{"disturbance_torque_B": -(3.0 if drag else 1.0) * p.disturbance_torque_B}]
     for changed in turned_round + [{"drag_factor": -3.0 * p.drag_factor}] * drag:
         other = programme(replace(p, **changed), course, ANGLE, rate).excess(x).reshape(-1, n)

@@ -264,8 +264,8 @@ POINTS = {"controller_planned": 64, "allocator": 80, "estimator": 12, "superviso
     ],
 )
 def test_at_one_state_fewer_pairs_are_seen_than_there_are(block, parameters, at_one_state, at_many):
-    """An attitude without error is passed on element by element, one with an error is a product of matrices; and steering,
-    plan, either reference and optional inputs that are not connected have pairs of their own."""
+    """An attitude without error is passed on element by element, one with an error is a product of matrices; and
+    steering, plan, either reference and optional inputs that are not connected have pairs of their own."""
     seen = real_pairs(ensure(block, "native"), block, 1, parameters=[parameters])
     assert len(seen) == at_one_state
     assert seen < declared_pairs(block)

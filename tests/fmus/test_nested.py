@@ -133,14 +133,26 @@ def test_units_are_those_of_each_element(blocks: tuple[Block, Block], tmp_path: 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('unit = ["A.m2", "A.m2", "N.m"]', 'unit = ["A.m2", "N.m"]', r"variables.applied: unit: expected the shape \[3\], found \['A.m2', 'N.m'\]"),
+        (
+            'unit = ["A.m2", "A.m2", "N.m"]',
+            'unit = ["A.m2", "N.m"]',
+            r"variables.applied: unit: expected the shape \[3\], found \['A.m2', 'N.m'\]",
+        ),
         ('unit = "m"\n', 'unit = ["m"]\n', "variables.sum: unit: expected one value, since there is no shape"),
         ('"N.m"]', '"N.m"]\ndisplay_unit = "mN.m"', "units of their own has no display_unit"),
         ("start = [1e9, 1e9, 1e9]", "start = [1e9, 0.0, 1e9]", r"optional, and its start is 1e\+09 in every element"),
-        ('unit = "m"\n', 'unit = "m"\noptional = true\n', "variables.sum: only a real or integer input may be optional"),
-        ('name = "toy_small"', 'name = "toy_small"\nflavours = ["c"]', r"block.flavours: expected a list of native, python, found \['c'\]"),
+        (
+            'unit = "m"\n',
+            'unit = "m"\noptional = true\n',
+            "variables.sum: only a real or integer input may be optional",
+        ),
+        (
+            'name = "toy_small"',
+            'name = "toy_small"\nflavours = ["c"]',
+            r"block.flavours: expected a list of native, python, found \['c'\]",
+        ),
     ],
-)  # fmt: skip
+)
 def test_an_error_in_an_interface_is_named(old: str, new: str, message: str) -> None:
     with pytest.raises(InterfaceError, match=message):
         parse(SMALL.replace(old, new))

@@ -50,7 +50,8 @@ def test_a_set_of_several_values_is_all_or_nothing() -> None:
 
 
 def test_references_in_any_order_across_variables_set_and_get_their_own() -> None:
-    """Runs that end within a variable, that run backwards, repeat and jump; a value that is not finite ends none quietly."""
+    """Runs that end within a variable, that run backwards, repeat and jump; a value that is not finite ends none
+    quietly."""
     with Instance("controller") as it:
         first = it.interface.variables["R_NB"].value_references[0]
         for order in ([7, 8, 9, 10, 11, 12, 2, 1, 0, 15, 16], [17, 16, 15], [3, 4, 5, 3], list(range(18))):

@@ -1,4 +1,5 @@
-"""The listing of docs/use/embedding.md is compiled and flown; the laws compile for a processor without an operating system."""
+"""The listing of docs/use/embedding.md is compiled and flown; the laws compile for a processor without an operating
+system."""
 
 from __future__ import annotations
 

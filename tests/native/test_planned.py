@@ -13,8 +13,8 @@ from .direct import Direct
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_steering_ends_below_its_limit_and_begins_again_beyond_twice_the_limit(sign: float) -> None:
-    """The momentum about e3 as a share of the limit; the wheel, along e1, takes none of it. The rate does not follow the
-    commands, which would be taken for a larger inertia: it is not estimated."""
+    """The momentum about e3 as a share of the limit; the wheel, along e1, takes none of it. The rate does not follow
+    the commands, which would be taken for a larger inertia: it is not estimated."""
     direct = Direct("controller_planned")
     weak = {
         "J_B": 3.0 * np.eye(3),

@@ -1,4 +1,5 @@
-"""The FMI shell's values: what each variable starts with, keeps and refuses, when it is set or when initialization ends."""
+"""The FMI shell's values: what each variable starts with, keeps and refuses, when it is set or when initialization
+ends."""
 
 from __future__ import annotations
 

@@ -105,7 +105,8 @@ def test_an_axis_that_is_not_of_unit_length_is_refused_by_name(block):
 
 @cache
 def tumble(which):
-    """The attitude (n, 3, 3) of a tumble of 2.5 deg/s and its plans, in the axes of TURNS[which], or the old ones; the target is at rest.
+    """The attitude (n, 3, 3) of a tumble of 2.5 deg/s and its plans, in the axes of TURNS[which], or the old ones; the
+    target is at rest.
 
     K0 is the same about all axes but for 1e-9, since its order belongs to the axes' names.
     """
@@ -119,7 +120,7 @@ def tumble(which):
     }
     law = {"reference": "inertial", "R_d0": t.T, "K0": 5e-4 * (1.0 + np.array([0.0, 1e-9, 2e-9])), "identify": False}
     law |= {"steering_limit": 0.08}  # so that it is steered first
-    vectors = "plant.R_NB -> controller.R_NB|plant.omega_B -> controller.omega_B|plant.r_N -> controller.r_N|plant.v_N -> controller.v_N"
+    vectors = "|".join(f"plant.{name} -> controller.{name}" for name in ("R_NB", "omega_B", "r_N", "v_N"))
     wires = (
         f"{vectors}|plant.h_w -> controller.h_w|plant.b_B -> controller.b_B|controller.tau_cmd_B -> "
         "allocator.tau_cmd_B|"
@@ -155,8 +156,8 @@ def tumble(which):
 
 @pytest.mark.parametrize("k", range(3), ids=NAMES[:3])
 def test_the_loop_flies_the_same_motion_under_other_names(k):
-    """Through steering and the first plan to rounding. Later plans amplify it: elements of the filter are corrected in the order
-    of the axes' names, so their bits differ. The phases stay the same."""
+    """Through steering and the first plan to rounding. Later plans amplify it: elements of the filter are corrected in
+    the order of the axes' names, so their bits differ. The phases stay the same."""
     (R, cost, phase), (R_new, cost_new, phase_new) = tumble(None), tumble(k)
     assert phase[0] == 1
     assert phase[-1] > 1

@@ -193,7 +193,8 @@ def test_a_c_kit_of_an_installed_copy_builds_and_is_generated_anew(installed: Pa
 
 
 def test_an_import_is_renamed_wherever_it_stands() -> None:
-    text = "import plant\nfrom fmus.build import ensure\nfrom fmuspkg import x\ndef f():\n    from fmus import (\n        kit,\n    )\n"
+    text = "import plant\nfrom fmus.build import ensure\nfrom fmuspkg import x\n"
+    text += "def f():\n    from fmus import (\n        kit,\n    )\n"
     assert renamed(text, "m.py") == text.replace("from fmus.", "from attitude_cosim.fmus.").replace(
         "from fmus ", "from attitude_cosim.fmus "
     ).replace("import plant", "from attitude_cosim import plant")

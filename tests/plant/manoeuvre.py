@@ -1,6 +1,7 @@
 """The forced manoeuvre on which orders are measured: full inertia, all actuators at work, commands of a fixed period.
 
-The rods are twenty times as strong as the paper's, so that an error in the forcing shows beside that of the free motion.
+The rods are twenty times as strong as the paper's, so that an error in the forcing shows beside that of the free
+motion.
 """
 
 from __future__ import annotations

@@ -15,7 +15,8 @@ FULL_INERTIA = np.array([[2.53, 0.21, -0.17], [0.21, 3.04, 0.11], [-0.17, 0.11, 
 
 
 def checked(**changes):
-    """The plant's parameters with changes, checked. Without drag, whose plates make the moment's slope jump, unless asked for."""
+    """The plant's parameters with changes, checked. Without drag, whose plates make the moment's slope jump, unless
+    asked for."""
     p = parameters("plant", **{"drag": False, **changes})
     plant.check(p)
     return p

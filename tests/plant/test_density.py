@@ -22,7 +22,8 @@ HEIGHTS = (150e3, 180e3, 250e3, 400e3, 600e3, 1000e3, 2000e3)
 
 
 def orbit_place(t, radius, inclination, node_longitude, epoch):
-    """Geodetic latitude, longitude (rad) and height (m): the Almanac's GMST and a fixed point, not the plant's own code."""
+    """Geodetic latitude, longitude (rad) and height (m): the Almanac's GMST and a fixed point, not the plant's own
+    code."""
     days = (epoch - datetime(2000, 1, 1, 12, tzinfo=UTC)) / timedelta(days=1)
     gmst = math.radians(15.0) * (18.697374558 + 24.06570982441908 * np.array([days, days + t / 86400.0]))
     u = math.sqrt(3.986004418e14 / radius**3) * t

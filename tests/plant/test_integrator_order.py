@@ -1,4 +1,5 @@
-"""The order of the integrator, measured against DOP853 under forcing, with the wheel spinning and commands of a fixed period."""
+"""The order of the integrator, measured against DOP853 under forcing, with the wheel spinning and commands of a fixed
+period."""
 
 from __future__ import annotations
 

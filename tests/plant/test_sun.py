@@ -1,4 +1,5 @@
-"""The Sun and the Earth's shadow against Meeus' example, closed forms, integrals and rays. astropy: tests/authorities/sun.py."""
+"""The Sun and the Earth's shadow against Meeus' example, closed forms, integrals and rays. astropy:
+tests/authorities/sun.py."""
 
 from __future__ import annotations
 

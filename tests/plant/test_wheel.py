@@ -279,7 +279,8 @@ def test_an_unsplit_step_is_as_good_where_the_law_does_not_change(monkeypatch):
 
 @pytest.mark.parametrize("decay", [0.3, 30.0])
 def test_the_mean_under_strong_friction_keeps_its_digits_on_substeps_that_go_back(decay):
-    # Suzuki's third substep of a long step: from 0.83 of it back to 0.17. Witness: the integral in sixty decimal digits.
+    # Suzuki's third substep of a long step: from 0.83 of it back to 0.17. Witness: the integral in sixty decimal
+    # digits.
     part = Segment(1.7, 0.01, 0.0, 2e-4, decay)
     with localcontext() as context:
         context.prec = 60

@@ -1,4 +1,5 @@
-"""Pointing in the mode safe, by field or Sun in body axes alone: a rigid body that takes the rate that is asked for is the witness."""
+"""Pointing in the mode safe, by field or Sun in body axes alone: a rigid body that takes the rate that is asked for is
+the witness."""
 
 from __future__ import annotations
 

@@ -22,7 +22,8 @@ EIGENAXIS = np.array([0.48, -0.6, 0.64])
 def test_from_rest_to_rest_it_is_the_quintic_about_the_eigenaxis_at_exactly_one_limit(
     angle: float, torque: float
 ) -> None:
-    """theta(x) = theta0 (1 - 10 x^3 + 15 x^4 - 6 x^5): peaks 15/8 theta0/T and 10/sqrt(3) theta0/T^2 at x = 1/2 and (3 - sqrt 3)/6."""
+    """theta(x) = theta0 (1 - 10 x^3 + 15 x^4 - 6 x^5): peaks 15/8 theta0/T and 10/sqrt(3) theta0/T^2 at x = 1/2 and (3
+    - sqrt 3)/6."""
     rate_max = 0.01
     now = reference.inertial(Rotation.from_rotvec(angle * EIGENAXIS).as_matrix())
     found = slew.begin(now, TO, J, rate_max, torque)

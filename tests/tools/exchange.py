@@ -1,7 +1,7 @@
 """OMSimulator's exchange, imitated with FMPy: all blocks are stepped with what was set at t, then values are passed on.
 
-They are passed on in the order of the declared dependencies, each Get after the Sets before it. This is what its co-simulation
-master does with an SSP archive; all blocks have one rate.
+They are passed on in the order of the declared dependencies, each Get after the Sets before it. This is what its
+co-simulation master does with an SSP archive; all blocks have one rate.
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ class _Instance:
         )
         self.fmu.instantiate()
         self.fmu.setupExperiment(startTime=0.0)
-        self._variables = {v.name: (v.valueReference, v.type.replace("Enumeration", "Integer")) for v in description.modelVariables}  # fmt: skip
+        self._variables = {
+            v.name: (v.valueReference, v.type.replace("Enumeration", "Integer")) for v in description.modelVariables
+        }
 
     def set(self, name: str, value: Any) -> None:
         reference, kind = self._variables[name]

@@ -98,7 +98,8 @@ def test_a_device_behind_its_link_fmu_gives_in_every_tool_what_the_block_gives_h
 def test_the_loop_differs_from_ours_by_the_exchange_alone_and_less_as_the_step_shrinks(
     recipe: Recipe, exported: Path
 ) -> None:
-    """With our exchange set to the tool's the difference is rounding; from our default it is of first order in the step."""
+    """With our exchange set to the tool's the difference is rounding; from our default it is of first order in the
+    step."""
     needs(recipe)
     found = [measure.difference(recipe, exported, step) for step in STEPS]
     assert max(d.same for d in found) < 1e-13

@@ -29,7 +29,10 @@ import numpy as np
 from fmpy import simulate_fmu
 columns = [("time", float), *((name, float) for name in names)]
 signals = np.array([(step * k, *row) for k, row in enumerate(inputs)], dtype=columns)
-result = simulate_fmu(fmu, stop_time=step * (len(inputs) - 1), output_interval=step, start_values=start, input=signals, output=outputs)
+end = step * (len(inputs) - 1)
+result = simulate_fmu(
+    fmu, stop_time=end, output_interval=step, start_values=start, input=signals, output=outputs
+)
 rows = [[float(row[name]) for name in outputs] for row in result][1:]
 """,
     "libcosim": """

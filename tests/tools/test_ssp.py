@@ -290,7 +290,8 @@ def _deep(levels: int) -> str:
 
 
 def test_offsets_and_factors_across_nested_systems_are_composed_from_the_inside_out(tmp_path: Path) -> None:
-    """T = 2 (3 S + 5) + 7, as the matrices of the two affine maps multiply; the wrong order would give 3 (2 S + 7) + 5."""
+    """T = 2 (3 S + 5) + 7, as the matrices of the two affine maps multiply; the wrong order would give 3 (2 S + 7) +
+    5."""
     inner = f"""<ssd:System name="outer"><ssd:Connectors>{_connector("a", "input")}</ssd:Connectors><ssd:Elements>
 {_component("regulator", _connector("speed", "input"))}</ssd:Elements><ssd:Connections><ssd:Connection startConnector="a"
 endElement="regulator" endConnector="speed"><ssc:LinearTransformation factor="2" offset="7"/></ssd:Connection></ssd:Connections></ssd:System>"""

@@ -1,4 +1,5 @@
-"""Random calls of the FMI functions of the native blocks, right and wrong, on three instances at a time (tests/native/fuzz.c)."""
+"""Random calls of the FMI functions of the native blocks, right and wrong, on three instances at a time
+(tests/native/fuzz.c)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""FMUs whose modelDescription.xml is changed at random: checked, and opened for a run in which their code does not start."""
+"""FMUs whose modelDescription.xml is changed at random: checked, and opened for a run in which their code does not
+start."""
 
 from __future__ import annotations
 

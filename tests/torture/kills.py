@@ -1,7 +1,8 @@
 """Runs that are killed at random times, into one folder with earlier results.
 
-After each kill the folder must hold one run's results, whole: the manifest's hashes are those of the files, and all are of
-the same run. What a run left unfinished by SIGKILL in the middle of replacing is completed by the next, which is checked, too.
+After each kill the folder must hold one run's results, whole: the manifest's hashes are those of the files, and all are
+of the same run. What a run left unfinished by SIGKILL in the middle of replacing is completed by the next, which is
+checked, too.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Scenarios changed at random, in their data, their text and their bytes: each is loaded, planned, and flown where it is short.
+"""Scenarios changed at random, in their data, their text and their bytes: each is loaded, planned, and flown where it
+is short.
 
 An input may be refused, with a message, or accepted. Any other exception, and 5 s without an end, is a failure.
 """
@@ -53,19 +54,29 @@ delays: []
 )
 INLINE = WHOLE.replace(
     "map: mapping.yaml",
-    "map: "
-    f"{{ports: {{voltage: command, gain: {{theirs: kp, scale: {vendor.GAIN!r}}}}}, ignore: [speed], inputs: {{rate: motor.speed}}}}",
+    f"map: {{ports: {{voltage: command, gain: {{theirs: kp, scale: {vendor.GAIN!r}}}}}, ignore: [speed], "
+    "inputs: {rate: motor.speed}}",
 )
 """Theirs takes the motor's speed by an input that only it has."""
 VALUES: tuple[Any, ...] = (
-    None, True, False, 0, -1, 1, 2, 3.5, 1e300, -1e-300, 10**400, float("inf"), float("nan"), "", " ", "x", "nan", "1 s", "0.1", "51,6 deg", "10 dB",
-    "1 m", "1 N-m", "1e999 s", "9**9", "motor", "motor.speed", "motor.speed[1]", "motor.speed[0]", "motor.*", "*.*", "regulator.samples[3]", "motor.speed -> motor.voltage",
-    "motor.hot", "motor.label", "regulator.enabled", "motor.axis[1,2]", "motor.axis[99999999999999999999]", "a -> b -> c", "motor.fmu", "vendor.fmu", "mapping.yaml", "plant",
-    "../..", "/dev/null", "/", "~nobody/x.fmu", "http://x/y.fmu", "process", "none", "parallel", "\ud800", "\x00", "\x1b[2J", "ü" * 300, "{}", "[", "%", "'", "&a", "*a", "!!python/object:os.system x",
-    [], [[]], [1, "x"], [1, 2, 3], [None], {}, {"file": "x"}, {"theirs": "rate"}, {"above": 1}, {"within": [1, 2]}, {"fmu": "motor.fmu"}, {"signal": "motor.speed"},
-)  # fmt: skip
-KEYS = ("", "x", "fmu", "map", "start", "every", "signal", "always", "ever", "at", "until", "set", "unit", "lines", "interval", "block", "ports", "inputs", "1", "motor", "a.b", "ü", "\x00", "<<", "null")  # fmt: skip
-PIECES = ("\t", " ", ":", "- ", "[", "]", "{", "}", "&a ", "*a", "<<: ", "|", ">", "#", '"', "'", "\x00", "\ufeff", "\u2028", "\x85", "%", "!!binary ", "!!set ", "? ", "---\n", "...\n", "\r", "1e", "-", ",", "->", ".")  # fmt: skip
+    *(None, True, False, 0, -1, 1, 2, 3.5, 1e300, -1e-300, 10**400, float("inf"), float("nan"), "", " ", "x"),
+    *("nan", "1 s", "0.1", "51,6 deg", "10 dB", "1 m", "1 N-m", "1e999 s", "9**9", "motor", "motor.speed"),
+    *("motor.speed[1]", "motor.speed[0]", "motor.*", "*.*", "regulator.samples[3]", "motor.speed -> motor.voltage"),
+    *("motor.hot", "motor.label", "regulator.enabled", "motor.axis[1,2]", "motor.axis[99999999999999999999]"),
+    *("a -> b -> c", "motor.fmu", "vendor.fmu", "mapping.yaml", "plant", "../..", "/dev/null", "/"),
+    *("~nobody/x.fmu", "http://x/y.fmu", "process", "none", "parallel", "\ud800", "\x00", "\x1b[2J", "ü" * 300),
+    *("{}", "[", "%", "'", "&a", "*a", "!!python/object:os.system x", [], [[]], [1, "x"], [1, 2, 3], [None], {}),
+    *({"file": "x"}, {"theirs": "rate"}, {"above": 1}, {"within": [1, 2]}, {"fmu": "motor.fmu"}),
+    *({"signal": "motor.speed"},),
+)
+KEYS = (
+    *("", "x", "fmu", "map", "start", "every", "signal", "always", "ever", "at", "until", "set", "unit", "lines"),
+    *("interval", "block", "ports", "inputs", "1", "motor", "a.b", "ü", "\x00", "<<", "null"),
+)
+PIECES = (
+    *("\t", " ", ":", "- ", "[", "]", "{", "}", "&a ", "*a", "<<: ", "|", ">", "#", '"', "'", "\x00", "\ufeff"),
+    *("\u2028", "\x85", "%", "!!binary ", "!!set ", "? ", "---\n", "...\n", "\r", "1e", "-", ",", "->", "."),
+)
 
 
 class _Hang(BaseException):
@@ -211,7 +222,8 @@ def _bytes(random: Random, text: str) -> bytes:
     if kind < 0.9:
         return text.encode("utf-8", "surrogatepass" if kind < 0.02 else "replace")
     if kind < 0.94:
-        return text.encode(random.choice(("utf-16", "utf-16-le", "utf-32", "latin-1", "cp1252", "utf-8-sig", "utf-7")), "replace")  # fmt: skip
+        others = "utf-16", "utf-16-le", "utf-32", "latin-1", "cp1252", "utf-8-sig", "utf-7"
+        return text.encode(random.choice(others), "replace")
     data = bytearray(text.encode("utf-8", "replace"))
     if kind < 0.97 and data:
         data[random.randrange(len(data))] = random.randrange(256)

@@ -63,7 +63,8 @@ def test_without_limits_in_the_way_it_is_the_closed_form_of_weighted_least_squar
 
 
 def test_with_small_weights_it_becomes_the_papers_allocation():
-    """Which is another method: wheel along the field, least dipoles across it. What differs goes with the square of the weight."""
+    """Which is another method: wheel along the field, least dipoles across it. What differs goes with the square of the
+    weight."""
     paper = parameters("allocator", hold_fraction=1.0)
     differences = []
     for weight in (1e-6, 1e-7):

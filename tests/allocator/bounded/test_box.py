@@ -23,7 +23,8 @@ CASES = [case() for _ in range(3000)]
 
 
 def test_the_minimum_meets_the_conditions_of_optimality():
-    """Inside: no gradient. At a bound: none that leads back inside. Nowhere outside. That is all of it for a convex cost."""
+    """Inside: no gradient. At a bound: none that leads back inside. Nowhere outside. That is all of it for a convex
+    cost."""
     at_bounds = set()
     for A, y, low, high in CASES:
         x, _ = least_squares(A, y, low, high)
@@ -70,7 +71,8 @@ def test_independent_unknowns_are_clipped_each_for_itself():
 
 
 def test_a_bound_moves_the_other_unknowns():
-    # minimise (x + y - 3)^2 + (x - y)^2/100: free, x = y = 1.5; with x <= 1, (1 + y - 3) + (y - 1)/100 = 0, y = 2.01/1.01.
+    # minimise (x + y - 3)^2 + (x - y)^2/100: free, x = y = 1.5;
+    # with x <= 1, (1 + y - 3) + (y - 1)/100 = 0, y = 2.01/1.01.
     A, y = np.array([[1.0, 1.0], [0.1, -0.1]]), np.array([3.0, 0.0])
     x, unbounded = least_squares(A, y, np.array([-9.0, -9.0]), np.array([1.0, 9.0]))
     np.testing.assert_allclose(unbounded, [1.5, 1.5], rtol=1e-12)

@@ -226,7 +226,8 @@ def lvlh(r: Array, v: Array) -> tuple[Array, Array]:
 
 
 def targets_ahead(inputs: list[Array], times: Array) -> tuple[Array, Array]:
-    """R_d (n, 3, 3) and Omega_d (n, 3) at `times`, from r, v, R_ref, Omega_ref, dOmega_ref, t_ahead, turn_ahead, Omega_ahead at 0."""
+    """R_d (n, 3, 3) and Omega_d (n, 3) at `times`, from r, v, R_ref, Omega_ref, dOmega_ref, t_ahead, turn_ahead,
+    Omega_ahead at 0."""
     (a, R), (b, w) = _room(len(times), 3, 3), _room(len(times), 3)
     given = np.concatenate([np.ravel(value) for value in inputs])
     library().probe_target_ahead(_doubles(given), len(times), _doubles(times), a, b)
@@ -309,7 +310,8 @@ def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> fl
 
 
 def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
-    """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from `expected`."""
+    """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from
+    `expected`."""
     store, costs = _room(2)
     library().probe_followed(m.c(), expected.c(), x.c(), store)
     alone, following = costs()
@@ -327,8 +329,8 @@ def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: fl
 
 @dataclass(frozen=True)
 class Renewed:
-    """Stages h (n,) s; how many the plan has behind its usual horizon, negative: lacks; its cost, s; when it settles and when the
-    next one is to do so, s; what is left of the account of work."""
+    """Stages h (n,) s; how many the plan has behind its usual horizon, negative: lacks; its cost, s; when it settles
+    and when the next one is to do so, s; what is left of the account of work."""
 
     h: Array
     longer: int
@@ -354,14 +356,16 @@ def guessed(m: Satellite, a: Ahead, x: Motion, iterations: int) -> float:
 
 
 def strained(m: Satellite, a: Ahead, x: Motion, renewals: int) -> tuple[Array, Array, Array]:
-    """A strained hold from a motion: length of each plan, s, wheel momentum, N m s, and attitude error, rad, before it; each (n,)."""
+    """A strained hold from a motion: length of each plan, s, wheel momentum, N m s, and attitude error, rad, before it;
+    each (n,)."""
     (p, lengths), (q, wheel), (r, angles) = _room(renewals), _room(renewals), _room(renewals)
     library().probe_strained(m.c(), a.c(), x.c(), renewals, p, q, r)
     return lengths(), wheel(), angles()
 
 
 def profile_change(period: float, t: Array, d: Array, good: Array, ahead: Array) -> Array:
-    """By how much the disturbance changes until times ahead (m,), s, from the last of the estimates d (n, 3) at t (n,), N m (m, 3)."""
+    """By how much the disturbance changes until times ahead (m,), s, from the last of the estimates d (n, 3) at t (n,),
+    N m (m, 3)."""
     flags = (c_ubyte * len(t))(*good.astype(int).tolist())
     p, change = _room(len(ahead), 3)
     times = _doubles(t), _doubles(d), flags, len(ahead), _doubles(ahead)
@@ -371,7 +375,8 @@ def profile_change(period: float, t: Array, d: Array, good: Array, ahead: Array)
 
 @dataclass(frozen=True)
 class Searched:
-    """The controls u (208, 4) of a search and their cost, the calls that it took and the least that they left of their account."""
+    """The controls u (208, 4) of a search and their cost, the calls that it took and the least that they left of their
+    account."""
 
     u: Array
     cost: float

@@ -1,4 +1,5 @@
-"""Flights of docs/evidence/satellites.md, and a controller in the hold that is shown any attitude: what tests of the hold share."""
+"""Flights of docs/evidence/satellites.md, and a controller in the hold that is shown any attitude: what tests of the
+hold share."""
 
 import contextlib
 import json
@@ -24,7 +25,8 @@ def flown(satellite, run, errors, duration, signals):
 
 
 def fly(group, run, duration, signals, **start):
-    """A tumble of a group with other start values of the controller: times, s, attitude error, deg, and more signals."""
+    """A tumble of a group with other start values of the controller: times, s, attitude error, deg, and more
+    signals."""
     data = change(json.loads(json.dumps(group.scenario)), group.drawn()[run])
     data = change(data, {f"controller.{name}": value for name, value in start.items()})
     record = {"interval": 2.0, "signals": ["judge.attitude_error", *signals]}
@@ -38,7 +40,8 @@ def turned(degrees):
 
 @contextlib.contextmanager
 def holding(**start):
-    """A controller at the target, from when its hold begins, and a function that steps it n times and returns its phases."""
+    """A controller at the target, from when its hold begins, and a function that steps it n times and returns its
+    phases."""
     with Instance(BLOCK) as it:
         it.set("reference", "inertial")
         for name, value in (AS_MEASURED | start).items():

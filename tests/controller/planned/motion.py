@@ -1,7 +1,8 @@
 """The motion that the plan is made of: a rigid body, a wheel along e1, three rods, gravity gradient.
 
     dR/dt = R Omega^,  dh_w/dt = dl,
-    J dOmega/dt = (J Omega + h_w e1) x Omega + m x R^T B + 3 mu/r^3 rho x J rho + d - dl e1,  rho = R^T r_hat,  m = sum u_i m_i
+    J dOmega/dt = (J Omega + h_w e1) x Omega + m x R^T B + 3 mu/r^3 rho x J rho + d - dl e1,  rho = R^T r_hat,
+    m = sum u_i m_i
 
 The reference for `acceleration` of controller/planned/native/motion.c.
 """

@@ -1,4 +1,5 @@
-"""What a step that differs by 1e-15 moves in flights with the planned controller: `python -m tests.controller.planned.rounding`.
+"""What a step that differs by 1e-15 moves in flights with the planned controller: `python -m
+tests.controller.planned.rounding`.
 
 Tumbles under all errors of scenarios/flight_tumble.yaml, and the scenarios' own flights. About a minute of one core.
 """
@@ -23,8 +24,8 @@ _KEPT = ("name", "shared", "blocks", "connections")
 
 @dataclass(frozen=True)
 class Apart:
-    """Largest differences of two flights over their samples: plan_cost relative to itself, attitude error, rad; and whether
-    both are settled at the end."""
+    """Largest differences of two flights over their samples: plan_cost relative to itself, attitude error, rad; and
+    whether both are settled at the end."""
 
     cost: float
     attitude: float
@@ -32,7 +33,8 @@ class Apart:
 
 
 def flight(scenario: dict[str, Any], step: float, steps: int) -> Result:
-    """Blocks and connections of a scenario, flown in other steps, s; a sample of the controller each fifth is recorded."""
+    """Blocks and connections of a scenario, flown in other steps, s; a sample of the controller each fifth is
+    recorded."""
     kept: dict[str, Any] = {name: scenario[name] for name in _KEPT if name in scenario}
     return orchestration.run({**kept, "step": step, "duration": steps * step, "record": {"interval": 5 * step}})
 

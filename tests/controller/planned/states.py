@@ -1,4 +1,5 @@
-"""What the tests of the motion and of the plan share: a satellite, what surrounds it and how it moves, and its motion by SciPy."""
+"""What the tests of the motion and of the plan share: a satellite, what surrounds it and how it moves, and its motion
+by SciPy."""
 
 import numpy as np
 from scipy.integrate import solve_ivp

@@ -1,11 +1,13 @@
-"""The quickest way to a total momentum by dipoles across a field that is known ahead: the reference for controller/planned/native/steering.c.
+"""The quickest way to a total momentum by dipoles across a field that is known ahead: the reference for
+controller/planned/native/steering.c.
 
 H = R (J Omega + l e1) obeys dH/dt = m x B(t). To give D with |m| <= rho in least time, T must reach the largest of the
 bounds that each direction p sets, since p.(m x B) <= rho |B x p|:
 
     p.D <= rho integral_0^T |B x p| ds   for every unit p,  with equality for the costate p = lambda.
 
-On the way m = rho unit(B x lambda). controller/planned/native/steering.c comes to lambda by a fixed point; here the convex problem is solved.
+On the way m = rho unit(B x lambda). controller/planned/native/steering.c comes to lambda by a fixed point; here the
+convex problem is solved.
 """
 
 from __future__ import annotations

@@ -108,7 +108,8 @@ def test_a_tumble_settles_within_the_limits(connections):
 
 
 def test_a_body_with_a_very_small_moment_settles():
-    """Of a hundredth of the mean one, with another wheel: the rods turn it about that axis much sooner than about the others."""
+    """Of a hundredth of the mean one, with another wheel: the rods turn it about that axis much sooner than about the
+    others."""
     slender = {"J_B": {"diagonal": [0.02, 3.0, 3.0]}, "wheel_axis": [0.0, 1.0, 0.0]}
     actuators = {"dipole_max": 2.0, "wheel_torque_max": 1e-3, "wheel_momentum_max": 0.02}
     result = fly(ALWAYS + MEASURED + FORWARD, duration=6000.0, shared=slender | actuators)

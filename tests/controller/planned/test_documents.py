@@ -1,4 +1,5 @@
-"""The pages docs/how/planned*.md state sizes and constants; they are those of the code, and its files name sections of them."""
+"""The pages docs/how/planned*.md state sizes and constants; they are those of the code, and its files name sections of
+them."""
 
 import math
 import re

@@ -44,7 +44,8 @@ def test_failed_rods_are_found_in_a_fast_tumble():
 
 @pytest.mark.parametrize("at", [lambda truth: truth, fast], ids=["at 4.6 deg/s", "at 9.2 deg/s"])
 def test_rods_that_are_sound_are_not_suspected(at):
-    """Gains of 0.75 to 1.25 and an inertia that is 8% off: nothing of a failure, and the same estimates as without a search."""
+    """Gains of 0.75 to 1.25 and an inertia that is 8% off: nothing of a failure, and the same estimates as without a
+    search."""
     with_search, without = (flown(at(Tumbles(4, 3)), find_failures=search)[1] for search in (True, False))
     for sound, same in zip(with_search, without, strict=True):
         assert not any(sound[name] for name in ("rod_failed", "wheel_failed", "attitude_frozen", "field_failed"))

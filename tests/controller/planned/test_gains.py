@@ -1,4 +1,5 @@
-"""The planner's gains: feedback of the plan against a condensed least-squares problem, the filter's against Riccati's equation."""
+"""The planner's gains: feedback of the plan against a condensed least-squares problem, the filter's against Riccati's
+equation."""
 
 import numpy as np
 import pytest
@@ -56,7 +57,8 @@ def test_the_motion_without_controls_stays_at_the_target(hold):
 
 @pytest.mark.parametrize("first", [0, 60, 89])
 def test_the_feedback_is_the_slope_of_the_best_controls_of_the_rest_of_the_plan(hold, first):
-    """All controls from a stage on at once, as one quadratic problem in them: its solution is linear in the errors there."""
+    """All controls from a stage on at once, as one quadratic problem in them: its solution is linear in the errors
+    there."""
     satellite, R_d, x, h, K, _, stages = hold
     L = hessian(satellite, R_d, x)
     end = np.diag([FINAL] * 6 + [FINAL_WHEEL])
@@ -97,8 +99,8 @@ def kalman(rate_noise, attitude_noise):
 @pytest.mark.parametrize("rate_noise", [1e-6, 1e-5])
 @pytest.mark.parametrize("attitude_noise", [1e-5, 1e-4])
 def test_rate_and_attitude_are_corrected_by_the_steady_gains_of_a_kalman_filter(rate_noise, attitude_noise):
-    """At rest, with nothing to learn. The gains are read off the outputs: how far they follow a measurement that is moved after
-    the sample."""
+    """At rest, with nothing to learn. The gains are read off the outputs: how far they follow a measurement that is
+    moved after the sample."""
     r, v = orbit(0.0)
     values = {"r_N": r, "v_N": v, "h_w": 0.0, "u_applied": np.zeros(4), "omega_B": np.zeros(3), "R_NB": np.eye(3)}
     noise = {"rate_noise": rate_noise, "attitude_noise": attitude_noise}

@@ -7,7 +7,8 @@ from .hold import flown, holding, turned
 
 
 def test_a_1U_under_all_errors_keeps_its_hold_while_the_field_stands_across_the_wheel():
-    """From 4850 s to 5700 s the field's part along the wheel's axis is small; with a horizon of 30 T alone it is lost there."""
+    """From 4850 s to 5700 s the field's part along the wheel's axis is small; with a horizon of 30 T alone it is lost
+    there."""
     time, error, field, phase = flown("1U", 8, True, 5800.0, ["plant.b_B", "controller.phase"])
     held = time > 1000.0
     assert np.abs(field[held, 0] / np.linalg.norm(field[held], axis=1)).min() < 0.01

@@ -1,4 +1,5 @@
-"""What the filter learns of the satellite: full inertia, rods' gains, bias of the rate, friction of the wheel, with its deviations."""
+"""What the filter learns of the satellite: full inertia, rods' gains, bias of the rate, friction of the wheel, with its
+deviations."""
 
 import numpy as np
 import pytest
@@ -119,8 +120,8 @@ def estimated(found, name):
 
 
 def test_the_full_inertia_lies_within_its_stated_deviations(tumbles):
-    """Of each element, the mean square of the errors over their deviations: 1 for a filter that knows all noise; this one counts
-    on errors of its model that are not there."""
+    """Of each element, the mean square of the errors over their deviations: 1 for a filter that knows all noise; this
+    one counts on errors of its model that are not there."""
     truth, _, found = tumbles
     i, j = UPPER.T
     errors, sigmas = (estimated(found, name)[:, i, j] for name in ("J_estimate_B", "J_estimate_sigma_B"))
@@ -264,7 +265,8 @@ def held(d_B, own, samples, **changes):
 
 
 def test_a_torque_of_the_satellites_own_is_found_whatever_it_is_of():
-    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does not."""
+    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does
+    not."""
     d_B, own = np.array([6e-6, -8e-6, 5e-6]), np.array([0.10, -0.15, 0.2])
     y, B = held(d_B, own, 4000)
     torque = d_B + np.cross(own, B)
@@ -273,7 +275,8 @@ def test_a_torque_of_the_satellites_own_is_found_whatever_it_is_of():
 
 
 def test_a_dipole_of_the_satellites_own_is_found_slowly_where_there_is_no_other_torque():
-    """Its torque shows little in a window of 5 s, so it takes orbits; after 1000 s a part of it, and of no other, is known."""
+    """Its torque shows little in a window of 5 s, so it takes orbits; after 1000 s a part of it, and of no other, is
+    known."""
     own = np.array([0.10, -0.15, 0.2])
     y, _ = held(np.zeros(3), own, 2000, disturbance_max=0.0)
     found = y["residual_dipole_estimate_B"]

@@ -68,7 +68,8 @@ def test_a_stage_comes_to_scipys_motion_in_second_order(seed, satellite, rng):
 @pytest.mark.parametrize("h", [1.0, 8.0, 16.0, 50.0])
 @pytest.mark.parametrize("axis", np.eye(3), ids=["e1", "e2", "e3"])
 def test_nutation_neither_grows_nor_decays_however_long_a_stage_is(axis, h):
-    """Of a 1U with its wheel at the limit; without torque its energy is constant, of which a stage of 16 s turns it by 7 rad."""
+    """Of a 1U with its wheel at the limit; without torque its energy is constant, of which a stage of 16 s turns it by
+    7 rad."""
     satellite = core.Satellite(np.diag([2.47e-3, 2.47e-3, 2.17e-3]), 0.2 * np.eye(3), axis, 1e-4, 1e-3, dipole_max=0.2)
     free = core.Around(np.zeros(3), np.array([1.0, 0.0, 0.0]), 0.0)
     across = np.array([1.0, 1.0, 1.0]) - axis

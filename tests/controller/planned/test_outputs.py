@@ -14,7 +14,8 @@ from .truth import DAYS, orbit
 
 @pytest.mark.parametrize("seed", range(12))
 def test_under_the_law_the_lyapunov_function_falls_as_the_paper_says(seed):
-    """dV/dt = -omega.L omega for a body that the demanded torque moves, by differences of V along the exact motion [11]."""
+    """dV/dt = -omega.L omega for a body that the demanded torque moves, by differences of V along the exact motion
+    [11]."""
     rng = np.random.default_rng(seed)
     full = np.array([[2.13, 0.11, -0.07], [0.11, 3.04, 0.19], [-0.07, 0.19, 3.09]])
     L = np.diag([0.05, 0.06, 0.07]) + 0.01
@@ -75,8 +76,8 @@ def test_the_feed_forward_is_the_plan_and_the_plan_moves_as_the_controller_belie
 
 @pytest.mark.parametrize("period", [0.3, 0.35, 0.5])
 def test_the_controls_of_a_sample_are_the_plans_in_the_middle_of_the_time_for_which_they_act(period):
-    """Stages of 10 s are no multiple of 0.3 s nor of 0.35 s, so a sample has two: read at its start it would take the first
-    for too long by 0.3 s, at its end the second too early by 0.35 s."""
+    """Stages of 10 s are no multiple of 0.3 s nor of 0.35 s, so a sample has two: read at its start it would take the
+    first for too long by 0.3 s, at its end the second too early by 0.35 s."""
     plan, cost = [], []
     with started(control_period=period, plan_period=1000.0) as it:
         for i in range(round(60.0 / period)):

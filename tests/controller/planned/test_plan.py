@@ -107,7 +107,8 @@ def test_a_plan_follows_its_expected_motion_from_another_where_its_controls_alon
 
 
 def test_no_small_change_of_the_controls_is_cheaper(rng):
-    """First-order optimality of the converged plan, by differences of its cost: inside the box no slope, at a bound none inward."""
+    """First-order optimality of the converged plan, by differences of its cost: inside the box no slope, at a bound
+    none inward."""
     x = next(starts())
     plan = core.plan(SATELLITE, AHEAD, x, 400, 0.008)
     n, step = len(plan.h), 1e-3

@@ -182,11 +182,14 @@ AHEAD = {"t_ahead": KNOTS, "turn_ahead": np.zeros((16, 3)), "Omega_ahead": np.ze
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"turn_ahead": np.full((16, 3), 1e9)}, "turn_ahead: expected to be connected: connect t_ahead, turn_ahead and Omega_ahead with R_ref"),
+        (
+            {"turn_ahead": np.full((16, 3), 1e9)},
+            "turn_ahead: expected to be connected: connect t_ahead, turn_ahead and Omega_ahead with R_ref",
+        ),
         ({"t_ahead": KNOTS[::-1]}, "t_ahead: expected ascending times, zeros at the end where there are fewer"),
         ({"t_ahead": [10.0, 0.0, 15.0, *[0.0] * 13]}, "t_ahead: expected ascending times, zeros at the end"),
     ],
-)  # fmt: skip
+)
 def test_a_reference_to_come_that_is_given_in_part_or_without_order_is_refused(changes, message):
     with pytest.raises(Refused, match=message), started(lambda t: {**to_lvlh(t), **AHEAD, **changes}):
         pass

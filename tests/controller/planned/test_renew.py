@@ -1,4 +1,5 @@
-"""How far a renewed plan sees, in orbits and in the satellite's time T (docs/how/planned-plan.md, docs/evidence/satellites.md)."""
+"""How far a renewed plan sees, in orbits and in the satellite's time T (docs/how/planned-plan.md,
+docs/evidence/satellites.md)."""
 
 from __future__ import annotations
 

@@ -35,8 +35,8 @@ def test_a_plan_without_a_wheel_looks_over_one_orbit_and_leaves_the_wheel_as_it_
 
 @pytest.mark.parametrize("scale", [1e-3, 1e2])
 def test_the_plan_of_a_satellite_of_another_size_has_the_same_stages_and_motion(scale):
-    """All times are those of the orbit: inertia, rods and wheel times a factor change nothing but the cost of the controls'
-    rounding."""
+    """All times are those of the orbit: inertia, rods and wheel times a factor change nothing but the cost of the
+    controls' rounding."""
     x = turned_from_lvlh(2, 0.5)
     other = core.Satellite(J=scale * BODY.J, rods=scale * BODY.rods, dipole_max=scale * 25.0, wheel_torque_max=0.0)
     other = replace(other, wheel_momentum_max=scale * BODY.wheel_momentum_max)
@@ -83,7 +83,8 @@ def test_far_angles_count_more_after_a_plan_that_stays_close_and_not_without_one
 
 
 def test_six_degrees_for_half_of_the_time_cost_more_than_four_and_a_half_all_the_time():
-    """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are close."""
+    """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are
+    close."""
     four, six = (away(math.radians(angle))[0] for angle in (6.36 / math.sqrt(2.0), 6.36))
     assert 0.5 * six > 1.3 * four
 

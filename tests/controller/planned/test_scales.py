@@ -85,7 +85,7 @@ def test_the_disturbance_is_forgotten_sooner_where_drag_is_strong(height, forgot
     assert not np.allclose(disturbance(), disturbance(disturbance_time=0.7 * forgotten), rtol=1e-6, atol=0.0)
 
 
-# ------------------------------------------------------------------------------------------- gains that cannot be stable
+# ------------------------------------------------------------ gains that cannot be stable
 
 
 def spectral_radius(moment, stiffness, damping, period):
@@ -214,7 +214,8 @@ def test_what_is_computed_is_stable_whatever_the_satellite(J, dipole_max):
 
 
 def test_a_period_too_long_for_the_satellite_is_refused_with_the_share_of_its_time():
-    """B as docs/how/planned-scales.md has it, T rounded to two digits: with J = 0.003 kg m2 and 0.6 A m2 it is 11 s at 629 km."""
+    """B as docs/how/planned-scales.md has it, T rounded to two digits: with J = 0.003 kg m2 and 0.6 A m2 it is 11 s at
+    629 km."""
     body = {"J_B": np.diag([0.003, 0.003, 0.003]), "dipole_max": 0.6}
     B = 5.77e-5 * (6371.2 / 7000.0) ** 3
     assert round(math.sqrt(0.003 / (0.6 * B))) == 11

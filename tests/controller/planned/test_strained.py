@@ -1,4 +1,5 @@
-"""A strained hold: when it begins and ends, its plan of an orbit, and flights near the equator, judged by the plant's truth."""
+"""A strained hold: when it begins and ends, its plan of an orbit, and flights near the equator, judged by the plant's
+truth."""
 
 import math
 
@@ -32,7 +33,8 @@ ORBIT = 2.0 * math.pi * math.sqrt(RADIUS**3 / core.MU)
     ],
 )
 def test_a_hold_is_strained_where_an_error_or_a_loaded_wheel_lasts_and_a_larger_error_sooner(off, wheel, lasts, phase):
-    """A strained hold goes on 50 deg off, where another one is left; a twentieth of an orbit is 290 s, 2 T are 100 s."""
+    """A strained hold goes on 50 deg off, where another one is left; a twentieth of an orbit is 290 s, 2 T are 100
+    s."""
     with holding() as (it, step):
         it.set("R_NB", turned(off))
         it.set("h_w", wheel * load(BLOCK).variables["wheel_momentum_max"].start)
@@ -82,7 +84,8 @@ def test_what_is_no_cause_does_not_make_it_last_longer(seconds, strained):
 
 @pytest.mark.parametrize(("dipole", "strained"), [(2.0, True), (1.0, False)])
 def test_a_disturbance_beyond_the_usual_bound_is_a_cause_that_goes_on(dipole, strained):
-    """Rods that give 5e-5 N m to a satellite at rest, where the bound is 4e-5, or half of it; with gravity. The jump shows as torque for 600 s."""
+    """Rods that give 5e-5 N m to a satellite at rest, where the bound is 4e-5, or half of it; with gravity. The jump
+    shows as torque for 600 s."""
     with holding(disturbance_max=-1.0) as (it, step):
         strained_at_the_target(it, step)
         it.set("b_B", [0.0, 0.0, 3e-5])
@@ -159,7 +162,8 @@ TORQUES = [f"{name}[{i}]" for name in ("plant.tau_drag_B", "controller.disturban
 
 
 def much_drag(**start):
-    """Run 21 of docs/evidence/flight.md with ten times the drag at 400 km: times, errors, deg, drag and its estimate, N m (n, 3)."""
+    """Run 21 of docs/evidence/flight.md with ten times the drag at 400 km: times, errors, deg, drag and its estimate, N
+    m (n, 3)."""
     group = next(tried for tried in TRIED if tried.name == "drag").group(22)
     time, error, *torques = fly(group, 21, 17300.0, TORQUES, **start)
     return time, error, np.transpose(torques[:3]), np.transpose(torques[3:])

@@ -1,4 +1,5 @@
-"""A satellite for the controller to measure: the equations of motion flown by SciPy, apart from the plant and from the C."""
+"""A satellite for the controller to measure: the equations of motion flown by SciPy, apart from the plant and from the
+C."""
 
 from __future__ import annotations
 

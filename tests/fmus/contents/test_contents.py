@@ -1,4 +1,5 @@
-"""Beside its code, an FMU of either flavour holds documentation, licence, terminals and an icon; no checker has a finding."""
+"""Beside its code, an FMU of either flavour holds documentation, licence, terminals and an icon; no checker has a
+finding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The kit for a device: it builds as it stands, plays its vector with no FMU, and a right device is told from an empty one."""
+"""The kit for a device: it builds as it stands, plays its vector with no FMU, and a right device is told from an empty
+one."""
 
 from __future__ import annotations
 
@@ -113,8 +114,10 @@ def test_a_python_device_is_told_from_an_empty_one(python_kit):
     begin, end = text.index("    return {"), text.index("\n\n\nif __name__")
     body = """    items = {"phi": ("linear", "logarithm", "square_root"), "gain_schedule": ("error", "constant"),
              "reference": ("lvlh", "inertial", "rate")}
-    values = {k: np.array(v) if isinstance(v, list) else items[k][v - 1] if k in items else v for k, v in vars(p).items()}
-    parameters, inputs = controller.Parameters(**values), controller.Inputs(**{k: np.array(v) for k, v in vars(u).items()})
+    chosen = {k: items[k][v - 1] if k in items else v for k, v in vars(p).items()}
+    values = {k: np.array(v) if isinstance(v, list) else v for k, v in chosen.items()}
+    parameters = controller.Parameters(**values)
+    inputs = controller.Inputs(**{k: np.array(v) for k, v in vars(u).items()})
     if h == 0.0:
         memory.state = controller.start(parameters, inputs)
         return vars(controller.outputs(memory.state, inputs, parameters))

@@ -113,7 +113,8 @@ def test_it_is_equivalent_within_its_own_tolerances(fmu):
 
 
 def test_its_friction_compensation_gives_the_wheel_what_is_asked(fmu, tmp_path):
-    """A wheel with friction stands still under small torques; compensated, its momentum follows that of a wheel without."""
+    """A wheel with friction stands still under small torques; compensated, its momentum follows that of a wheel
+    without."""
 
     def fly(friction: float, compensated: float):
         source = swapped(read(SCENARIO), swaps_of([f"allocator={fmu}"], [str(EXAMPLE / "mapping.yaml")]))

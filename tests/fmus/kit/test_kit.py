@@ -36,7 +36,8 @@ def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
 
 
 def flown(block: str, folder: Path) -> list[str]:
-    """Options for a run with the block, where no scenario of the project has it: that of the block in whose place it stands."""
+    """Options for a run with the block, where no scenario of the project has it: that of the block in whose place it
+    stands."""
     if any(name_of(load_scenario(path), block) for path in kit.SCENARIO.parent.glob("*.yaml")):
         return []
     source = load_scenario(kit.SCENARIO).source.without([(key,) for key in ("expect", "figures", "holds", "record")])

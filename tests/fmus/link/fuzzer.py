@@ -1,4 +1,5 @@
-"""The frame parsers at both ends of the link, and what stands behind them, built with random frames under sanitizers."""
+"""The frame parsers at both ends of the link, and what stands behind them, built with random frames under
+sanitizers."""
 
 from __future__ import annotations
 

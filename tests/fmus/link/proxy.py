@@ -69,7 +69,8 @@ def datagrams(port: str, rule: Rule = as_they_are) -> Iterator[Proxy]:
 
 @contextmanager
 def terminals(rule: Rule = as_they_are) -> Iterator[tuple[Proxy, str, Callable[[], None]]]:
-    """A serial line of two pseudo terminals: the proxy with the FMU's address, the device's path, and what unplugs the FMU's end."""
+    """A serial line of two pseudo terminals: the proxy with the FMU's address, the device's path, and what unplugs the
+    FMU's end."""
     (near, near_slave), (far, far_slave) = os.openpty(), os.openpty()
     for slave in (near_slave, far_slave):
         tty.setraw(slave)

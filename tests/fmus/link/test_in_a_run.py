@@ -1,4 +1,5 @@
-"""A device in a run of a scenario: its bits in the results, a late answer named at its time, and every sample kept when it goes."""
+"""A device in a run of a scenario: its bits in the results, a late answer named at its time, and every sample kept when
+it goes."""
 
 from __future__ import annotations
 

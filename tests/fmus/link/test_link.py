@@ -1,4 +1,5 @@
-"""A device in the place of a block: lock-step gives the block's own bits on every line, and each fault of a line ends as documented."""
+"""A device in the place of a block: lock-step gives the block's own bits on every line, and each fault of a line ends
+as documented."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The protocol's page says what the code does, and the ends agree that are written apart: C, Python, and the page's own bytes."""
+"""The protocol's page says what the code does, and the ends agree that are written apart: C, Python, and the page's own
+bytes."""
 
 from __future__ import annotations
 

@@ -182,7 +182,8 @@ for round in range(20):
     with Host({str(path)!r}) as host:
         host.started(label="fail" if round % 2 else "fine")
         for k in range(50):
-            for call in (lambda: host.step(0, h=-1.0), lambda: host.set("rate", [float("nan")] * 2), lambda: host.restore(b"x")):
+            nan = [float("nan")] * 2
+            for call in (lambda: host.step(0, h=-1.0), lambda: host.set("rate", nan), lambda: host.restore(b"x")):
                 try:
                     call()
                 except Exception:
