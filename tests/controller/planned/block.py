@@ -7,12 +7,12 @@ from scipy.spatial.transform import Rotation
 
 from tests.native.driver import Instance
 
-from . import core
+from . import core, flat
 from .truth import DAYS, NORMAL, orbit
 
 BLOCK = "controller_planned"
 J = np.diag([2.13, 3.04, 3.09])
-RODS = 25.0 * core.RODS
+RODS = 25.0 * flat.RODS
 E1 = np.array([1.0, 0.0, 0.0])
 AS_MEASURED = {
     "attitude_noise": 0.0,

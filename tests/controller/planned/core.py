@@ -5,13 +5,13 @@ from __future__ import annotations
 import ctypes
 import re
 from ctypes import byref, c_double, c_int32, c_size_t, c_ubyte
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fmus.interface import load
 from fmus.native import generated_sources
@@ -19,19 +19,16 @@ from fmus.native.toolchain import FLAGS, FREESTANDING, PLATFORMS, compile_librar
 from tests.once import built
 from tests.structures import filled, record
 
+from .flat import MU, Ahead, Around, Array, FlatAround, FlatMotion, Motion, Satellite, doubles, room_for
+
 ROOT = Path(__file__).parents[3]
 NATIVE = ROOT / "controller" / "planned" / "native"
 MODELS = ("igrf14", "wmm2010", "wmm2015", "wmm2020", "wmm2025")
-MU = 3.986004418e14
-U3 = 1.0 / np.sqrt(3.0)
-RODS = np.array([[U3, U3, -U3], [U3, -U3, U3], [0.0, 0.0, 1.0]])
 STAGES, WORK_OF_SAMPLE = (
     int(re.findall(rf"\b{name} = (\d+)", (NATIVE / "plan" / file).read_text("utf-8"))[0])
     for name, file in (("STAGES", "plan.h"), ("WORK_OF_SAMPLE", "work.h"))
 )
 _BLOCK = "controller_planned"
-
-Array = NDArray[np.float64]
 
 
 @cache
@@ -39,16 +36,16 @@ def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = generated_sources(load(_BLOCK), NATIVE.parent)
     sources = sorted(NATIVE.rglob("*.c"))
-    probe = Path(__file__).with_name("probe.c")
+    probes = [Path(__file__).with_name(name) for name in ("probe.c", "probe_inputs.c")]
     common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
 
     def make(path: Path) -> None:
         for name, text in texts.items():
             path.with_name(name).write_text(text, "utf-8")
-        path.write_bytes(compile_library("probe", [probe, *sources], [*common, path.parent], [host])[host])
+        path.write_bytes(compile_library("probe", [*probes, *sources], [*common, path.parent], [host])[host])
 
-    made_of = [compiler(), *FLAGS, *texts.values(), probe, *common, FREESTANDING]
+    made_of = [compiler(), *FLAGS, *texts.values(), *probes, probes[0].with_name("probe_flat.h"), *common, FREESTANDING]
     lib = ctypes.CDLL(str(built(f"probe{PLATFORMS[host].suffix}", made_of, make)))
     for name in (
         "probe_year",
@@ -61,122 +58,6 @@ def library() -> ctypes.CDLL:
     ):
         getattr(lib, name).restype = c_double
     return lib
-
-
-def _doubles(x: ArrayLike) -> Any:
-    """A C array of the values. Keep it while C uses it."""
-    flat = np.ravel(np.asarray(x, float))
-    return (c_double * flat.size)(*flat)
-
-
-def _room(*shape: int) -> tuple[Any, Any]:
-    """A C array to be written to, and its values in this shape."""
-    room = (c_double * int(np.prod(shape)))()
-    return room, lambda: np.array(room).reshape(shape)
-
-
-class _Model(ctypes.Structure):
-    _fields_ = (
-        *((name, c_double * 9) for name in ("J", "rods")),
-        ("wheel_axis", c_double * 3),
-        *((name, c_double) for name in ("wheel_torque_max", "wheel_momentum_max")),
-        *((name, c_double * 3) for name in ("disturbance_B", "residual_B")),
-        *((name, c_double) for name in ("dipole_max", "semi_major_axis")),
-    )
-
-
-class _Around(ctypes.Structure):
-    _fields_ = (("B_N", c_double * 3), ("r_hat_N", c_double * 3), ("rate_squared", c_double))
-
-
-class _Motion(ctypes.Structure):
-    _fields_ = (("R", c_double * 9), ("Omega", c_double * 3), ("h_w", c_double))
-
-
-class _Ahead(ctypes.Structure):
-    _fields_ = (
-        *((name, c_double) for name in ("t", "mu")),
-        *((name, c_double * 3) for name in ("r_N", "v_N")),
-        ("days", c_double),
-        ("bias_N", c_double * 3),
-        ("bias_t", c_double),
-        ("R_d0", c_double * 9),
-        *((name, c_int32) for name in ("model", "degree", "target")),
-    )
-
-
-class _Flat:
-    """What is given to C as a structure whose fields have the names of its attributes."""
-
-    _structure: ClassVar[type[ctypes.Structure]]
-
-    def c(self) -> Any:
-        values = {name: getattr(self, name) for name, *_ in self._structure._fields_}
-        flat = {name: _doubles(v) if np.ndim(v) else v for name, v in values.items()}
-        return byref(self._structure(**flat))
-
-
-@dataclass(frozen=True)
-class Satellite(_Flat):
-    """J (3, 3) kg m2, rods (3, 3): rows, dipoles at the limit, A m2; N m; N m s; N m; A m2."""
-
-    _structure = _Model
-    J: Array = field(default_factory=lambda: np.diag([2.13, 3.04, 3.09]))
-    rods: Array = field(default_factory=lambda: 25.0 * RODS)
-    wheel_axis: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
-    wheel_torque_max: float = 3e-3
-    wheel_momentum_max: float = 0.03
-    disturbance_B: Array = field(default_factory=lambda: np.zeros(3))
-    residual_B: Array = field(default_factory=lambda: np.zeros(3))
-    dipole_max: float = 25.0
-    """From which, with J and the orbit, the units of the plan follow."""
-    semi_major_axis: float = 6971e3
-
-
-@dataclass(frozen=True)
-class Around(_Flat):
-    """B_N (3,) T, r_hat_N (3,), rate_squared 1/s2."""
-
-    _structure = _Around
-    B_N: Array
-    r_hat_N: Array
-    rate_squared: float
-
-
-@dataclass(frozen=True)
-class Motion(_Flat):
-    """R (3, 3) N from B, Omega (3,) rad/s, h_w N m s."""
-
-    _structure = _Motion
-    R: Array
-    Omega: Array
-    h_w: float
-
-    @staticmethod
-    def of(m: Any) -> Motion:
-        return Motion(np.array(m.R).reshape(3, 3), np.array(m.Omega), float(m.h_w))
-
-
-@dataclass(frozen=True)
-class Ahead(_Flat):
-    """Orbit through r_N, v_N at t, field of a model on a day; target 1: LVLH, 2: R_d0 at rest."""
-
-    _structure = _Ahead
-    r_N: Array
-    v_N: Array
-    t: float = 0.0
-    days: float = 3508.5
-    model: int = 1
-    degree: int = 10
-    target: int = 1
-    R_d0: Array = field(default_factory=lambda: np.eye(3))
-    bias_N: Array = field(default_factory=lambda: np.zeros(3))
-    mu: float = MU
-
-    @property
-    def bias_t(self) -> float:
-        """When the bias was measured, s."""
-        return self.t
 
 
 def days(text: str) -> float | None:
@@ -198,74 +79,74 @@ def field_at(
 ) -> Array:
     """B_N (..., 3) T at r_N (..., 3)."""
     r = np.atleast_2d(r_N)
-    room, values = _room(*r.shape)
+    room, values = room_for(*r.shape)
     library().probe_field(
-        MODELS.index(model) + 1, c_double(of_days), degree, _doubles(error), c_double(t), len(r), _doubles(r), room
+        MODELS.index(model) + 1, c_double(of_days), degree, doubles(error), c_double(t), len(r), doubles(r), room
     )
     return np.reshape(values(), np.shape(r_N))
 
 
 def orbit_at(r: Array, v: Array, dt: float, mu: float = MU) -> tuple[Array, Array]:
-    room, values = _room(2, 3)
-    library().probe_orbit(c_double(mu), _doubles(r), _doubles(v), c_double(dt), room)
+    room, values = room_for(2, 3)
+    library().probe_orbit(c_double(mu), doubles(r), doubles(v), c_double(dt), room)
     return values()[0], values()[1]
 
 
 def logs(R: Array) -> Array:
     """(n, 3) of (n, 3, 3)."""
-    room, values = _room(len(R), 3)
-    library().probe_log(len(R), _doubles(R), room)
+    room, values = room_for(len(R), 3)
+    library().probe_log(len(R), doubles(R), room)
     return values()
 
 
 def lvlh(r: Array, v: Array) -> tuple[Array, Array]:
     """R_d (3, 3) and Omega_d (3,)."""
-    (a, R), (b, w) = _room(3, 3), _room(3)
-    library().probe_target(_doubles(r), _doubles(v), a, b)
+    (a, R), (b, w) = room_for(3, 3), room_for(3)
+    library().probe_target(doubles(r), doubles(v), a, b)
     return R(), w()
 
 
 def targets_ahead(inputs: list[Array], times: Array) -> tuple[Array, Array]:
     """R_d (n, 3, 3) and Omega_d (n, 3) at `times`, from r, v, R_ref, Omega_ref, dOmega_ref, t_ahead, turn_ahead,
     Omega_ahead at 0."""
-    (a, R), (b, w) = _room(len(times), 3, 3), _room(len(times), 3)
+    (a, R), (b, w) = room_for(len(times), 3, 3), room_for(len(times), 3)
     given = np.concatenate([np.ravel(value) for value in inputs])
-    library().probe_target_ahead(_doubles(given), len(times), _doubles(times), a, b)
+    library().probe_target_ahead(doubles(given), len(times), doubles(times), a, b)
     return R(), w()
 
 
 def box_qp(H: Array, g: Array, low: Array, high: Array, start: Array, passes: int = 12) -> tuple[Array, Array]:
     """Solutions (n, 4) and which variables are free (n, 4) of n problems."""
     n = len(H)
-    u = _doubles(start)
+    u = doubles(start)
     free = (c_ubyte * (4 * n))()
-    library().probe_box_qp(n, _doubles(H), _doubles(g), _doubles(low), _doubles(high), passes, u, free)
+    library().probe_box_qp(n, doubles(H), doubles(g), doubles(low), doubles(high), passes, u, free)
     return np.array(u).reshape(n, 4), np.array(free).reshape(n, 4).astype(bool)
 
 
 def acceleration(m: Satellite, a: Around, x: Motion, u: ArrayLike) -> Array:
-    room, values = _room(3)
-    library().probe_acceleration(m.c(), a.c(), x.c(), _doubles(u), room)
+    room, values = room_for(3)
+    library().probe_acceleration(m.c(), a.c(), x.c(), doubles(u), room)
     return values()
 
 
 def advanced(m: Satellite, a: Around, x: Motion, u: ArrayLike, h: float) -> Motion:
-    found = _Motion()
-    library().probe_advanced(m.c(), a.c(), x.c(), _doubles(u), c_double(h), byref(found))
+    found = FlatMotion()
+    library().probe_advanced(m.c(), a.c(), x.c(), doubles(u), c_double(h), byref(found))
     return Motion.of(found)
 
 
 def linearised(m: Satellite, a: Around, x: Motion, u: ArrayLike, h: float) -> tuple[Array, Array]:
     """A (7, 7), G (7, 4)."""
-    (p, A), (q, G) = _room(7, 7), _room(7, 4)
-    library().probe_linearised(m.c(), a.c(), x.c(), _doubles(u), c_double(h), p, q)
+    (p, A), (q, G) = room_for(7, 7), room_for(7, 4)
+    library().probe_linearised(m.c(), a.c(), x.c(), doubles(u), c_double(h), p, q)
     return A(), G()
 
 
 def cost_rate(m: Satellite, R_d: Array, Omega_d: Array, x: Motion) -> tuple[float, Array]:
     """Cost rate and its gradient (7,)."""
-    room, values = _room(7)
-    return float(library().probe_cost_rate(m.c(), _doubles(R_d), _doubles(Omega_d), x.c(), room)), values()
+    room, values = room_for(7)
+    return float(library().probe_cost_rate(m.c(), doubles(R_d), doubles(Omega_d), x.c(), room)), values()
 
 
 def weight_far(m: Satellite, stages: int, share: float) -> float:
@@ -274,8 +155,8 @@ def weight_far(m: Satellite, stages: int, share: float) -> float:
 
 
 def controls_for(m: Satellite, tau: Array, B_B: Array, h_w: float) -> Array:
-    room, values = _room(4)
-    library().probe_controls_for(m.c(), _doubles(tau), _doubles(B_B), c_double(h_w), room)
+    room, values = room_for(4)
+    library().probe_controls_for(m.c(), doubles(tau), doubles(B_B), c_double(h_w), room)
     return values()
 
 
@@ -290,29 +171,29 @@ class Plan:
 
 
 def plan(m: Satellite, a: Ahead, x: Motion, iterations: int, rate: float = 0.0, t: float = 0.0) -> Plan:
-    (hs, h), (us, u), cost = _room(STAGES), _room(STAGES, 4), c_double()
-    path = (_Motion * (STAGES + 1))()
+    (hs, h), (us, u), cost = room_for(STAGES), room_for(STAGES, 4), c_double()
+    path = (FlatMotion * (STAGES + 1))()
     n = library().probe_plan(m.c(), a.c(), x.c(), c_double(t), c_double(rate), iterations, hs, us, byref(cost), path)
     return Plan(h()[:n], u()[:n], cost.value, [Motion.of(path[i]) for i in range(n + 1)])
 
 
 def feedback(m: Satellite, a: Ahead, x: Motion) -> tuple[Array, Array, list[Motion]]:
     """h (n,) s, the feedback gains (n, 4, 7) about the motion without controls, and that motion."""
-    (hs, h), (gains, K) = _room(STAGES), _room(STAGES, 4, 7)
-    path = (_Motion * (STAGES + 1))()
+    (hs, h), (gains, K) = room_for(STAGES), room_for(STAGES, 4, 7)
+    path = (FlatMotion * (STAGES + 1))()
     n = library().probe_gains(m.c(), a.c(), x.c(), hs, gains, path)
     return h()[:n], K()[:n], [Motion.of(path[i]) for i in range(n + 1)]
 
 
 def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> float:
     """Of controls u (n, 4) on the stages that a plan without controls has."""
-    return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), _doubles(u)))
+    return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), doubles(u)))
 
 
 def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
     """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from
     `expected`."""
-    store, costs = _room(2)
+    store, costs = room_for(2)
     library().probe_followed(m.c(), expected.c(), x.c(), store)
     alone, following = costs()
     return float(alone), float(following)
@@ -320,9 +201,9 @@ def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
 
 def replanned(m: Satellite, a: Ahead, x: Motion, was: Plan, t: float, t_next: float) -> tuple[Array, Array]:
     """Stages h (n,) and controls u (n, 4) of a plan from t that is laid anew from t_next."""
-    (hs, h), (us, u) = _room(STAGES), _room(STAGES, 4)
+    (hs, h), (us, u) = room_for(STAGES), room_for(STAGES, 4)
     n = library().probe_replanned(
-        m.c(), a.c(), x.c(), c_double(t), len(was.h), _doubles(was.h), _doubles(was.u), c_double(t_next), hs, us
+        m.c(), a.c(), x.c(), c_double(t), len(was.h), doubles(was.h), doubles(was.u), c_double(t_next), hs, us
     )
     return h()[:n], u()[:n]
 
@@ -345,7 +226,7 @@ def renewed(
 ) -> Renewed:
     """A plan without controls, to reach the target by `until`, s, that is renewed in a phase (2: acquisition, 3: hold);
     without stages where it is not to be flown."""
-    (hs, h), found, count, left = _room(STAGES), _doubles([0.0, 0.0, until]), c_int32(longer), c_int32(account)
+    (hs, h), found, count, left = room_for(STAGES), doubles([0.0, 0.0, until]), c_int32(longer), c_int32(account)
     n = library().probe_renew(m.c(), a.c(), x.c(), phase, byref(left), byref(count), hs, found)
     return Renewed(h()[:n], count.value, found[0], found[1], found[2], left.value)
 
@@ -358,7 +239,7 @@ def guessed(m: Satellite, a: Ahead, x: Motion, iterations: int) -> float:
 def strained(m: Satellite, a: Ahead, x: Motion, renewals: int) -> tuple[Array, Array, Array]:
     """A strained hold from a motion: length of each plan, s, wheel momentum, N m s, and attitude error, rad, before it;
     each (n,)."""
-    (p, lengths), (q, wheel), (r, angles) = _room(renewals), _room(renewals), _room(renewals)
+    (p, lengths), (q, wheel), (r, angles) = room_for(renewals), room_for(renewals), room_for(renewals)
     library().probe_strained(m.c(), a.c(), x.c(), renewals, p, q, r)
     return lengths(), wheel(), angles()
 
@@ -367,8 +248,8 @@ def profile_change(period: float, t: Array, d: Array, good: Array, ahead: Array)
     """By how much the disturbance changes until times ahead (m,), s, from the last of the estimates d (n, 3) at t (n,),
     N m (m, 3)."""
     flags = (c_ubyte * len(t))(*good.astype(int).tolist())
-    p, change = _room(len(ahead), 3)
-    times = _doubles(t), _doubles(d), flags, len(ahead), _doubles(ahead)
+    p, change = room_for(len(ahead), 3)
+    times = doubles(t), doubles(d), flags, len(ahead), doubles(ahead)
     library().probe_profile(c_double(period), len(t), *times, p)
     return change()
 
@@ -386,31 +267,31 @@ class Searched:
 
 def search(m: Satellite, a: Ahead, x: Motion, account: int = WORK_OF_SAMPLE) -> Searched:
     """A search for a plan from t = 0, by calls with an account of work each."""
-    (us, u), cost, least = _room(STAGES, 4), c_double(), c_int32()
+    (us, u), cost, least = room_for(STAGES, 4), c_double(), c_int32()
     calls = library().probe_search(m.c(), a.c(), x.c(), c_int32(account), byref(least), byref(cost), us)
     return Searched(u(), cost.value, calls, least.value)
 
 
 def around(a: Ahead, t: float) -> tuple[Around, Array, Array]:
     """What surrounds the satellite, and the target's R_d, Omega_d."""
-    found = _Around()
-    (p, R), (q, w) = _room(3, 3), _room(3)
+    found = FlatAround()
+    (p, R), (q, w) = room_for(3, 3), room_for(3)
     library().probe_around(a.c(), c_double(t), byref(found), p, q)
     return Around(np.array(found.B_N), np.array(found.r_hat_N), float(found.rate_squared)), R(), w()
 
 
 def steer(a: Ahead, t: float, D: Array, dipole: float, calls: int = 1) -> tuple[Array, float]:
     """lambda (3,) and the time, s, after a number of calls from nothing."""
-    lam = _doubles(np.zeros(3))
+    lam = doubles(np.zeros(3))
     time = 0.0
     for _ in range(calls):
-        time = float(library().probe_steer(a.c(), c_double(t), _doubles(D), c_double(dipole), lam))
+        time = float(library().probe_steer(a.c(), c_double(t), doubles(D), c_double(dipole), lam))
     return np.array(lam), time
 
 
 def steering_rods(lam: Array, time: float, R: Array, B_B: Array, rods: Array) -> Array:
-    room, values = _room(3)
-    library().probe_steering_rods(_doubles(lam), c_double(time), _doubles(R), _doubles(B_B), _doubles(rods), room)
+    room, values = room_for(3)
+    library().probe_steering_rods(doubles(lam), c_double(time), doubles(R), doubles(B_B), doubles(rods), room)
     return values()
 
 

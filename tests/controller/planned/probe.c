@@ -1,116 +1,11 @@
 /* The planned controller's inner functions, for tests: flat arrays of doubles in, flat arrays out. */
-#include <string.h>
-
-#include "controller_planned.h"
-#include "gauss_models.h"
-#include "plan/renew.h"
 #include "plan/strained.h"
-
-#if defined _WIN32
-#define PROBE __declspec(dllexport)
-#else
-#define PROBE __attribute__((visibility("default")))
-#endif
-
-typedef struct {
-    double J[3][3], rods[3][3], wheel_axis[3], wheel_torque_max, wheel_momentum_max, disturbance_B[3], residual_B[3];
-    double dipole_max, semi_major_axis;
-} FlatModel;
-
-typedef struct {
-    double B_N[3], r_hat_N[3], rate_squared;
-} FlatAround;
-
-typedef struct {
-    double R[3][3], Omega[3], l;
-} FlatMotion;
-
-/* The orbit and field of a plan. */
-typedef struct {
-    double t, mu, r[3], v[3], days, bias_N[3], bias_t, R_d0[3][3];
-    int32_t model, degree, target;
-} FlatAhead;
+#include "probe_flat.h"
 
 static const double UNIT = 50.0; /* s, the paper's satellite's T */
 static Workspace workspace;
 static Plan plans[2];
 static int32_t work; /* of the planner, as much as it wants */
-
-static Matrix nine(const double m[9])
-{
-    return (Matrix){vector(m), vector(m + 3), vector(m + 6)};
-}
-
-static void nine_of(Matrix m, double out[9])
-{
-    store(m.a, out);
-    store(m.b, out + 3);
-    store(m.c, out + 6);
-}
-
-static Model model_of(const FlatModel *f)
-{
-    work = INT32_MAX;
-    Model m;
-    memset(&m, 0, sizeof m);
-    m.J = matrix(f->J);
-    m.J_inverse = inverse(m.J);
-    for (int i = 0; i < 3; ++i) {
-        m.rods[i] = vector(f->rods[i]);
-    }
-    m.wheel_torque_max = f->wheel_torque_max;
-    m.wheel_momentum_max = f->wheel_momentum_max;
-    m.disturbance_B = vector(f->disturbance_B);
-    m.residual_B = vector(f->residual_B);
-    m.wheel_axis = vector(f->wheel_axis);
-    ControllerPlannedParameters p;
-    memset(&p, 0, sizeof p);
-    store_matrix(m.J, p.J_B);
-    p.control_period = 0.5;
-    p.momentum_weight = 0.018;
-    p.dipole_max = f->dipole_max;
-    p.rod_limits[0] = p.rod_limits[1] = p.rod_limits[2] = 1.0;
-    p.wheel_momentum_max = f->wheel_momentum_max;
-    memcpy(p.wheel_axis, f->wheel_axis, sizeof p.wheel_axis);
-    p.gravitational_parameter = 3.986004418e14;
-    m.scales = controller_planned_scales(&p, f->semi_major_axis);
-    m.horizon = controller_planned_horizon(m.scales.time);
-    if (!has_wheel(&m)) {
-        const Plan none = {.stages = 0};
-        controller_planned_plan_by_rods(&m, &none);
-    }
-    return m;
-}
-
-static Around around_of(const FlatAround *f)
-{
-    return (Around){vector(f->B_N), vector(f->r_hat_N), f->rate_squared, {0.0, 0.0, 0.0}};
-}
-
-static Motion motion_of(const FlatMotion *f)
-{
-    return (Motion){matrix(f->R), vector(f->Omega), f->l};
-}
-
-static void flatten(const Motion *x, FlatMotion *f)
-{
-    store_matrix(x->R, f->R);
-    store(x->Omega, f->Omega);
-    f->l = x->l;
-}
-
-static Ahead ahead_of_flat(const FlatAhead *f, OnboardField *field)
-{
-    const double none[3] = {0.0, 0.0, 0.0};
-    onboard_field(&gauss_models[f->model - 1], f->days, f->degree, none, field);
-    const TwoBody orbit = {f->t, f->mu, vector(f->r), vector(f->v)};
-    return (Ahead){.field = field,
-                   .orbit = orbit,
-                   .bias_N = vector(f->bias_N),
-                   .bias_t = f->bias_t,
-                   .target_kind = f->target,
-                   .R_d0 = matrix(f->R_d0)};
-}
 
 /* What a plan is made of. */
 typedef struct {
@@ -123,87 +18,11 @@ typedef struct {
 static const Case *case_of(const FlatModel *m, const FlatAhead *a, const FlatMotion *x)
 {
     static Case c;
+    work = INT32_MAX;
     c.model = model_of(m);
     c.ahead = ahead_of_flat(a, &c.field);
     c.now = motion_of(x);
     return &c;
-}
-
-PROBE int probe_days(const char *text, double *days)
-{
-    Epoch epoch;
-    const bool read = epoch_read(text, &epoch);
-    *days = read ? days_of_epoch(&epoch) : 0.0;
-    return read;
-}
-
-PROBE double probe_year(double days)
-{
-    return year_of_days(days);
-}
-
-PROBE void probe_field(int model, double days, int degree, const double error[3], double t, int n, const double *r,
-                       double *B)
-{
-    OnboardField field;
-    onboard_field(&gauss_models[model - 1], days, degree, error, &field);
-    for (int i = 0; i < n; ++i) {
-        store(onboard_field_at(&field, t, vector(r + 3 * i)), B + 3 * i);
-    }
-}
-
-PROBE double probe_sidereal(double days)
-{
-    OnboardField field;
-    const double none[3] = {0.0, 0.0, 0.0};
-    onboard_field(&gauss_models[0], days, 1, none, &field);
-    return field.sidereal_angle;
-}
-
-PROBE void probe_orbit(double mu, const double r[3], const double v[3], double dt, double out[6])
-{
-    const TwoBody orbit = {5.0, mu, vector(r), vector(v)};
-    Vector r_N, v_N;
-    two_body_at(&orbit, 5.0 + dt, &r_N, &v_N);
-    store(r_N, out);
-    store(v_N, out + 3);
-}
-
-PROBE void probe_log(int n, const double *R, double *zeta)
-{
-    for (int i = 0; i < n; ++i) {
-        store(rotation_log(nine(R + 9 * i)), zeta + 3 * i);
-    }
-}
-
-PROBE void probe_target(const double r[3], const double v[3], double R[9], double Omega[3])
-{
-    const Target target = controller_planned_lvlh(vector(r), vector(v));
-    nine_of(target.R, R);
-    store(target.Omega, Omega);
-}
-
-/* The target at each time of n, where r, v, a reference and the reference to come are given at 0. */
-PROBE void probe_target_ahead(const double *inputs, int n, const double *t, double *R, double *Omega)
-{
-    static ControllerPlannedLaw law;
-    static ControllerPlannedState x;
-    ControllerPlannedInputs u;
-    law.p.control_period = 0.5;
-    law.p.gravitational_parameter = 3.986004418e14;
-    memset(&u, 0, sizeof u);
-    double *const fields[] = {u.r_N,        u.v_N,     u.R_ref[0],      u.Omega_ref,
-                              u.dOmega_ref, u.t_ahead, u.turn_ahead[0], u.Omega_ahead[0]};
-    const size_t sizes[] = {3, 3, 9, 3, 3, AHEAD_TIMES, 3 * AHEAD_TIMES, 3 * AHEAD_TIMES};
-    for (int i = 0; i < 8; inputs += sizes[i], ++i) {
-        memcpy(fields[i], inputs, sizes[i] * sizeof *inputs);
-    }
-    const Ahead ahead = controller_planned_ahead_of(&law, &x, &u);
-    for (int i = 0; i < n; ++i) {
-        const Target target = controller_planned_target_at(&ahead, t[i]);
-        nine_of(target.R, R + 9 * i);
-        store(target.Omega, Omega + 3 * i);
-    }
 }
 
 PROBE void probe_box_qp(int n, const double *H, const double *g, const double *low, const double *high, int passes,
@@ -297,6 +116,7 @@ PROBE int probe_plan(const FlatModel *m, const FlatAhead *a, const FlatMotion *x
     const Ahead ahead = ahead_of_flat(a, &field);
     Motion now = motion_of(x);
     Plan *plan = &plans[0];
+    work = INT32_MAX;
     controller_planned_lay_stages(&model, &ahead, &now, t, false, NULL, plan, workspace.stage, &work);
     if (rate > 0.0) {
         const Turn turn = {.rate = rate};
@@ -344,6 +164,7 @@ PROBE void probe_followed(const FlatModel *m, const FlatMotion *expected, const 
 {
     const Model model = model_of(m);
     const Motion there = motion_of(expected), now = motion_of(x);
+    work = INT32_MAX;
     for (int i = 0; i < 2; ++i) {
         controller_planned_improve(&model, i > 0 ? &there : NULL, &now, 0, &plans[0], &workspace, &work);
         cost[i] = plans[0].cost;

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from . import core
+from . import core, flat
 from .block import AS_MEASURED, E1, SEARCHED, J, feed, lvlh, near_target, run, started, tumbling
 from .truth import DAYS, orbit
 
@@ -67,7 +67,7 @@ def test_the_feed_forward_is_the_plan_and_the_plan_moves_as_the_controller_belie
         r, _ = orbit(SEARCHED)
         R, Omega = y["R_d"], y["Omega_d"]
         B = R.T @ core.field_at("igrf14", DAYS, 10, r, SEARCHED)
-        torque = np.cross(y["dipole_ff"] @ core.RODS, B) - y["wheel_torque_ff"] * E1
+        torque = np.cross(y["dipole_ff"] @ flat.RODS, B) - y["wheel_torque_ff"] * E1
         rho = R.T @ r / np.linalg.norm(r)
         Pi = J @ Omega + y["h_w_ref"] * E1
         torque = torque + np.cross(Pi, Omega) + 3.0 * core.MU / np.linalg.norm(r) ** 3 * np.cross(rho, J @ rho)
@@ -100,6 +100,6 @@ def test_while_steering_the_torque_is_that_of_the_feed_forward():
             assert y["plan_cost"] == 0.0
             assert 20.0 < np.abs(y["dipole_ff"]).max() <= 25.0 * (1.0 + 1e-12)
             given = (
-                np.cross((y["dipole_ff"] * y["rod_gains_estimate"]) @ core.RODS, u["b_B"]) - y["wheel_torque_ff"] * E1
+                np.cross((y["dipole_ff"] * y["rod_gains_estimate"]) @ flat.RODS, u["b_B"]) - y["wheel_torque_ff"] * E1
             )
             assert y["tau_cmd_B"] + np.cross(u["omega_B"], u["h_w"] * E1) == pytest.approx(given, abs=2e-6)

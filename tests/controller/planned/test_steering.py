@@ -12,7 +12,7 @@ from design.momentum import MomentumBalance, Tolerance, farthest
 from tests.blocks import parameters
 from tests.plant.motion import checked
 
-from . import core, steering
+from . import core, flat, steering
 from .states import R0, V0
 
 RHO = 28.0
@@ -105,7 +105,7 @@ def test_no_momentum_to_give_leaves_all_at_rest(cases):
     lam, time = core.steer(cases[0][0], 0.0, np.zeros(3), RHO)
     assert not lam.any()
     assert time == 0.0
-    assert not core.steering_rods(lam, 100.0, np.eye(3), np.array([2e-5, 1e-5, 3e-5]), 25.0 * core.RODS).any()
+    assert not core.steering_rods(lam, 100.0, np.eye(3), np.array([2e-5, 1e-5, 3e-5]), 25.0 * flat.RODS).any()
 
 
 def tasks(n=300):
@@ -116,7 +116,7 @@ def tasks(n=300):
 
 
 def test_near_the_end_rods_act_at_full_strength_across_the_field_along_the_costates_torque():
-    rods = 25.0 * core.RODS
+    rods = 25.0 * flat.RODS
     for lam, R, B in tasks():
         u = core.steering_rods(lam, 50.0, R, B, rods)
         assert np.abs(u).max() == pytest.approx(1.0, rel=1e-12)
@@ -129,7 +129,7 @@ def test_near_the_end_rods_act_at_full_strength_across_the_field_along_the_costa
 def test_the_part_along_the_field_makes_the_most_of_the_rods():
     """The torque's size is the largest that any commands within the limits give in its direction: a linear
     programme."""
-    rods = 25.0 * core.RODS
+    rods = 25.0 * flat.RODS
     for lam, R, B in tasks(60):
         torque = np.cross(core.steering_rods(lam, 50.0, R, B, rods) @ rods, B)
         unit = torque / np.linalg.norm(torque)
@@ -145,7 +145,7 @@ def test_the_part_along_the_field_makes_the_most_of_the_rods():
 
 def test_far_from_the_end_the_rods_give_nearly_the_most_along_the_costate():
     """Of the momentum's rate along lambda: a linear programme in the rods' commands."""
-    rods, shares = 25.0 * core.RODS, []
+    rods, shares = 25.0 * flat.RODS, []
     for lam, R, B in tasks(200):
         u = core.steering_rods(lam, 500.0, R, B, rods)
         assert np.abs(u).max() <= 1.0
@@ -159,7 +159,7 @@ def test_far_from_the_end_the_rods_give_nearly_the_most_along_the_costate():
 
 def test_three_rods_give_more_than_the_dipole_that_steering_counts_on_in_the_mean():
     """1.12 of a rod's; over attitudes, fields and costates of any direction the mean is 1.22. It is no bound."""
-    rods = 25.0 * core.RODS
+    rods = 25.0 * flat.RODS
     sizes = []
     for lam, R, B in tasks(1000):
         torque = np.cross(core.steering_rods(lam, 50.0, R, B, rods) @ rods, B)
@@ -171,7 +171,7 @@ def test_three_rods_give_more_than_the_dipole_that_steering_counts_on_in_the_mea
 @pytest.mark.parametrize(("time", "share"), [(60.0, 1.0), (20.0, 1.0), (10.0, 0.5), (1.0, 0.05), (0.0, 0.0)])
 def test_near_the_end_the_rods_are_lessened(time, share):
     lam, R, B = next(iter(tasks(1)))
-    u = core.steering_rods(lam, time, R, B, 25.0 * core.RODS)
+    u = core.steering_rods(lam, time, R, B, 25.0 * flat.RODS)
     assert np.abs(u).max() == pytest.approx(share)
 
 
@@ -181,8 +181,8 @@ def test_the_commands_turn_with_the_satellite():
     torques = []
     for axis in itertools.product((0.0, 1.0), repeat=3):
         R = Rotation.from_rotvec(axis).as_matrix()
-        rods = 25.0 * core.RODS @ R  # the same rods, seen in the turned body
-        torques.append(np.cross(core.steering_rods(lam, 50.0, R, R.T @ B, rods) @ core.RODS, B))
+        rods = 25.0 * flat.RODS @ R  # the same rods, seen in the turned body
+        torques.append(np.cross(core.steering_rods(lam, 50.0, R, R.T @ B, rods) @ flat.RODS, B))
     assert np.ptp(torques, axis=0).max() < 1e-15
 
 
