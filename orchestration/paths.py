@@ -9,7 +9,10 @@ from .errors import InputError, reason
 
 
 def located(text: str, folder: Path | None = None) -> Path:
-    """The path of this text, with `~` and, where it is relative, from `folder` on. Raises InputError where it can be none."""
+    """The path of this text, with `~` and, where it is relative, from `folder` on.
+
+    Raises InputError where it can be none.
+    """
     if not text:
         raise InputError("expected a path, found an empty text")
     try:

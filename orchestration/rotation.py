@@ -74,7 +74,10 @@ def transposed(R: Sequence[float]) -> list[float]:
 
 
 def about(axis: Sequence[float], angle: float) -> list[float]:
-    """The rotation matrix by an angle, rad, about an axis of any length (Rodrigues). Raises ValueError where it is zero."""
+    """The rotation matrix by an angle, rad, about an axis of any length (Rodrigues).
+
+    Raises ValueError where it is zero.
+    """
     x, y, z = axis
     square = x * x + y * y + z * z
     if not 0.0 < square < math.inf:
@@ -93,8 +96,8 @@ def about(axis: Sequence[float], angle: float) -> list[float]:
 def euler(angles: Sequence[float], sequence: str) -> list[float]:
     """The rotation matrix of three angles, rad, about the axes of a sequence.
 
-    Capitals turn about the turned axes, "ZYX" being R_z(a) R_y(b) R_x(c); small letters about the fixed ones, "xyz" being
-    R_z(c) R_y(b) R_x(a). Raises ValueError where the sequence is none, or names an axis twice in a row.
+    Capitals turn about the turned axes, "ZYX" being R_z(a) R_y(b) R_x(c); small letters about the fixed ones, "xyz"
+    being R_z(c) R_y(b) R_x(a). Raises ValueError where the sequence is none, or names an axis twice in a row.
     """
     if (
         not isinstance(sequence, str)

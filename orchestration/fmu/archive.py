@@ -76,7 +76,8 @@ class Fmu:
 
 
 def second(fmus: Mapping[str, Fmu]) -> tuple[str, str] | None:
-    """The names of two instances of one FMU that declares itself able to have one only in a process; None without such a pair."""
+    """The names of two instances of one FMU that declares itself able to have one only in a process; None without such
+    a pair."""
     first: dict[str, str] = {}
     for name, fmu in fmus.items():
         if fmu.kind.alone and first.setdefault(fmu.sha256, name) != name:
@@ -114,8 +115,8 @@ def platforms(names: Iterable[str]) -> list[str]:
 def open_fmu(path: Path, lenient: bool = False) -> Fmu:
     """Reads and checks an FMU; its code does not run yet. Raises InputError, without the scenario's line.
 
-    `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the same.
-    What has been read is kept for the file as it is: by its size, time and number on the disk.
+    `lenient`: what is not valid in its modelDescription.xml is kept in `problems` as far as it can be read all the
+    same. What has been read is kept for the file as it is: by its size, time and number on the disk.
     """
     try:
         status = path.stat()
@@ -176,8 +177,8 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
 def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:
     """FMPy's ModelDescription, the model made of it, and what is not valid in it.
 
-    Raises InputError where it cannot be read or is not valid and `lenient` is not set, and Unsupported where it is not for
-    co-simulation or has clocks.
+    Raises InputError where it cannot be read or is not valid and `lenient` is not set, and Unsupported where it is not
+    for co-simulation or has clocks.
     """
     # Here, since it takes 60 ms and what is kept needs none of it.
     from fmpy.model_description import ValidationError, read_model_description  # noqa: PLC0415

@@ -1,4 +1,5 @@
-"""What is read of a modelDescription.xml before FMPy reads it, by lxml: its version, its size and what FMPy leaves out."""
+"""What is read of a modelDescription.xml before FMPy reads it, by lxml: its version, its size and what FMPy leaves
+out."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ from .description import VARIABLES_MAX
 from .zipped import shown
 
 ANNOTATION = "attitude-cosim"
-"""Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which FMI 2.0
-has no words."""
+"""Under this name an FMU says which of its inputs are optional and which quantities its parameters state, for which
+FMI 2.0 has no words."""
 XML_MAX = 64_000_000
 """Bytes of a modelDescription.xml."""
 

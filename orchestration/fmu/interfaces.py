@@ -71,7 +71,8 @@ def view(block: str) -> Mapping[str, Any]:
 
 
 def in_steps(block: str) -> dict[str, str]:
-    """The parameters of one of the project's own interfaces that are times of so many steps: "whole" or "at least one"."""
+    """The parameters of one of the project's own interfaces that are times of so many steps: "whole" or "at least
+    one"."""
     return {v.name: v.steps for v in load(block).of("parameter") if v.steps} if block in own() else {}
 
 

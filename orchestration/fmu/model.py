@@ -60,7 +60,8 @@ class Variable:
     maxima: tuple[float, ...] = ()
     """Limits of each element, infinite where there are none; empty for none at all."""
     nominal: float = 1.0
-    """The usual size of its elements, the smallest of theirs; 1 in its unit where the FMU declares none, as FMI has it."""
+    """The usual size of its elements, the smallest of theirs; 1 in its unit where the FMU declares none, as FMI has
+    it."""
     items: tuple[tuple[str, int], ...] = ()
     """Names and values of an enumeration."""
     description: str = ""

@@ -98,7 +98,7 @@ def _check_file(path: Path, what: str) -> None:
 
 
 def _directory_size(end: bytes) -> int | None:
-    """Bytes of a zip archive's directory, from its end record or the one of zip64; None where there is no such record."""
+    """Bytes of a zip archive's directory, from its end record or that of zip64; None where there is no such record."""
     at = end.rfind(b"PK\x05\x06")
     if at < 0 or len(end) < at + 22:
         return None
@@ -131,7 +131,8 @@ def _check_entries(path: Path, entries: list[zipfile.ZipInfo]) -> None:
 def xml_root(data: bytes, name: str) -> Any:
     """Returns the root of an XML document from an archive. Raises InputError.
 
-    Refused is a DOCTYPE: its entities can grow without bound and can read files, and neither FMI nor SSP has a use for it.
+    Refused is a DOCTYPE: its entities can grow without bound and can read files, and neither FMI nor SSP has a use for
+    it.
     """
     from lxml import etree  # here, since it takes 12 ms and what is kept needs none of it  # noqa: PLC0415
 

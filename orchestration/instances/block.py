@@ -64,4 +64,7 @@ class Instance(Block, Protocol):
     """A block that is an FMU's instance, and that can serve several runs."""
 
     def reset(self) -> None:
-        """Back to where it stood after it was instantiated; what `wire` fixed stays so. Raises BlockError where it cannot."""
+        """Back to where it stood after it was instantiated; what `wire` fixed stays so.
+
+        Raises BlockError where it cannot.
+        """

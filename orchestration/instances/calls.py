@@ -61,7 +61,8 @@ class Exchange:
     slots: NDArray[np.int64]
     """and where in the buffer."""
     buffer: NDArray[Any]
-    """What FMI reads or writes: the stretch of the values themselves where all lie side by side, else a copy as C has them."""
+    """What FMI reads or writes: the stretch of the values themselves where all lie side by side, else a copy as C has
+    them."""
     direct: bool
     """Whether it is that stretch."""
     live: Part

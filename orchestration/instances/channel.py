@@ -92,7 +92,8 @@ class Memory:
 
 
 def _reserve(file: IO[bytes], size: int) -> None:
-    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by SIGBUS."""
+    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by
+    SIGBUS."""
     if hasattr(os, "posix_fallocate"):
         os.posix_fallocate(file.fileno(), 0, size)
     else:

@@ -1,4 +1,5 @@
-"""What the process of an isolated FMU does to itself: its memory is bounded, it ends with the master, it prints at once."""
+"""What the process of an isolated FMU does to itself: its memory is bounded, it ends with the master, it prints at
+once."""
 
 from __future__ import annotations
 
@@ -76,7 +77,8 @@ def flush() -> None:
 
 
 def take_pipes() -> tuple[int, int]:
-    """The pipes from and to the master, in the places of which standard input is empty and prints go to standard error."""
+    """The pipes from and to the master, in the places of which standard input is empty and prints go to standard
+    error."""
     source, to = os.dup(0), os.dup(1)
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)

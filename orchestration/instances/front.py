@@ -10,7 +10,10 @@ from .block import Block
 
 
 class Front:
-    """See `block.Block`. Passes everything on to `inner`; the calls of the loop are its own, so that they cost nothing."""
+    """See `block.Block`.
+
+    Passes everything on to `inner`; the calls of the loop are its own, so that they cost nothing.
+    """
 
     def __init__(self, inner: Block, model: Model | None = None) -> None:
         self.inner, self.name, self.model = inner, inner.name, inner.model if model is None else model

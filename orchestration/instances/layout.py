@@ -1,4 +1,5 @@
-"""Where the elements of a block lie in what one Get or Set of FMI exchanges, which takes an array of FMI 3.0 as a whole."""
+"""Where the elements of a block lie in what one Get or Set of FMI exchanges, which takes an array of FMI 3.0 as a
+whole."""
 
 from __future__ import annotations
 
@@ -56,7 +57,7 @@ class Arrays:
         self._held: dict[str, NDArray[Any]] = {}
 
     def into(self, layout: Layout, buffer: NDArray[Any]) -> dict[str, NDArray[Any]]:
-        """The stretch of each array in the buffer, which is given the values that were set last, or its start values."""
+        """Each array's stretch in the buffer, which is given the values that were set last, or the start values."""
         parts: dict[str, NDArray[Any]] = {}
         for name, first in layout.arrays.items():
             variable = self._model.variables[name]
@@ -114,7 +115,6 @@ def exchanges(
             arrays.share(arrays.into(layout, buffer))
         name = f"{model.prefix}{verb}{native.function}"
         parts = (Part(len(it.references), it.length, len(it.slots)) for it in (some, layout))
-        references = np.array(layout.references, np.uint32)
-        exchange = Exchange(name, function(name), native, verb == "Set", references, members, values, where, slots, buffer, direct, *parts)  # fmt: skip
-        made.append(exchange)
+        called = name, function(name), native, verb == "Set", np.array(layout.references, np.uint32)
+        made.append(Exchange(*called, members, values, where, slots, buffer, direct, *parts))
     return made

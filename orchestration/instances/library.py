@@ -1,6 +1,7 @@
 """An FMU's library, and an instance of it, in either version of FMI; slave.py does the rest.
 
-FMPy could do it, but takes 60 ms to be imported, and 2 ms for each library to look at the signatures of its own functions.
+FMPy could do it, but takes 60 ms to be imported, and 2 ms for each library to look at the signatures of its own
+functions.
 """
 
 from __future__ import annotations
@@ -72,7 +73,8 @@ class Version:
     """What the names of its functions begin with."""
     instantiate: str
     needed: tuple[str, ...]
-    """The further functions without which a library is refused, without prefix; it may lack those that are not called here."""
+    """The further functions without which a library is refused, without prefix; it may lack those that are not called
+    here."""
     token: str
     """What says that a description belongs to its binary."""
     arguments: Callable[[bytes, bytes, Path, Log], Arguments]
@@ -110,9 +112,9 @@ VERSIONS = {
 class Own:
     """The libraries of the project's own native FMUs, each unpacked and loaded once for all instances of this process.
 
-    Such an FMU has no state but that of its instances, needs no file but its library and writes none, which is not known of
-    any other FMU. They are unloaded and removed when the process ends, not by one that was forked from it. Their functions
-    return soon, so they keep Python's lock, which saves a tenth of a step of the loop in Python.
+    Such an FMU has no state but that of its instances, needs no file but its library and writes none, which is not
+    known of any other FMU. They are unloaded and removed when the process ends, not by one that was forked from it.
+    Their functions return soon, so they keep Python's lock, which saves a tenth of a step of the loop in Python.
     """
 
     def __init__(self) -> None:

@@ -7,7 +7,8 @@ import re
 _REFUSALS = (
     (
         r"([^\s:]+): cannot open shared object file: No such file or directory",
-        r"it needs the library \1, which is not on this machine; remedy: install it, or pack it into the FMU beside its library",
+        r"it needs the library \1, which is not on this machine; remedy: install it, or pack it into the FMU beside its "
+        r"library",
     ),
     (r"([^\s:]+): undefined symbol: (fmi[23]\w+)", r"\1 lacks the function \2"),
     (r"([^\s:]+): undefined symbol: (\S+)", r"\1 needs the symbol \2, which no library that is loaded has"),
@@ -23,7 +24,8 @@ _REFUSALS = (
 
 
 def in_words(refusal: str) -> str:
-    """Why a library cannot be loaded, in plain words where the loader's are known; FMPy puts a sentence of its own before."""
+    """Why a library cannot be loaded, in plain words where the loader's are known; FMPy puts a sentence of its own
+    before."""
     for pattern, words in _REFUSALS:
         if match := re.search(pattern, refusal, re.DOTALL):
             return match.expand(words)

@@ -108,7 +108,8 @@ def _memory() -> tuple[Any, Any]:
 
 @cache
 def _proxy() -> c.CDLL:
-    """FMPy's library of the proxy, as a copy: it passes all messages of a process to one function, and FMPy sets it to its own.
+    """FMPy's library of the proxy, as a copy: it passes all messages of a process to one function, and FMPy sets it to
+    its own.
 
     The library is taken from FMPy's folder, since the import of FMPy takes 60 ms.
     """

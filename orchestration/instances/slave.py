@@ -32,7 +32,8 @@ _ERROR, _FATAL = 3, 4
 
 
 def asks_to_end(error: BlockError) -> bool:
-    """Whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its answer (3.0)."""
+    """Whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its answer
+    (3.0)."""
     return error.call.endswith("DoStep") and error.problem in (f"gave status {_STATUS[2]}", ANSWERS[1])
 
 
@@ -140,7 +141,10 @@ class Slave:
             raise self.failed(call, status)
 
     def reset(self) -> None:
-        """Back to where it stood after it was instantiated, by fmi2Reset or fmi3Reset; what is wired stays so. Raises BlockError where it cannot."""
+        """Back to where it stood after it was instantiated, by fmi2Reset or fmi3Reset; what is wired stays so.
+
+        Raises BlockError where it cannot.
+        """
         self._log.lines.clear()
         self._initialized = False
         self._arrays.reset()
@@ -187,7 +191,7 @@ class Slave:
         return self._stepper.call(self.failed)
 
     def stride(self, gather: Gather, step: float, live: bool) -> Callable[[float], None]:
-        """Returns a whole step of this length: `gather`, `set_inputs`, `do_step`, and `get_live` or `get_all`, in one."""
+        """Returns a whole step of this length in one: `gather`, `set_inputs`, `do_step`, `get_live` or `get_all`."""
         one = calls.strider(gather, self.setters, self.getters, self._stepper, self._argument, self.failed, step, live)
         get = self.get_live if live else self.get_all
         return one or calls.stride(gather, self.set_inputs, self.do_step, get, step)
@@ -216,7 +220,8 @@ class Slave:
         return function
 
     def failed(self, call: str, status: int) -> BlockError:
-        """The error of a call that gave this status, or of what stands in its place; it decides what may still be called."""
+        """The error of a call that gave this status, or of what stands in its place; it decides what may still be
+        called."""
         if status == BEYOND:
             return self._error(call, self._first_beyond(call))
         if status < 0:

@@ -120,7 +120,8 @@ class _Layout:
     def rank(self, name: str, element: Element) -> tuple[int, int, Element]:
         """By type, then in the order of value references.
 
-        So one call exchanges a stretch of an FMU's variables, and what a block takes from another mostly lies side by side.
+        So one call exchanges a stretch of an FMU's variables, and what a block takes from another mostly lies side by
+        side.
         """
         variable = self.blocks[name].model.variables[element.variable]
         reference = variable.references[0 if variable.is_array else element.position]

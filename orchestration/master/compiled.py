@@ -147,7 +147,8 @@ class CompiledLoop:
 
 @cache
 def _library() -> c.CDLL | None:
-    """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a compiler."""
+    """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a
+    compiler."""
     path = places.ready(f"loop/{PLATFORM}{SUFFIX}")
     try:
         library = c.CDLL(str(path or _compiled(places.work() / "loop")))

@@ -114,7 +114,8 @@ class Pace:
 
     @property
     def figures(self) -> dict[str, dict[str, float]]:
-        """Lateness, jitter and what a step took: its value that half, 99% and 99.9% of the steps keep, and the largest."""
+        """Lateness, jitter and what a step took: its value that half, 99% and 99.9% of the steps keep, and the
+        largest."""
         kinds = {"lateness": np.array(self.lateness), "jitter": self.jitter, "step": np.array(self.took)}
         return {
             name: {

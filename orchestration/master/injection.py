@@ -1,4 +1,5 @@
-"""Brings a scenario's faults and its timeline into the step loops: what a block is set to, and what its inputs are given."""
+"""Brings a scenario's faults and its timeline into the step loops: what a block is set to, and what its inputs are
+given."""
 
 from __future__ import annotations
 
@@ -60,7 +61,8 @@ class _Change:
 
 
 class _Held:
-    """What a block is set to: the values of the timeline, and over them those of the faults that act, the latest on top."""
+    """What a block is set to: the values of the timeline, and over them those of the faults that act, the latest on
+    top."""
 
     def __init__(self, block: Block) -> None:
         self._block = block

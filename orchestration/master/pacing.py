@@ -70,7 +70,10 @@ class Pacer:
         """What has been counted, from the begin of the loop on."""
 
     def begin(self, clock: Clock, interrupted: Sequence[int], report: Callable[[int], None]) -> None:
-        """The run's time 0 is now. It waits no longer once `interrupted` holds something; `report` is called where a pause begins or ends."""
+        """The run's time 0 is now.
+
+        It waits no longer once `interrupted` holds something; `report` is called where a pause begins or ends.
+        """
         self.pace = self._pace = Pace(self._factor, self._tolerance, self._stop, clock)
         self._interrupted, self._report = interrupted, report
         self._late = False
@@ -159,5 +162,5 @@ class Pacer:
         pace = self.pace
         if pace is None or not pace.lateness:
             return ""
-        late = f", {pace.late_steps} late" if pace.late_steps else ""
-        return f"{pace.factor:g} s/s, {milliseconds(pace.lateness[-1])} late{late and f' ({pace.late_steps} steps late so far)'}"
+        late = f" ({pace.late_steps} steps late so far)" if pace.late_steps else ""
+        return f"{pace.factor:g} s/s, {milliseconds(pace.lateness[-1])} late{late}"

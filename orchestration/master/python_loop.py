@@ -1,9 +1,10 @@
 """The step loop in Python; compiled.py has the same in C, which gives the same bits.
 
-Sequential exchange: the blocks are stepped one after the other, and each sees what those before it have just given. Parallel
-exchange: all inputs are set from the values at the step's start, then all blocks are stepped. A step of a block is one
-gathering from the bus, one Set, one doStep and one Get; Get is never called between Set and doStep. At the end of a base step
-all that was given is looked at, and what is not finite ends the run; the loop in C looks after each block.
+Sequential exchange: the blocks are stepped one after the other, and each sees what those before it have just given.
+Parallel exchange: all inputs are set from the values at the step's start, then all blocks are stepped. A step of a
+block is one gathering from the bus, one Set, one doStep and one Get; Get is never called between Set and doStep. At
+the end of a base step all that was given is looked at, and what is not finite ends the run; the loop in C looks after
+each block.
 
 A block with `every: N` is stepped when N base steps have passed, over all of them, with the inputs of that moment.
 """

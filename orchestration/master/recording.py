@@ -58,7 +58,8 @@ class Observation:
         """The base step of the first row."""
 
     def room(self, count: int) -> int:
-        """Returns the base step of the last row; what there is up to base step `count` is shown first where it is the last."""
+        """Returns the base step of the last row; what there is up to base step `count` is shown first where it is the
+        last."""
         if count == self._last:
             self.flush(count)
         return self._last

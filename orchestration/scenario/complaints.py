@@ -36,7 +36,7 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
 
 
 def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]]:
-    """Each error alone, with None; those of the kinds of value that one place may have together, with the place's key."""
+    """Each error alone, with None; those of the kinds of value that one place may have together, with its key."""
     groups: list[tuple[Key | None, list[Any]]] = []
     for detail in details:
         key = _of_union(data, detail)
@@ -48,7 +48,8 @@ def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]
 
 
 def _of_union(data: Any, detail: Any) -> Key | None:
-    """Where Pydantic's location goes on with the name of a kind of value, which is no key of the data: the key up to there."""
+    """Where Pydantic's location goes on with the name of a kind of value, which is no key of the data: the key up to
+    there."""
     location = detail["loc"]
     for i, part in enumerate(location):
         if (isinstance(data, dict) and part in data) or (

@@ -25,7 +25,8 @@ class Consistency(Model):
     """
 
     left: _Side
-    """An expression such as `rate(plant.h_w)`: signals, numbers, lists, `+ - * / @ **` and the functions of docs/use/polarity.md."""
+    """An expression such as `rate(plant.h_w)`: signals, numbers, lists, `+ - * / @ **` and the functions of
+    docs/use/polarity.md."""
     right: _Side
     """Another of the same shape and unit, or a number."""
     within: Quantity

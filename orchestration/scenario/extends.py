@@ -1,7 +1,8 @@
-"""A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values replace.
+"""A scenario or campaign that extends other files: theirs below, its own above; mappings merge, lists and values
+replace.
 
-A list of the form `{add: [...]}` adds its entries to the list below; connections of the form `{replace: [...]}` replace those to
-the same inputs.
+A list of the form `{add: [...]}` adds its entries to the list below; connections of the form `{replace: [...]}`
+replace those to the same inputs.
 """
 
 from __future__ import annotations
@@ -142,8 +143,8 @@ def _is_change(place: Key, value: Any) -> bool:
 def _change(
     entries: list[Any], key: Key, change: dict[str, list[Any]], lines: Mapping[Key, int], above: Source, below: Source
 ) -> None:
-    """Replaces connections in the list under a key, each by the one to the same input, and puts what is added behind the
-    list; all with the lines that they have in `above`. Raises InputError where there is nothing to replace."""
+    """Replaces connections in the list under a key, each by the one to the same input, and puts what is added behind
+    the list; all with the lines that they have in `above`. Raises InputError where there is nothing to replace."""
     moved: dict[Key, int] = {}
     targets = [_target(entry) for entry in entries]
     for number, entry in enumerate(change.get("replace", ())):
@@ -187,7 +188,8 @@ def _forget(source: Source, key: Key, value: Any) -> None:
 
 
 def _is_value(place: Key) -> bool:
-    """Whether a value or a distribution stands here, which is replaced as a whole also where it is written as names with values."""
+    """Whether a value or a distribution stands here, which is replaced as a whole also where it is written as names
+    with values."""
     if place[:1] == ("scenario",):
         place = place[1:]
     return (len(place) == 2 and place[0] in ("shared", "set", "draw", "vary")) or (

@@ -20,8 +20,8 @@ class Slider(Model):
     most: Quantity
     """Its upper end."""
     measure: Literal["element", "norm", "rotation"] = "element"
-    """What is changed: one element; the Euclidean norm of a vector, which keeps its direction; or the angle of a rotation
-    matrix about `axis`."""
+    """What is changed: one element; the Euclidean norm of a vector, which keeps its direction; or the angle of a
+    rotation matrix about `axis`."""
     axis: Annotated[list[float], Field(min_length=3, max_length=3)] | None = None
     """The axis of a rotation, of any length."""
     unit: UnitName | None = None

@@ -15,7 +15,8 @@ from .source import Source
 def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | None = None) -> Scenario:
     """A scenario from its source, or from the same data as a dictionary. Raises InputError with all that is wrong.
 
-    `overrides` are start values by `block.parameter`, or shared ones by `parameter`, and `step`, `duration` and `flavour`.
+    `overrides` are start values by `block.parameter`, or shared ones by `parameter`, and `step`, `duration` and
+    `flavour`.
     """
     source = scenario if isinstance(scenario, Source) else extended(Source(dict(scenario)))
     for name, value in (overrides or {}).items():

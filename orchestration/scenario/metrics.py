@@ -27,8 +27,8 @@ class Metric(Span):
     share: Bound | None = None
     """The share of the samples that meet the bound, from 0 to 1."""
     python: Annotated[str, Field(strict=True, pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$")] | None = None
-    """`module:function`, which is given the times (n,) and a dictionary of the `signals` (n, elements), and returns the number. The
-    code runs as you do, without any guard."""
+    """`module:function`, which is given the times (n,) and a dictionary of the `signals` (n, elements), and returns
+    the number. The code runs as you do, without any guard."""
     signals: list[Reference] = []
     """The signals that the Python function is given, at every base step."""
     unit: UnitName | None = None

@@ -45,13 +45,13 @@ class BlockEntry(Model):
     isolation: Isolation | None = None
     """Whether the FMU runs in a process of its own; default: the scenario's."""
     validation: Literal["strict", "lenient"] = "strict"
-    """Whether an FMU whose modelDescription.xml is not valid is refused, or runs as far as it can be read, each finding a
-    warning."""
+    """Whether an FMU whose modelDescription.xml is not valid is refused, or runs as far as it can be read, each
+    finding a warning."""
     timeout: Period | None = None
     """How long one call of an FMU in a process of its own may take before it is ended; default: 60 s."""
     memory: Bytes | None = None
-    """How much memory an FMU in a process of its own may take, such as `500 MB` (on Linux only); default: 4 GB, or half of
-    the machine's where that is less."""
+    """How much memory an FMU in a process of its own may take, such as `500 MB` (on Linux only); default: 4 GB, or
+    half of the machine's where that is less."""
     every: int = Field(1, strict=True, ge=1)
     """Stepped once in so many base steps, over all of them."""
     interface: Annotated[str, Field(strict=True, min_length=1)] | None = None
@@ -109,13 +109,16 @@ class Scenario(Extending):
     flavour: Flavour = "native"
     """Which build of the project's own blocks is run: compiled C, or the Python reference."""
     isolation: Isolation | None = None
-    """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not."""
+    """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not.
+    """
     realtime: Realtime | None = None
-    """How a run is paced by wall time. Default: it is as fast as it goes. Only `orchestrate run` and `orchestration.run` pace a run."""
+    """How a run is paced by wall time. Default: it is as fast as it goes. Only `orchestrate run` and
+    `orchestration.run` pace a run."""
     blocks: dict[Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")], BlockEntry] = Field(min_length=1)
     """The blocks, each under a name of its own."""
     shared: dict[Name, Value] = {}
-    """Start values by the parameter's name, for every block that has it; a value under the block's own `start` goes before."""
+    """Start values by the parameter's name, for every block that has it; a value under the block's own `start` goes
+    before."""
     connections: list[Connection] = []
     """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
     delays: list[Reference] = []
@@ -126,8 +129,8 @@ class Scenario(Extending):
     holds: list[HoldEntry] = []
     """Holds, of which the summary tells whether and when they were released."""
     consistency: dict[Annotated[str, Field(min_length=1)], Consistency] = {}
-    """Consistency checks by their names, such as "the wheel's momentum follows its torque": `orchestrate polarity` sees a
-    wrong wiring early by them."""
+    """Consistency checks by their names, such as "the wheel's momentum follows its torque": `orchestrate polarity`
+    sees a wrong wiring early by them."""
     faults: list[Fault] = []
     """What goes wrong during the run."""
     timeline: list[TimelineEntry] = []
@@ -139,7 +142,8 @@ class Scenario(Extending):
     cycle: Cycle | None = None
     """A second axis of time in the figures."""
     view: ViewEntry | None = None
-    """The report's three-dimensional view. Default: what the interfaces of the project's own blocks say, if one has an attitude."""
+    """The report's three-dimensional view. Default: what the interfaces of the project's own blocks say, if one has an
+    attitude."""
     live: Live | None = None
     """What a reader may change in the page that `orchestrate live` makes. A run takes no notice of it."""
 

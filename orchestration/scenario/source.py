@@ -118,7 +118,10 @@ class Source:
         return copy
 
     def with_set(self, name: str, value: Any) -> Source:
-        """A copy of a campaign's data, a dictionary, in which `value` stands under `set`. Where that is no mapping it stays, to be refused."""
+        """A copy of a campaign's data, a dictionary, in which `value` stands under `set`.
+
+        Where that is no mapping it stays, to be refused.
+        """
         copy = self.copy()
         if copy.data.get("set") is None:
             copy.data["set"] = {}

@@ -24,7 +24,8 @@ class TimeColumn(Model):
     column: Text
     """Its name in the header."""
     scale: Scale
-    """In which scale it counts: UTC (with leap seconds, as Unix time has it), GPS, TAI, or `elapsed`, from the start of the run."""
+    """In which scale it counts: UTC (with leap seconds, as Unix time has it), GPS, TAI, or `elapsed`, from the start
+    of the run."""
     unit: UnitName = "s"
     """The unit of a number; a text is a date and time in ISO 8601."""
     epoch: Text | None = None

@@ -30,7 +30,10 @@ class Template:
     """By name: what it is, and a default, an example, or an expression of others with its unit."""
 
     def filled(self, given: Mapping[str, Any], computed: Mapping[str, Any]) -> dict[str, str]:
-        """The texts of the files by their names, each @NAME@ as YAML. Raises InputError for a value that is unknown or missing."""
+        """The texts of the files by their names, each @NAME@ as YAML.
+
+        Raises InputError for a value that is unknown or missing.
+        """
         for name in given:
             if name not in self.values:
                 known = hint(name, self.values) or f"; expected one of {', '.join(self.values)}"

@@ -90,7 +90,10 @@ for _tag, _spelling in (
 
 
 def _composed(text: str, source: Source) -> Any:
-    """The document's nodes. Raises yaml.YAMLError, RecursionError, and InputError where it is too deep to be composed in C."""
+    """The document's nodes.
+
+    Raises yaml.YAMLError, RecursionError, and InputError where it is too deep to be composed in C.
+    """
     depth = 0
     try:
         for event in yaml.parse(text, _Fast):

@@ -19,7 +19,8 @@ class TimelineEntry(Model):
     at: Time
     """When; the blocks' next steps see it."""
     set: dict[Reference, Value] = {}
-    """Values by input, `supervisor.command: 6`: an input that is not connected, or a tunable parameter. They hold until they are set again."""
+    """Values by input, `supervisor.command: 6`: an input that is not connected, or a tunable parameter. They hold
+    until they are set again."""
     phase: Phase | None = None
     """A phase that begins, and lasts until the next one does."""
 

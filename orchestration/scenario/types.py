@@ -34,7 +34,7 @@ _EXPECTED = "text such as '10 min', or a count of what 'cycle' names"
 
 
 def _cycles(value: Any, scenario: Any) -> float | None:
-    """Seconds of "2 orbits", where the scenario's `cycle` is called so; None where it is not, or is not sound itself."""
+    """Seconds of "2 orbits", where the scenario's `cycle` is called so; None where it is not, or is not sound."""
     cycle = scenario.get("cycle") if isinstance(scenario, dict) else None
     match = re.fullmatch(r"\s*(\S+)\s*([^\W\d]\w*)\s*", value) if isinstance(value, str) else None
     if (
@@ -116,8 +116,10 @@ class Extending(Model):
     model_config = ConfigDict(json_schema_extra=_whole_or_extending)
 
     extends: Annotated[str, Field(min_length=1)] | list[Annotated[str, Field(min_length=1)]] = []
-    """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's values. Mappings
-    are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, connections `{replace: [...]}` replace those to the same inputs, a null takes an entry out. A later file overrides an earlier one, this file overrides all of them."""
+    """Files that this one extends, relative to it: each is one of its kind, or a part of one such as a satellite's
+    values. Mappings are merged, lists and values replaced, a list `{add: [...]}` adds to the one below, connections
+    `{replace: [...]}` replace those to the same inputs, a null takes an entry out. A later file overrides an earlier
+    one, this file overrides all of them."""
 
     @field_validator("extends")
     @classmethod

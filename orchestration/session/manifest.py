@@ -44,7 +44,10 @@ _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
 
 
 def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
-    """What a manifest says of all runs of a plan. `handed_on` are the start values of adapted blocks, by their elements."""
+    """What a manifest says of all runs of a plan.
+
+    `handed_on` are the start values of adapted blocks, by their elements.
+    """
     scenario, models = plan.scenario, plan.models
     names = signals.names(plan.columns, models)
     recorded = RunData(scenario, models, np.empty(0), np.empty((0, len(plan.columns))), plan.columns)
@@ -76,7 +79,10 @@ def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mappi
 
 
 def manifest(known: Mapping[str, Any], notes: Sequence[str], finished: datetime, result: RunData) -> dict[str, Any]:
-    """The manifest of a run, ready for JSON. `known` is what `described` gives of its plan, `notes` are those of the plan."""
+    """The manifest of a run, ready for JSON.
+
+    `known` is what `described` gives of its plan, `notes` are those of the plan.
+    """
     ended = "interrupted" if result.interrupted else "failed" if result.failure else "completed"
     of_run = {
         "outcome": ended,
@@ -128,7 +134,8 @@ def _is_parameter(model: Model, element: Element) -> bool:
 
 
 def start_values(model: Model, values: Sequence[Start]) -> dict[str, Any]:
-    """Start values as a scenario gives them: lists of their shapes, items of enumerations by name, in the units of the ports."""
+    """Start values as a scenario gives them: lists of their shapes, items of enumerations by name, in the units of the
+    ports."""
     given: dict[str, dict[int, Any]] = {}
     for start in values:
         given.setdefault(start.element.variable, {})[start.element.position] = start.value

@@ -1,4 +1,5 @@
-"""A scenario is opened: its FMUs located, read and checked, its swaps prepared and its plan made; no code of them runs."""
+"""A scenario is opened: its FMUs located, read and checked, its swaps prepared and its plan made; no code of them
+runs."""
 
 from __future__ import annotations
 
@@ -94,7 +95,8 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
 
 
 def _build(scenario: Scenario) -> None:
-    """Builds the project's own blocks of a scenario side by side; what cannot be built is an error where it is located."""
+    """Builds the project's own blocks of a scenario side by side; what cannot be built is an error where it is
+    located."""
     with suppress(BuildError, OSError):
         ensure_all(
             entry.fmu
@@ -106,8 +108,8 @@ def _build(scenario: Scenario) -> None:
 def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
     """Raises InputError for two instances in this process of an FMU that can have one only.
 
-    Each would have a copy of its library, loaded from a folder of its own. That may do, but nobody else knows what it shares
-    beyond its library (files, a license, another library), and FMI forbids it.
+    Each would have a copy of its library, loaded from a folder of its own. That may do, but nobody else knows what it
+    shares beyond its library (files, a license, another library), and FMI forbids it.
     """
     if pair := second({name: fmu for name, fmu in fmus.items() if limits(scenario, name) is None}):
         text = (
@@ -166,8 +168,8 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
 
 
 def with_remedies(error: InputError, scenario: Scenario, name: str) -> list[Problem]:
-    """Returns the errors of a block's FMU at its place, with what helps where its description is not valid, or where a file
-    of this project's own has been spoilt."""
+    """Returns the errors of a block's FMU at its place, with what helps where its description is not valid, or where a
+    file of this project's own has been spoilt."""
     entry = scenario.blocks[name]
     flavour = "" if (entry.flavour or scenario.flavour) == "native" else " --flavour python"
     there = f"'validation: lenient' in the entry of {name} under blocks in the scenario"

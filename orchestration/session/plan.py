@@ -53,7 +53,10 @@ class Plan:
 
 
 def plan(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | None = None) -> Plan:
-    """Checks a scenario against what its blocks offer. Raises InputError; the errors of several checks come together."""
+    """Checks a scenario against what its blocks offer.
+
+    Raises InputError; the errors of several checks come together.
+    """
     (times, remarks), values, (wired, sequence, faults), recorded, (checked, more), drawn, seen, held = _together(
         lambda: clock(scenario),
         lambda: starts.resolve(scenario, models),

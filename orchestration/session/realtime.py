@@ -13,6 +13,9 @@ PYTHON_LOOP = (
 
 
 def pacer(scenario: Scenario, keys: Callable[[], str] | None = None) -> Pacer | None:
-    """None for a scenario that states no real time. `keys` gives the keys that were pressed since it was called last."""
+    """None for a scenario that states no real time.
+
+    `keys` gives the keys that were pressed since it was called last.
+    """
     stated = scenario.realtime
     return None if stated is None else Pacer(stated.factor, stated.tolerance, stated.late == "stop", keys)

@@ -49,13 +49,13 @@ def run(
 ) -> Result:
     """Runs a scenario: a file, the same as a dictionary, or what `load` returned.
 
-    `overrides` are start values by name, `{"plant.x0": "98 deg"}`. `duration` and `step` (s, or text with a unit) take the
-    place of the scenario's.
-    `out` is a folder to write the results to; without it nothing is written. `compiled` False asks for the
-    step loop in Python, which is otherwise used only where the one in C cannot be; both give the same bits.
-    `realtime` paces the run by wall time: so many simulated seconds take a second; by default what the scenario says.
-    Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed up
-    to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result is marked as interrupted.
+    `overrides` are start values by name, `{"plant.x0": "98 deg"}`. `duration` and `step` (s, or text with a unit) take
+    the place of the scenario's. `out` is a folder to write the results to; without it nothing is written. `compiled`
+    False asks for the step loop in Python, which is otherwise used only where the one in C cannot be; both give the
+    same bits. `realtime` paces the run by wall time: so many simulated seconds take a second; by default what the
+    scenario says. Raises InputError where the scenario is wrong, and BlockError where a block fails; what was computed
+    up to then is its `result`; ResultsError where the results cannot be written. Ctrl-C ends the run, and the result
+    is marked as interrupted.
     """
     times = {key: value for key, value in (("duration", duration), ("step", step)) if value is not None}
     loaded = load(scenario.source if isinstance(scenario, Scenario) else scenario, {**(overrides or {}), **times})
@@ -84,9 +84,9 @@ def execute(
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
 
-    `check` is shown what will be recorded before the run, and may refuse it by an InputError. `observers` are those who
-    are shown signals of the run, behind the nodes that they need. Without a pacer the run is as fast as it goes, whatever
-    the scenario says of real time.
+    `check` is shown what will be recorded before the run, and may refuse it by an InputError. `observers` are those
+    who are shown signals of the run, behind the nodes that they need. Without a pacer the run is as fast as it goes,
+    whatever the scenario says of real time.
     """
     with WARM.session(scenario, verbose) as session:
         opened = session.opened

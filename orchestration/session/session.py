@@ -37,7 +37,8 @@ class Session:
     """
 
     def __init__(self, opened: Opened, resets: bool | None = None, verbose: bool = False) -> None:
-        """`resets`: whether instances are reset from flight to flight; by default those of this project's own native FMUs.
+        """`resets`: whether instances are reset from flight to flight; by default those of this project's own native
+        FMUs.
 
         The reset of these leaves nothing behind, which is not known of any other. `verbose` prints what the FMUs log.
         """
@@ -60,9 +61,9 @@ class Session:
     ) -> Recording:
         """Flies once with these start values. A failing block or a signal ends the flight, and the recording says so.
 
-        `observers` are shown `nodes` after every base step, and `columns` are recorded. `circuit` takes the place of the
-        scenario's own; `around` puts other blocks before or beside those of the session. Raises InputError where an
-        instance cannot be made.
+        `observers` are shown `nodes` after every base step, and `columns` are recorded. `circuit` takes the place of
+        the scenario's own; `around` puts other blocks before or beside those of the session. Raises InputError where
+        an instance cannot be made.
         """
         circuit = circuit or self.opened.plan.circuit
         recording = self._ready(circuit, columns, nodes, around).run(starts, observers, options)
@@ -77,7 +78,10 @@ class Session:
         nodes: Sequence[Node],
         around: Callable[[Blocks], Blocks] | None,
     ) -> Master:
-        """Returns the master of instances in their first state; that of the last flight where it suits. Raises InputError."""
+        """Returns the master of instances in their first state; that of the last flight where it suits.
+
+        Raises InputError.
+        """
         if self._instances and not self._reset():
             self.close()
         if not self._instances:

@@ -1,7 +1,7 @@
 """The session of the last run waits for the next run of the same scenario in this process.
 
-Without it each run would open and check the scenario again, which takes longer than the 5 ms that a run may take beside its
-loop. Tests: tests/orchestration/session/test_standby.py.
+Without it each run would open and check the scenario again, which takes longer than the 5 ms that a run may take
+beside its loop. Tests: tests/orchestration/session/test_standby.py.
 """
 
 from __future__ import annotations

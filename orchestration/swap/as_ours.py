@@ -15,7 +15,8 @@ from .findings import Fit, Link, may_stay_unconnected
 
 
 def held(theirs: Model, fitted: Fit) -> Model:
-    """Theirs, with its own start values, as a block that is held to our interface: with our quantities and helper inputs."""
+    """Theirs, with its own start values, as a block that is held to our interface: with our quantities and helper
+    inputs."""
     ours = fitted.reference.model.variables
     alike = {n: replace(v, quantity=ours[n].quantity if n in ours else v.quantity) for n, v in theirs.variables.items()}
     seen = replace(theirs, variables=alike)
@@ -63,7 +64,7 @@ def in_ours(link: Link, theirs: list[Any]) -> list[Any] | None:
 
 
 def model(fitted: Fit) -> Model:
-    """Theirs as a block of our interface: our names, units and shapes, and under their own names what only they have."""
+    """Theirs as a block of our interface: our names, units and shapes; under their own names what only they have."""
     variables = {
         name: replace(link.ours, optional=may_stay_unconnected(fitted, link)) for name, link in fitted.links.items()
     }

@@ -38,7 +38,8 @@ def affine(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: Po
     if entry.matrix is not None:
         A = np.array(entry.matrix, float)
         if A.shape != (m, n):
-            text = f"the matrix is {_by(A.shape)}, expected {_by((m, n))}, a row for each of theirs and a column for each of ours"
+            expected = f"{_by((m, n))}, a row for each of theirs and a column for each of ours"
+            text = f"the matrix is {_by(A.shape)}, expected {expected}"
             raise Misfit("shape", text, "correct the matrix")
     elif m != n or (len(entry.theirs) == 1 and _shape(fitted, elements) != ours.shape and ours.size > 1):
         text = f"ours is {ours.kind}, theirs has {_shape_in_words(fitted, elements, m)}"
@@ -119,7 +120,8 @@ NO_MEMORY = "one is the rate of change of the other, and a mapping has no memory
 
 
 def is_rate(one: Unit, other: Unit) -> bool:
-    """Whether one is the rate of change of the other, but for a mass or an inertia: a torque beside a speed or a momentum."""
+    """Whether one is the rate of change of the other, but for a mass or an inertia: a torque beside a speed or a
+    momentum."""
     if one.exponents is None or other.exponents is None or ONE.exponents in (one.exponents, other.exponents):
         return False
     kg, m, s, *more = (a - b for a, b in zip(one.exponents[:-1], other.exponents[:-1], strict=True))
@@ -173,8 +175,8 @@ def _refuse_unusual(declared: Unit) -> None:
     )
     if not alike:
         text = f"the FMU declares the unit {declared} to be {_defined(declared)}, but usually it is {_defined(usual)}"
-        remedy = f"correct it in the FMU's UnitDefinitions, or state what is meant, such as 'unit: {declared}', in the mapping"
-        raise Misfit("unit", text, remedy)
+        stated = f"state what is meant, such as 'unit: {declared}', in the mapping"
+        raise Misfit("unit", text, f"correct it in the FMU's UnitDefinitions, or {stated}")
 
 
 def _defined(unit: Unit) -> str:

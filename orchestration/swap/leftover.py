@@ -93,8 +93,8 @@ def extra(fitted: Fit, mapping: PortMapping, taken: Mapping[Element, str]) -> No
             continue
         fitted.extra.append(variable)
         if variable.name in fed:
-            text = f"input {variable.name}, {variable.kind}, is only in their FMU; {fed[variable.name].whole} feeds it, as the mapping says"
-            fitted.say("ok", "extra", text)
+            feeds = f"{fed[variable.name].whole} feeds it, as the mapping says"
+            fitted.say("ok", "extra", f"input {variable.name}, {variable.kind}, is only in their FMU; {feeds}")
         elif variable.optional:
             text = f"input {variable.name}, {variable.kind}, is only in their FMU, and optional"
             fitted.say("note", "extra", text, "none needed, or connect it in the scenario")
@@ -136,7 +136,8 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
 
 
 def _connection(fitted: Fit, variable: Variable) -> str:
-    """How a mapping connects an input: to the output of a similar name, or else with those named that have its unit and shape."""
+    """How a mapping connects an input: to the output of a similar name, or else with those named that have its unit
+    and shape."""
     outputs = ((block, v) for block, kind in fitted.reference.others.items() for v in kind.of("output"))
     alike = {
         v.name: f"{block}.{v.name}" for block, v in outputs if v.shape == variable.shape and _unit_fits(v, variable)

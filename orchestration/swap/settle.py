@@ -76,7 +76,8 @@ def _left_out(prepared: Prepared, problems: Problems) -> dict[Key, None]:
 
 
 def _empty(scenario: Scenario, gone: dict[Key, None]) -> None:
-    """Takes out what is empty without what is gone: a panel, a figure, the list of recorded signals; and the names of curves."""
+    """Takes out what is empty without what is gone: a panel, a figure, the list of recorded signals; and the names of
+    curves."""
     if (recorded := scenario.record.signals) and all(("record", "signals", i) in gone for i in range(len(recorded))):
         gone[("record", "signals")] = None  # then all outputs are recorded
     for i, figure in enumerate(scenario.figures):

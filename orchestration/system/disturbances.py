@@ -47,7 +47,8 @@ class Disturbance:
     def behind(self, parallel: bool, places: Mapping[str, int]) -> int:
         """How many base steps before the instant at which the receiver's step ends the value belongs to: 0 or 1.
 
-        What is stepped later in the same base step, or gives its values delayed, is a step behind; `places` of the blocks.
+        What is stepped later in the same base step, or gives its values delayed, is a step behind; `places` of the
+        blocks.
         """
         late = self.delayed or places[self.source.block] >= places[self.target.block]
         return int(late or parallel)
@@ -56,9 +57,11 @@ class Disturbance:
 def acting(
     scenario: Scenario, blocks: Sequence[str], disturbances: Sequence[Disturbance], notes: list[str]
 ) -> list[Disturbance]:
-    """Without those that come after the last step of every receiver, where an option shortened the run, each with a note.
+    """Without those that come after the last step of every receiver, where an option shortened the run, each with a
+    note.
 
-    `blocks` in the order in which they are stepped. Raises InputError for other faults whose span has no step of a receiver.
+    `blocks` in the order in which they are stepped. Raises InputError for other faults whose span has no step of a
+    receiver.
     """
     places = {block: place for place, block in enumerate(blocks)}
     numbers = {d.number for d in disturbances if _is_seen(scenario, d, places)}

@@ -1,7 +1,7 @@
 """The faults of a scenario, which set, freeze, bias or cut.
 
-A signal's fault (disturbances.py) acts on the connection, on what a receiver is given; the block that gives the signal is
-sound, and so is what is recorded of it.
+A signal's fault (disturbances.py) acts on the connection, on what a receiver is given; the block that gives the signal
+is sound, and so is what is recorded of it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from .wiring import Node, Wiring
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """Values that a block is given at an instant. Those of a fault stand over those of the timeline while its span lasts.
+    """Values that a block is given at an instant. Those of a fault stand over those of the timeline while its span
+    lasts.
 
     Two with the same entries are still two, each of which begins and ends.
     """

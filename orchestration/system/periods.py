@@ -1,4 +1,5 @@
-"""Parameters that are times of so many steps of their block, such as the period of a sampled law, held against these steps."""
+"""Parameters that are times of so many steps of their block, such as the period of a sampled law, held against these
+steps."""
 
 from __future__ import annotations
 

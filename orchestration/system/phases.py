@@ -22,7 +22,8 @@ from .wiring import Node
 
 @dataclass(frozen=True)
 class Phase:
-    """When a phase lasts: from the beginning of a window, included, to its end, excluded; or while the signal has the value."""
+    """When a phase lasts: from the beginning of a window, included, to its end, excluded; or while the signal has the
+    value."""
 
     spans: tuple[tuple[float, float], ...] = ()
     signal: Node | None = None

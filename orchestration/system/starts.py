@@ -1,4 +1,4 @@
-"""Start values of a scenario: shared ones, those of each block, and what helper inputs such as an altitude stand for."""
+"""Start values of a scenario: shared ones, those of each block, and what helper inputs (an altitude) stand for."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ class Start:
 def resolve(
     scenario: Scenario, models: Mapping[str, Model], known: Mapping[str, list[Start]] | None = None
 ) -> dict[str, list[Start]]:
-    """The start values of each block; `known` are those of blocks that are resolved already. Raises InputError with everything that is wrong."""
+    """The start values of each block; `known` are those of blocks that are resolved already.
+
+    Raises InputError with everything that is wrong.
+    """
     starts: dict[str, list[Start]] = dict(known or {})
     errors = _untaken(scenario, models) if known is None else []
     for block in [name for name in models if name not in starts]:

@@ -99,7 +99,8 @@ def fed(scenario: Scenario, block: str, ports: Iterable[Variable]) -> list[Varia
 
 
 def links(text: Connection, models: Mapping[str, Model], delays: Mapping[Node, int]) -> tuple[list[Link], list[str]]:
-    """A connection as one link, or, where its elements have units of their own, one for each change of unit; and warnings.
+    """A connection as one link, or, where its elements have units of their own, one for each change of unit; and
+    warnings.
 
     Raises InputError, without a place.
     """

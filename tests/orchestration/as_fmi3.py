@@ -23,7 +23,10 @@ _TAG = {"real": "Float64", "integer": "Int32", "enumeration": "Enumeration", "bo
 
 
 def write(path: Path, fmu: Fmu | Path, tags: Mapping[str, str] | None = None, *changes: tuple[str, str]) -> Path:
-    """The FMU of FMI 3.0 at `path`. `tags` are FMI's types of variables by their names; `changes` replace text of the XML."""
+    """The FMU of FMI 3.0 at `path`.
+
+    `tags` are FMI's types of variables by their names; `changes` replace text of the XML.
+    """
     fmu = fmu if isinstance(fmu, Fmu) else open_fmu(fmu)
     xml = description(fmu, tags or {})
     for old, new in changes:

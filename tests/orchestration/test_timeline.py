@@ -213,7 +213,8 @@ def test_a_timeline_whose_phases_are_not_drawn_is_noted() -> None:
 
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_fault_stands_over_the_timeline_while_it_acts_and_leaves_the_last_value_behind(compiled: bool) -> None:
-    """Heights of 1, 2 and 3 km by the timeline at 1, 4 and 9 s; 50 km by a fault from 3 to 6 s, 60 km by another from 5 to 7 s."""
+    """Heights of 1, 2 and 3 km by the timeline at 1, 4 and 9 s; 50 km by a fault from 3 to 6 s, 60 km by another from
+    5 to 7 s."""
     height = "supervisor.target_height"
     timeline = [{"at": at, "set": {height: f"{km} km"}} for at, km in ((1.0, 1), (4.0, 2), (9.0, 3))]
     faults = [

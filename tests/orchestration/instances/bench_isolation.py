@@ -1,4 +1,5 @@
-"""What a step costs of an FMU in this process and of one in its own: `python -m tests.orchestration.instances.bench_isolation`.
+"""What a step costs of an FMU in this process and of one in its own: `python -m
+tests.orchestration.instances.bench_isolation`.
 
 A step is Set of the inputs, doStep and Get of the outputs, called from the loop in Python.
 """

@@ -101,7 +101,8 @@ def test_blocks_at_their_own_rates_give_the_same_bits(exchange, ran_in_c):
 
 @pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 def test_a_slow_block_recorded_between_its_steps_shows_its_last_step(loop, exchange, ran_in_c):
-    """It is stepped after 2, 4, 6 ... base steps and recorded after 3, 6, 9 ..., and nothing but the record asks for `steps`."""
+    """It is stepped after 2, 4, 6 ... base steps and recorded after 3, 6, 9 ..., and nothing but the record asks for
+    `steps`."""
     text = loop.read_text().replace("fmu: motor.fmu", "fmu: motor.fmu\n    every: 2")
     text = text.replace("record: {interval: 0.1 s}", "record: {interval: 0.3 s, signals: [motor.steps, motor.speed]}")
     loop.write_text(text + f"exchange: {exchange}\n")

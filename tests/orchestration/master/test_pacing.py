@@ -28,7 +28,10 @@ SCENARIO = {"step": "10 ms", "duration": "0.1 s"}
 
 
 class Clock:
-    """A clock that stands still but for what is done on it. A sleep ends so much too late as `late` says for its end."""
+    """A clock that stands still but for what is done on it.
+
+    A sleep ends so much too late as `late` says for its end.
+    """
 
     def __init__(self, **late: float) -> None:
         self.time, self.waits = 1000.0, []

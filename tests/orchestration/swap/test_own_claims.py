@@ -1,4 +1,5 @@
-"""Expectations rest on the plant's truth: a controller that does nothing and reports no error meets none of the claims of settling."""
+"""Expectations rest on the plant's truth: a controller that does nothing and reports no error meets none of the claims
+of settling."""
 
 from __future__ import annotations
 
@@ -113,7 +114,8 @@ def test_a_controller_without_errors_flies_the_papers_scenario_and_is_judged(wit
 
 @pytest.mark.parametrize("ignored", [True, False])
 def test_a_figure_that_loses_all_its_panels_is_left_out_with_a_note(without_errors, tmp_path, ignored):
-    """A figure of two panels of one signal each, as the paper's scenario had it; and one that keeps a panel and a curve."""
+    """A figure of two panels of one signal each, as the paper's scenario had it; and one that keeps a panel and a
+    curve."""
     text = TEXT.split("\nexpect:")[0].replace("duration: 386.1 s", "duration: 1 s")
     path = tmp_path / "figures.yaml"
     path.write_text(

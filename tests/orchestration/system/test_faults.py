@@ -101,7 +101,8 @@ def test_a_fault_at_the_start_acts_in_initialization():
     ],
 )  # fmt: skip
 def test_a_fault_of_a_signal_that_no_step_sees_is_refused(fault, every, told):
-    """What the law gives at 2 s, the end, is a step behind for the plant; with `every` 4 the law's last step ends at 2 s."""
+    """What the law gives at 2 s, the end, is a step behind for the plant; with `every` 4 the law's last step ends at 2
+    s."""
     with pytest.raises(InputError) as info:
         chain(fault, every={"law": every}, scenario={"duration": 1.9 if every == 4 and fault["at"] > 1 else 2})
     assert f"faults[1].at: no step of {told}" in str(info.value)

@@ -1,4 +1,5 @@
-"""Parameters that are times of so many steps of their block: the period of a sampled law, and the time that a command acts."""
+"""Parameters that are times of so many steps of their block: the period of a sampled law, and the time that a command
+acts."""
 
 from __future__ import annotations
 
