@@ -21,9 +21,7 @@ INDEPENDENT_MIN = 1e-6
 
 @dataclass(frozen=True)
 class Parameters:
-    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of
-    fmus/interfaces/allocator.toml.
-    """
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator.toml."""
 
     rod_axes: Array
     dipole_max: float
@@ -46,8 +44,7 @@ class Parameters:
 @dataclass(frozen=True)
 class Inputs:
     """Demand, field and rate (3,) in body axes, and the wheel's momentum. Units and frames are those of
-    fmus/interfaces/allocator.toml.
-    """
+    fmus/interfaces/allocator.toml."""
 
     tau_cmd_B: Array
     b_B: Array
@@ -71,8 +68,7 @@ class State:
 @dataclass  # not frozen, which takes three times as long
 class Outputs:
     """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of
-    fmus/interfaces/allocator.toml.
-    """
+    fmus/interfaces/allocator.toml."""
 
     dipole_cmd: Array
     wheel_torque_cmd: float

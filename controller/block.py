@@ -26,9 +26,7 @@ ABSENT_MIN = 0.999e9
 
 @dataclass(frozen=True)
 class Parameters:
-    """J_B, L0, R_d0 (3, 3), K0, Omega_d0 (3,). Units, frames and limits are those of
-    fmus/interfaces/controller.toml.
-    """
+    """J_B, L0, R_d0 (3, 3), K0, Omega_d0 (3,). Units, frames and limits are those of fmus/interfaces/controller.toml."""
 
     J_B: Array
     K0: Array
@@ -136,8 +134,7 @@ def _latched(x: State, u: Inputs, p: Parameters) -> State:
 
 def _no_attitude(x: State, u: Inputs) -> bool:
     """Whether there is none. Once flown, only where a reference is connected: who gives it knows of an
-    attitude that is lost.
-    """
+    attitude that is lost."""
     return not u.has_attitude and (not x.flown or u.has_reference)
 
 

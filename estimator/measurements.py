@@ -19,8 +19,7 @@ IN_A_ROW = 50
 """So many measurements of one sensor above the gate, one after the other, end the filter: it starts again."""
 START_FACTOR, ANCHOR_FACTOR = 10.0, 2.0
 """Of the first attitude's standard deviation, for that of the covariance at the start; less where an
-earlier field gives it.
-"""
+earlier field gives it."""
 START_ANGLE, ANCHOR_ANGLE = math.radians(10.0), math.radians(20.0)
 """Least angle between Sun and field, and between two fields, from which an attitude is made."""
 ANCHOR_AGE = 900.0

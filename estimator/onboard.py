@@ -59,9 +59,7 @@ def sidereal_angle(days: float) -> float:
 
 
 def sun_direction(days: float) -> Array:
-    """Unit vector (3,) from the Earth to the Sun in N: the low-precision formula of the Astronomical
-    Almanac, 0.01 deg.
-    """
+    """Unit vector (3,) from the Earth to the Sun in N: the low-precision formula of the Astronomical Almanac, 0.01 deg."""
     mean_longitude = math.radians(280.460) + math.radians(0.9856474) * days
     anomaly = math.radians(357.528) + math.radians(0.9856003) * days
     longitude = mean_longitude + math.radians(1.915) * math.sin(anomaly) + math.radians(0.020) * math.sin(2.0 * anomaly)
@@ -81,8 +79,7 @@ def sunlight(r_N: Array, sun_N: Array) -> float:
 
 def orbit_after(r_N: Array, v_N: Array, h: float, mu: float, oblate: bool) -> tuple[Array, Array]:
     """Position and velocity (3,), m and m/s, after h s: two bodies, with J2 where the Earth is oblate;
-    Runge and Kutta, order 4.
-    """
+    Runge and Kutta, order 4."""
     steps = max(1, math.ceil(h / ORBIT_STEP))
     dt = h / steps
     for _ in range(steps):
@@ -97,8 +94,7 @@ def orbit_after(r_N: Array, v_N: Array, h: float, mu: float, oblate: bool) -> tu
 
 def gravity(r_N: Array, mu: float, oblate: bool) -> Array:
     """Acceleration (3,), m/s2, at r_N (3,), m, with the Earth's axis along Z (Montenbruck and Gill,
-    Satellite Orbits, 3.2).
-    """
+    Satellite Orbits, 3.2)."""
     r2 = float(r_N @ r_N)
     a = -mu / (r2 * math.sqrt(r2)) * r_N
     if oblate:

@@ -67,9 +67,7 @@ def is_block(names: Collection[str]) -> bool:
 
 @contextlib.contextmanager
 def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
-    """A module of the package in this folder, such as `native.tables`, even if another of its name is
-    imported already.
-    """
+    """A module of the package in this folder, such as `native.tables`, even if another of its name is imported already."""
     package = package_name(folder)
     with importing_from(folder.parents[package.count(".")], package.partition(".")[0]):
         yield importlib.import_module(f"{package}.{name}")
@@ -117,8 +115,7 @@ LENT = {"gauss_models.h": "estimator"}
 
 def lenders(folder: Path) -> dict[str, Path]:
     """Of the headers in LENT those that the C in a block's folder includes, with the folder of the block
-    that writes them.
-    """
+    that writes them."""
     if not (folder / "native").is_dir():
         return {}
     text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").rglob("*.c")))

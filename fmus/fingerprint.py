@@ -63,8 +63,7 @@ _known: dict[object, object] = {}
 
 def _state(folder: Path, flavour: str = "") -> str:
     """A hash that changes with the files of a block's folder, or, with a flavour, of those here that make
-    it, as `seen` has them.
-    """
+    it, as `seen` has them."""
     looked = {} if _looked is None else _looked
     key = folder, flavour
     if key not in looked:

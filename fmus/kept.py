@@ -79,8 +79,7 @@ def _read(path: Path) -> Any:
 
 def _write(path: Path, data: bytes) -> None:
     """Writes a temporary file and renames it, so that another process never reads an incomplete one;
-    keeps the latest files.
-    """
+    keeps the latest files."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(".tmp", dir=path.parent)
     with os.fdopen(descriptor, "wb") as file:

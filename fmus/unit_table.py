@@ -1,6 +1,5 @@
 """The units that are read without Pint: SI with its prefixes, what is usual beside it, and products
-written as one word.
-"""
+written as one word."""
 
 from __future__ import annotations
 

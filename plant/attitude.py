@@ -49,8 +49,7 @@ COMPOSITIONS: dict[int, tuple[float, ...]] = {2: (1.0,), 4: _suzuki4(), 6: _yosh
 @dataclass(frozen=True)
 class Body:
     """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheel locked, and the
-    wheel's unit axis (3,).
-    """
+    wheel's unit axis (3,)."""
 
     J: Array
     J_inverse: Array
@@ -92,8 +91,7 @@ def lgvi_step(
 
 def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
     """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method; on floats, which takes a
-    quarter of the time.
-    """
+    quarter of the time."""
     (a1, a2, a3), (u1, u2, u3) = a.tolist(), body.wheel_axis.tolist()
     p1, p2, p3 = lm * u1, lm * u2, lm * u3
     d1, d2, d3 = difference = a1 - p1, a2 - p2, a3 - p3

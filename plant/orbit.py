@@ -24,8 +24,7 @@ WGS84_J2 = 1.082629821313e-3
 @dataclass(frozen=True)
 class Orbit:
     """An elliptic orbit. At t = 0 its plane is spanned by `towards_perigee` and `along_perigee`, (3,)
-    unit vectors in N.
-    """
+    unit vectors in N."""
 
     semi_major_axis: float
     """m"""

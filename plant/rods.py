@@ -14,8 +14,7 @@ from .so3 import Array
 
 SNAP = 1e-6
 """Of a period: a time this near to a switching instant counts as that instant, so that the rounding of a long sum of
-steps cuts no slivers.
-"""
+steps cuts no slivers."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,5 @@ class Turns:
 
 
 def dipoles(command: Array, limit: Array, gain: Array, on: bool) -> Array:
-    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit (3,); none while
-    they are off.
-    """
+    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit (3,); none while they are off."""
     return gain * np.minimum(np.maximum(command, -limit), limit) if on else np.zeros(3)

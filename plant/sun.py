@@ -31,8 +31,7 @@ PERTURBATIONS = (
     (0.00178, 161.390, 20.2),
 )
 """Of the longitude: amplitude, deg, phase, deg, and its rate, deg a century, of cosines: Venus twice, Jupiter, the Moon
-and a long period.
-"""
+and a long period."""
 
 
 def position(T: float) -> tuple[float, float, float]:
@@ -76,9 +75,7 @@ class Sun:
         self._start = self._change = (0.0, 0.0, 0.0)
 
     def at(self, t: float) -> tuple[float, float, float]:
-        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two
-        is no memory.
-        """
+        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two is no memory."""
         s = t / NODE_INTERVAL
         k = math.floor(s)
         if k != self._number:

@@ -52,8 +52,7 @@ class Environment:
 
     def at(self, R: Array, t: float) -> Surroundings:
         """At attitude R (3,3) and time t, s. The last are kept: a step's end, its outputs and the next
-        start are one place.
-        """
+        start are one place."""
         if self._last is None or self._last[0] is not R or self._last[1] != t:
             self._last = R, t, self._evaluate(R.T, t)
         return self._last[2]

@@ -20,8 +20,7 @@ ECCENTRICITY_MAX = 0.8
 
 def looked(x: State, u: Inputs, p: Parameters) -> State:
     """With the reference of the present mode at AHEAD times; none in the mode safe, nor on an orbit that is no ellipse
-    or nearly none.
-    """
+    or nearly none."""
     t, turn, Omega = np.zeros(AHEAD), np.zeros((AHEAD, 3)), np.zeros((AHEAD, 3))
     if x.mode == SAFE or p.ahead_horizon <= 0.0 or not _eccentricity(u, p.gravitational_parameter) < ECCENTRICITY_MAX:
         return replace(x, ahead_next=0.0, t_ahead=t, turn_ahead=turn, Omega_ahead=Omega)
@@ -49,8 +48,7 @@ def _eccentricity(u: Inputs, mu: float) -> float:
 
 def two_body(r: Array, v: Array, mu: float, dt: float) -> tuple[Array, Array]:
     """Position (3,) m and velocity (3,) m/s after dt, s, on an ellipse: Kepler's equation from perigee,
-    in the orbit's plane.
-    """
+    in the orbit's plane."""
     size, h = norm(r), np.cross(r, v)
     a = 1.0 / (2.0 / size - float(v @ v) / mu)
     e = np.cross(v, h) / mu - r / size

@@ -142,8 +142,7 @@ def _sun(u: Inputs) -> Array:
 
 def _aim(wanted: int, u: Inputs) -> Array:
     """Returns the target of a mode, as the state keeps it. Raises ValueError where an input that the mode
-    needs is not connected.
-    """
+    needs is not connected."""
     aim = np.zeros(9)
     if wanted == INERTIAL:
         require("R_goal", u.R_goal, "the mode 'inertial' is asked for")

@@ -1,6 +1,5 @@
 """Parameters, inputs, state and outputs of the supervisor. Units, frames and limits are those of
-fmus/interfaces/supervisor.toml.
-"""
+fmus/interfaces/supervisor.toml."""
 
 from __future__ import annotations
 

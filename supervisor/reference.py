@@ -119,8 +119,7 @@ def steered(z: Direction, normal: Array, yaw: float) -> Reference:
 
 def free(axis_B: Array, to: Direction, before: Array) -> Reference:
     """The body axis axis_B (3,) along a direction, by the smallest turn from the attitude `before` (3,3):
-    no rate about it.
-    """
+    no rate about it."""
     R = shortest(before @ axis_B, to.u) @ before
     return Reference(R, R.T @ np.cross(to.u, to.du), R.T @ np.cross(to.u, to.ddu))
 

@@ -50,8 +50,7 @@ def _may_turn(x: State, u: Inputs, p: Parameters) -> bool:
 
 def rate_towards(axis_B: Array, to_B: Array, time: float, rate_max: float) -> Array:
     """The rate (3,) that turns a body axis to a unit vector, both in body axes: the angle over `time`, at
-    most rate_max.
-    """
+    most rate_max."""
     about = np.cross(axis_B, to_B)
     s, c = norm(about), float(axis_B @ to_B)
     angle = math.atan2(s, c)

@@ -72,8 +72,7 @@ def coefficients(angle: float) -> tuple[float, float, float, float]:
 
 def shortest(a: Array, b: Array) -> Array:
     """The smallest turn (3,3) that takes the direction of a (3,) to the unit vector b (3,); of opposite
-    ones any half turn.
-    """
+    ones any half turn."""
     a = a / norm(a)  # else its rounding would double from step to step
     v, c = np.cross(a, b), float(a @ b)
     if c < -1.0 + 1e-12:

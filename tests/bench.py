@@ -1,9 +1,8 @@
 """`make bench`: how fast the loop is on this machine. Prints figures; asserts nothing.
 
-The first rows time work that never changes, so that figures of other days and machines can be compared by ratio.
-One orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded
-at 1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit, and 20 of them by its Monte
-Carlo.
+The first rows time work that never changes, so that figures of other days and machines can be compared by ratio. One
+orbit (5800 s at 0.1 s) of manoeuvre V.B with everything on: field, drag, gravity gradient, wheel and rods; recorded at
+1 s. Beside it, where `pip install bsk` has been done, Basilisk flies the same orbit, and 20 of them by its Monte Carlo.
 """
 
 from __future__ import annotations
@@ -64,8 +63,7 @@ def machine(runs: int) -> None:
 
 
 def loops(runs: int) -> None:
-    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of
-    it."""
+    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of it."""
     for flavour, order, compiled, repeats, parts in (
         ("native", 4, True, runs, 1),
         ("native", 4, False, runs, 1),

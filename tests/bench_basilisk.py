@@ -1,8 +1,7 @@
 """One orbit of the same satellite by Basilisk, for tests.bench.
 
-`DURATION` (s): flies it once, and prints seconds of imports, of set-up and of the run.
-`DURATION RUNS PROCESSES`: flies it by Basilisk's Monte Carlo controller, and prints the seconds that all runs took and
-how many failed.
+`DURATION` (s): flies it once, and prints seconds of imports, of set-up and of the run. `DURATION RUNS PROCESSES`: flies
+it by Basilisk's Monte Carlo controller, and prints the seconds that all runs took and how many failed.
 
 Field (WMM), drag on ten facets in an exponential atmosphere, gravity gradient, one wheel at a constant motor torque,
 three rods at constant dipoles; RK4 at 0.1 s, states recorded at 1 s. No control law flies, so Basilisk does less here

@@ -26,9 +26,7 @@ class Limits(NamedTuple):
 
 
 class Preference(NamedTuple):
-    """The commands that are preferred where the demand leaves a choice, with weights that bound their
-    cost in torque.
-    """
+    """The commands that are preferred where the demand leaves a choice, with weights that bound their cost in torque."""
 
     dipole: Array
     """(3,) A m2 along the rods."""
@@ -56,8 +54,7 @@ def rod_matrix(b_B: Array, U: Array) -> Array:
 
 def spin_torque(omega_B: Array, h_w: float, axis: Array) -> Array:
     """Torque on the turning body of a wheel that spins without torque, -l_w Omega x a, (3,) N m [14]; a:
-    unit axis (3,).
-    """
+    unit axis (3,)."""
     O1, O2, O3 = omega_B.tolist()
     a1, a2, a3 = axis.tolist()
     return np.array((h_w * (O3 * a2 - O2 * a3), h_w * (O1 * a3 - O3 * a1), h_w * (O2 * a1 - O1 * a2)))

@@ -29,8 +29,7 @@ FRACTION_CAP = 1e6
 @dataclass(frozen=True)
 class Parameters:
     """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of
-    fmus/interfaces/allocator_bounded.toml.
-    """
+    fmus/interfaces/allocator_bounded.toml."""
 
     rod_axes: Array
     dipole_max: float
@@ -58,8 +57,7 @@ class Parameters:
 @dataclass(frozen=True)
 class Inputs:
     """Vectors (3,), in body axes but for those along the rods. Units and frames are those of
-    fmus/interfaces/allocator_bounded.toml.
-    """
+    fmus/interfaces/allocator_bounded.toml."""
 
     tau_cmd_B: Array
     b_B: Array
@@ -80,8 +78,7 @@ class State:
 @dataclass(frozen=True)
 class Outputs:
     """dipole_cmd (3,) along the rods, tau_residual_B (3,) in body axes. Units and frames are those of
-    fmus/interfaces/allocator_bounded.toml.
-    """
+    fmus/interfaces/allocator_bounded.toml."""
 
     dipole_cmd: Array
     wheel_torque_cmd: float
@@ -159,9 +156,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 
 def _preference(u: Inputs, p: Parameters, field: bool) -> Preference:
-    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole
-    without a field.
-    """
+    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole without a field."""
     rods = field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
     wheel = abs(u.wheel_torque_ff) < ABSENT_MIN
     return Preference(

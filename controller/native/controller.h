@@ -2,7 +2,7 @@
  *
  * Flight code: plain functions of plain structures, no memory but `ControllerState`, fixed time, no recursion. Use:
  * check and prepare once (and again after a change of parameters), start once, then step at every sample. SI units
- * and radians; frames as at the ports. A function that returns false has noted a fault and changed nothing else. / */
+ * and radians; frames as at the ports. A function that returns false has noted a fault and changed nothing else. */
 #ifndef CONTROLLER_H
 #define CONTROLLER_H
 

@@ -54,8 +54,7 @@ def model_description(
     remark: str = "",
 ) -> bytes:
     """The XML file; `remark` follows the description. No date stands in it, so the same arguments give
-    the same bytes. Raises QuantityError.
-    """
+    the same bytes. Raises QuantityError."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -91,9 +90,7 @@ def guid_from(digest: str) -> str:
 
 
 def about(variable: Variable) -> str:
-    """The description with the frame of its components, and which value means that an optional input is
-    not connected.
-    """
+    """The description with the frame of its components, and which value means that an optional input is not connected."""
     more = [f"frame: {variable.frame}"] if variable.frame else []
     if variable.frame and "N" in variable.frame.split():
         more.append(FRAME_N)
@@ -136,8 +133,7 @@ def _type_definitions(root: ET.Element, interface: Interface) -> None:
 
 def type_name(variable: Variable, position: int = 0) -> str:
     """The type of an element: an enumeration's has its variable's name in capitals (`GainSchedule`), a Real's its
-    units' (`rad shown in deg`).
-    """
+    units' (`rad shown in deg`)."""
     if variable.type == "enumeration":
         return "".join(part[:1].upper() + part[1:] for part in variable.name.split("_")) + "Choice"
     name = _unit_name(variable.units[position])

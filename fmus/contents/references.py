@@ -1,6 +1,4 @@
-"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder
-`reference_data`.
-"""
+"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder `reference_data`."""
 
 from __future__ import annotations
 

@@ -33,8 +33,7 @@ class InUse(ValueError):
 
 def refuse_other(interface: Interface, folder: Path, *more: str) -> None:
     """Raises InUse where `write`, or what writes `more` beside it, would overwrite what is not of a kit
-    of this interface.
-    """
+    of this interface."""
     there, remedy = folder / "interface.toml", "remedy: another folder"
     if there.exists():
         if there.read_bytes().replace(b"\r\n", b"\n") != for_teams(interface).source.encode():

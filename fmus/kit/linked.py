@@ -55,8 +55,7 @@ def is_of_device(folder: Path) -> bool:
 
 def regenerate(folder: Path) -> list[Path]:
     """Writes what is generated anew from the folder's interface.toml, the link FMU too. Raises
-    CompilerError, InterfaceError.
-    """
+    CompilerError, InterfaceError."""
     interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
     return write(interface, folder, "c" if (folder / "firmware").is_dir() else "python")
 
@@ -69,8 +68,7 @@ def firmware() -> list[Path]:
 
 def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     """Returns the C that a device needs of the interface. `of_block`: for a block that is written for the
-    FMI shell, with of_block.c.
-    """
+    FMI shell, with of_block.c."""
     name, title = interface.name, camel_case(interface.name)
     types = [*wire.RECORDS.values(), *(("State", "Law") if of_block else ("Memory",))]
     parts = [f"typedef {title}{kind} {kind};" for kind in types]

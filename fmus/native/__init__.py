@@ -88,8 +88,7 @@ def sources(folder: Path) -> list[Path]:
 
 def generated_sources(interface: Interface, folder: Path) -> dict[str, str]:
     """Returns the C that a block includes and that is kept nowhere, by file name: its structures, and what
-    `generated()` of `native/tables.py` returns, of the block and of those that lend to it.
-    """
+    `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
     made = ports_header(interface)
     if (folder / "native" / "tables.py").exists():
         with module_of(folder, "native.tables") as tables:

@@ -25,8 +25,7 @@ def camel_case(block: str) -> str:
 
 def ports_header(interface: Interface, source: str | None = None) -> dict[str, str]:
     """Returns the header with the block's parameters, inputs and outputs as structures and its enumerations, by its
-    file's name. It names its source: by default the file in fmus/interfaces.
-    """
+    file's name. It names its source: by default the file in fmus/interfaces."""
     name = interface.name
     source = source or f"fmus/interfaces/{name}.toml"
     optional = [v for v in interface.of("input") if v.optional]
@@ -121,8 +120,7 @@ def _real_outputs(interface: Interface) -> list[int]:
 
 def _followers(interface: Interface) -> list[int]:
     """Of each scalar variable, how many after it are alike: they lie side by side in the structures and
-    one check suits all.
-    """
+    one check suits all."""
     alike = [_alike(v) for v in interface.variables.values() for _ in v.elements]
     return [i for _, group in itertools.groupby(alike) for i in reversed(range(len(list(group))))]
 

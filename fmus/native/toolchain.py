@@ -58,8 +58,7 @@ class Platform:
     """Options for what is linked with the operating system's own libraries."""
     blocks: tuple[str, ...] = ()
     """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one,
-    where zig's linker can.
-    """
+    where zig's linker can."""
 
 
 PLATFORMS: Mapping[str, Platform] = {

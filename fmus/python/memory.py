@@ -80,8 +80,7 @@ class Layout:
 
     def store(self, outputs: Any, values: Values) -> Values:
         """A copy of the values with a block's `Outputs` put in. Raises ValueError for one that is not
-        finite, and ContractError.
-        """
+        finite, and ContractError."""
         values = values.copy()
         try:
             for (place, convert), value in zip(self._scalar_places, self._get_scalars(outputs), strict=True):

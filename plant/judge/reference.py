@@ -1,6 +1,5 @@
 """Desired motions: attitude R_d (N from desired body) and rate Omega_d in desired body axes, dR_d/dt =
-R_d Omega_d^ [3].
-"""
+R_d Omega_d^ [3]."""
 
 from __future__ import annotations
 

@@ -105,9 +105,7 @@ def start(p: Parameters, u: Inputs) -> State:
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The measurements that hold: those of the last sample or, where there is no period, of the inputs as
-    they stand.
-    """
+    """The measurements that hold: those of the last sample or, where there is no period, of the inputs as they stand."""
     return _measured(vars(x), u, p, [i for i in CLOCKS if p.periods[i] == 0.0])
 
 
@@ -151,8 +149,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 def _due(since: float, T: float, h: float, name: str) -> tuple[int, float]:
     """How many measurements of the period T are due `since` s after the last one was, and s since the
-    latest of them was.
-    """
+    latest of them was."""
     if not since / T <= PERIODS_MAX:
         raise ValueError(f"{name}: expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s, found {T} s")
     periods = math.floor(since / T + SNAP)

@@ -1,6 +1,5 @@
 """The gyro, in the terms of IEEE Std 952: bias, angle random walk, rate random walk, Markov noise, scale
-factor, range, resolution.
-"""
+factor, range, resolution."""
 
 from __future__ import annotations
 
@@ -29,8 +28,7 @@ def correlated(markov: Array, p: Parameters, sample: int, span: float) -> Array:
 
 def measured(omega_B: Array, drift: Array | None, p: Parameters, sample: int, span: float) -> Array:
     """The rate (3,), rad/s, that is read; span: s since the last measurement, over which the angle random
-    walk is white noise.
-    """
+    walk is white noise."""
     sigma = p.rate_noise
     if p.angle_random_walk > 0.0 and span > 0.0:
         sigma = math.sqrt(sigma * sigma + p.angle_random_walk * p.angle_random_walk / span)

@@ -70,8 +70,7 @@ def vector(x: Array, p: Parameters) -> Array:
 
 def fine(s_B: Array, sunlight: float, p: Parameters, sample: int) -> Array:
     """The unit vector to the Sun (3,) by a fine sensor, turned by its noise; zeros outside its field of
-    view and in shadow.
-    """
+    view and in shadow."""
     if sunlight < p.sun_threshold or float(p.fine_sun_axis @ s_B) < math.cos(p.fine_sun_half_angle):
         return NONE
     return rotation(noise.noise(p.seed, sample, noise.FINE_SUN, p.fine_sun_noise)) @ s_B

@@ -1,6 +1,4 @@
-"""The common part of gyro and magnetometer: three axes with scale-factor errors, misalignments, range and
-resolution.
-"""
+"""The common part of gyro and magnetometer: three axes with scale-factor errors, misalignments, range and resolution."""
 
 from __future__ import annotations
 
