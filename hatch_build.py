@@ -4,6 +4,7 @@ In the repository the packages stand side by side. In a wheel `orchestration` ke
 inside `attitude_cosim`, since names such as `plant` may be anyone's: docs/decisions/0006.
 
 The build backend is hatchling; what compiles the FMUs is asked for when a wheel is built, not for an editable install.
+Tests: tests/packaging/test_wheel.py.
 """
 
 from __future__ import annotations

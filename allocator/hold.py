@@ -1,4 +1,5 @@
-"""The hold near saturation: while a demand is too near its limit, all commands keep their last values."""
+"""The hold near saturation: while a demand is too near its limit, all commands keep their last values.
+Tests: tests/allocator/test_block.py."""
 
 from __future__ import annotations
 

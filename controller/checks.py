@@ -1,4 +1,4 @@
-"""Checks of the parameters: the law works with those that pass."""
+"""Checks of the parameters: the law works with those that pass. Tests: tests/controller/test_block.py."""
 
 from __future__ import annotations
 

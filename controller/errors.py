@@ -1,4 +1,4 @@
-"""Tracking errors [4]."""
+"""Tracking errors [4]. Tests: tests/controller/test_law.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The attitude's error function Phi(tr(K - K Q)) and its gradient [7].
 
-K = diag(k1, k2, k3) is given by its diagonal, (3,) N m.
+K = diag(k1, k2, k3) is given by its diagonal, (3,) N m. Tests: tests/controller/test_law.py.
 """
 
 from __future__ import annotations

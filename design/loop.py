@@ -1,4 +1,5 @@
-"""A scenario of the paper's three blocks as the blocks' own parameters, with its errors located."""
+"""A scenario of the paper's three blocks as the blocks' own parameters, with its errors located.
+Tests: tests/design/test_momentum.py."""
 
 from __future__ import annotations
 

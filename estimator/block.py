@@ -1,4 +1,5 @@
-"""The estimator as a block: what it takes, what it gives, which measurements are new."""
+"""The estimator as a block: what it takes, what it gives, which measurements are new.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

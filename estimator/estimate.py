@@ -1,4 +1,5 @@
-"""A step of the estimate: orbit, rate and attitude forward, start where there is no attitude, then each measurement."""
+"""A step of the estimate: orbit, rate and attitude forward, start where there is no attitude, then each measurement.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The onboard model of the geomagnetic field: spherical harmonics at one date."""
+"""The onboard model of the geomagnetic field: spherical harmonics at one date.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Each measurement against its prediction; the first attitude; what is beyond the gate."""
+"""Each measurement against its prediction; the first attitude; what is beyond the gate.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

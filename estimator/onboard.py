@@ -1,4 +1,5 @@
-"""The estimator's own models of date, Sun, Earth's shadow and orbit; they may differ from the plant's."""
+"""The estimator's own models of date, Sun, Earth's shadow and orbit; they may differ from the plant's.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parameters: their check, and what follows from them alone."""
+"""The parameters: their check, and what follows from them alone. Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""How the attitude turns over a step: by the measured rate, or, without a gyro, by the equations of motion."""
+"""How the attitude turns over a step: by the measured rate, or, without a gyro, by the equations of motion.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

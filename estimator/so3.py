@@ -1,4 +1,5 @@
-"""Vectors of three and rotations: the little that the filter needs of SO(3)."""
+"""Vectors of three and rotations: the little that the filter needs of SO(3).
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first attitude, from two directions: TRIAD (Black, 1964)."""
+"""The first attitude, from two directions: TRIAD (Black, 1964). Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

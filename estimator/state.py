@@ -1,4 +1,4 @@
-"""The estimator's state at a time, and its inputs over a step."""
+"""The estimator's state at a time, and its inputs over a step. Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

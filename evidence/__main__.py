@@ -1,4 +1,5 @@
-"""python -m evidence: makes the pages of docs/evidence. Exit statuses are those of `orchestrate`."""
+"""python -m evidence: makes the pages of docs/evidence. Exit statuses are those of `orchestrate`.
+Tests: tests/evidence/test_cli.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The files of the studies' pages: a line of CSV for each flight or tumble, by the names of its columns."""
+"""The files of the studies' pages: a line of CSV for each flight or tumble, by the names of its columns.
+Tests: tests/evidence/verification/test_cost.py."""
 
 from __future__ import annotations
 

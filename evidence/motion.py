@@ -2,7 +2,7 @@
 
 x = (q, 50 s Omega, 50 s l / kg m2): attitude as a quaternion, scalar first, body rate and wheel momentum; u: the
 rods' dipoles and the wheel's torque as shares of their limits. Gravity gradient and the constant disturbance act,
-drag does not.
+drag does not. Tests: tests/evidence/optimum/test_least_time.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Random rotations and random bodies."""
+"""Random rotations and random bodies. Tests: tests/evidence/reproduction/test_convergence.py."""
 
 from __future__ import annotations
 

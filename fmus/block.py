@@ -1,4 +1,5 @@
-"""A block as sources: its interface, and the folder of the package that implements it."""
+"""A block as sources: its interface, and the folder of the package that implements it.
+Tests: tests/fmus/test_nested.py."""
 
 from __future__ import annotations
 

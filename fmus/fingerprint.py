@@ -1,4 +1,4 @@
-"""One hash of all sources of an FMU: an FMU is built again when it has changed."""
+"""One hash of all sources of an FMU: an FMU is built again when it has changed. Tests: tests/fmus/test_build.py."""
 
 from __future__ import annotations
 

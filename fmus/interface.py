@@ -1,7 +1,7 @@
 """The interface of a block, read from `fmus/interfaces/<block>.toml`, where it is written once.
 
 modelDescription.xml, the FMU wrappers, the interface pages and the swap check are derived from
-what `load` returns. parsing.py describes the file.
+what `load` returns. parsing.py describes the file. Tests: tests/fmus/test_rules.py.
 """
 
 from __future__ import annotations

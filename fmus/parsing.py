@@ -32,7 +32,7 @@ attitude is LVLH. `[page]` has what only a reader needs: `equations`, each with 
 
 In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
 `name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that
-`[groups]` gives for it.
+`[groups]` gives for it. Tests: tests/fmus/test_rules.py.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Where files are: in the repository, or, once installed, in what the wheel brings along ready-made.
 
 A wheel holds, in the folder `ready` of this package: native/*.fmu, python/*.fmu, loop/*, scenarios/, LICENSE.
+Tests: tests/packaging/test_wheel.py.
 """
 
 from __future__ import annotations

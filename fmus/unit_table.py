@@ -1,5 +1,5 @@
 """The units that are read without Pint: SI with its prefixes, what is usual beside it, and products
-written as one word."""
+written as one word. Tests: tests/fmus/test_units.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ports and parameters of a block's interface, element by element as FMI sees them."""
+"""Ports and parameters of a block's interface, element by element as FMI sees them. Tests: tests/fmus/test_rules.py."""
 
 from __future__ import annotations
 

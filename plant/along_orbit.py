@@ -1,7 +1,7 @@
 """Functions of time alone along the orbit: evaluated at nodes, interpolated between them.
 
 Field, density and air speed at the satellite do not depend on its attitude, so they need not be
-evaluated at every stage of the attitude's integrator.
+evaluated at every stage of the attitude's integrator. Tests: tests/plant/test_field.py.
 """
 
 from __future__ import annotations

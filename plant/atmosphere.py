@@ -8,7 +8,7 @@ temperature profile and the logarithms of eight species' densities at 120 km. Ea
 
 whose coefficients are tabulated (plant.tables.density); height enters in closed form. Nothing is
 interpolated in height. The expansions are those of the model itself, so above 500 km what is left is rounding.
-Picone, Hedin, Drob and Aikin, J. Geophys. Res. 107(A12), 2002.
+Picone, Hedin, Drob and Aikin, J. Geophys. Res. 107(A12), 2002. Tests: tests/plant/test_density.py.
 """
 
 from __future__ import annotations

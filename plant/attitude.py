@@ -15,7 +15,7 @@ only, so R Pi is kept to rounding without external moments, whatever the wheel d
 reprojected. Unforced form: Lee, Leok and McClamroch, IEEE CCA 2005.
 
 The step is symmetric and of order 2; its symmetric compositions have order 4 (Suzuki, Phys. Lett. A
-146, 1990) and 6 (Yoshida, Phys. Lett. A 150, 1990, solution A).
+146, 1990) and 6 (Yoshida, Phys. Lett. A 150, 1990, solution A). Tests: tests/plant/test_integrator_order.py.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 It owns the truth: whatever is commanded, rods and wheel stay within their physical limits here.
 The command is held over the step; moments are those of the moving satellite in the moving field.
+Tests: tests/plant/test_invariants.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which parameters describe a satellite that the plant can fly."""
+"""Which parameters describe a satellite that the plant can fly. Tests: tests/plant/test_parameters.py."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ With V + iW = (a/r)^(n+1) P_nm(sin phi) exp(i m lambda) and the potential a sum(
 is B = -grad. The solid harmonics come from Cunningham's recursion in Cartesian, Earth-fixed,
 geocentric components, so nothing is singular at the poles (Montenbruck and Gill, Satellite Orbits,
 section 3.2). The models' coefficients are Schmidt semi-normalised and are brought to the
-recursion's normalisation once.
+recursion's normalisation once. Tests: tests/plant/test_field.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The moments on the satellite that no command changes: functions of its attitude and of time alone, in body axes."""
+"""The moments on the satellite that no command changes: functions of its attitude and of time alone, in body axes.
+Tests: tests/plant/test_gravity_gradient.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""`python -m release`: tested versions of dependencies, software bills of materials, hashes of the FMUs."""
+"""`python -m release`: tested versions of dependencies, software bills of materials, hashes of the FMUs.
+Tests: tests/release/test_release.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The versions of dependencies with which the project was tested, as a constraints file of pip, without addresses."""
+"""The versions of dependencies with which the project was tested, as a constraints file of pip, without addresses.
+Tests: tests/release/test_release.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Software bills of materials, CycloneDX 1.6: of a wheel and of each FMU in it."""
+"""Software bills of materials, CycloneDX 1.6: of a wheel and of each FMU in it.
+Tests: tests/release/test_release.py."""
 
 from __future__ import annotations
 

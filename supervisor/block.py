@@ -1,4 +1,5 @@
-"""The supervisor as a block: which mode it is in, and the reference of that mode."""
+"""The supervisor as a block: which mode it is in, and the reference of that mode.
+Tests: tests/supervisor/test_modes.py."""
 
 from __future__ import annotations
 

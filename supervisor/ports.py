@@ -1,5 +1,5 @@
 """Parameters, inputs, state and outputs of the supervisor. Units, frames and limits are those of
-fmus/interfaces/supervisor.toml."""
+fmus/interfaces/supervisor.toml. Tests: tests/supervisor/test_modes.py."""
 
 from __future__ import annotations
 

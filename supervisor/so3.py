@@ -1,4 +1,4 @@
-"""Vectors of three and rotations."""
+"""Vectors of three and rotations. Tests: tests/supervisor/test_reference.py."""
 
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "allocator.h"
 
 #include "rotation.h"

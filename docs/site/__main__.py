@@ -1,6 +1,6 @@
 """Builds the documentation site in out/site/html: `python -m docs.site`, or `make site`.
 
-Neither the build nor the pages need a network.
+Neither the build nor the pages need a network. Tests: tests/docs/test_site.py.
 """
 
 from __future__ import annotations

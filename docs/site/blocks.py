@@ -1,4 +1,5 @@
-"""The pages of the blocks: equations, limits, ports and parameters, as the page inside each FMU has them."""
+"""The pages of the blocks: equations, limits, ports and parameters, as the page inside each FMU has them.
+Tests: tests/docs/test_site.py."""
 
 from __future__ import annotations
 

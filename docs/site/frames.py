@@ -1,4 +1,4 @@
-"""Draws fmus/contents/frames.svg, the frames and axes: `python -m docs.site.frames`."""
+"""Draws fmus/contents/frames.svg, the frames and axes: `python -m docs.site.frames`. Tests: tests/docs/test_site.py."""
 
 from __future__ import annotations
 

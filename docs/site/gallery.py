@@ -1,4 +1,5 @@
-"""The gallery of scenarios: each is run, and shown with its figures, its expectations and its report."""
+"""The gallery of scenarios: each is run, and shown with its figures, its expectations and its report.
+Tests: tests/docs/test_site.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Checks the links of a built site: every file and every anchor is there, and nothing is loaded from a network."""
+"""Checks the links of a built site: every file and every anchor is there, and nothing is loaded from a network.
+Tests: tests/docs/test_site.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The live pages on the site's first page."""
+"""The live pages on the site's first page. Tests: tests/docs/test_site.py."""
 
 from __future__ import annotations
 

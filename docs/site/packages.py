@@ -1,7 +1,7 @@
 """Draws docs/figures/packages.svg, the packages of orchestration and their imports: `python -m docs.site.packages`.
 
 The layers are those of pyproject.toml, the imports those of the code. An import that a chain of others implies is not
-drawn.
+drawn. Tests: tests/docs/test_site.py.
 """
 
 from __future__ import annotations

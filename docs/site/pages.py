@@ -2,6 +2,7 @@
 
 Their folder mirrors the repository, so a relative link leads to the same file in the site and on a code host.
 Added are pages from the docstrings (api/), and equations are set as MathML, which browsers typeset by themselves.
+Tests: tests/docs/test_site.py.
 """
 
 from __future__ import annotations

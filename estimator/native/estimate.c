@@ -1,4 +1,5 @@
-/* A step of the estimate: orbit, rate and attitude forward, then what is measured. */
+/* A step of the estimate: orbit, rate and attitude forward, then what is measured.
+ * Tests: tests/native/test_flavours.py. */
 #include "estimator.h"
 #include "onboard.h"
 #include "rates.h"

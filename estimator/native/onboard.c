@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "onboard.h"
 
 static const double DEGREE = 3.14159265358979323846 / 180.0;

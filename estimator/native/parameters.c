@@ -1,4 +1,4 @@
-/* The parameters: their check, and what follows from them alone. */
+/* The parameters: their check, and what follows from them alone. Tests: tests/native/test_flavours.py. */
 #include "estimator.h"
 #include "gauss_models.h"
 

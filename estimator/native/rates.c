@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "rates.h"
 
 static const double STEP = 0.5; /* s, longest step of the integration */

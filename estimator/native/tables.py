@@ -1,4 +1,5 @@
-"""The C table of the onboard field models' Gauss coefficients, which the C of a block includes: gauss_models.h."""
+"""The C table of the onboard field models' Gauss coefficients, which the C of a block includes: gauss_models.h.
+Tests: tests/estimator/test_estimator.py."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The paper's allocator and the bounded one under the paper's law, at nodes round the Earth: runs of the FMUs.
 
 Each run lasts an orbit: the manoeuvre, which is judged by its first 1/15 of an orbit as the paper does, and the hold
-that follows it.
+that follows it. Tests: tests/evidence/allocators/test_allocators.py.
 """
 
 from __future__ import annotations

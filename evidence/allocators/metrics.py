@@ -1,4 +1,4 @@
-"""A metric of campaigns that looks at two signals at once."""
+"""A metric of campaigns that looks at two signals at once. Tests: tests/evidence/allocators/test_allocators.py."""
 
 from __future__ import annotations
 

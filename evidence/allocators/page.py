@@ -1,4 +1,5 @@
-"""docs/evidence/allocators.md and its figure, every number in them from docs/evidence/allocators.csv."""
+"""docs/evidence/allocators.md and its figure, every number in them from docs/evidence/allocators.csv.
+Tests: tests/evidence/allocators/test_allocators.py."""
 
 from __future__ import annotations
 

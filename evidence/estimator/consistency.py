@@ -1,4 +1,5 @@
-"""Whether the estimator's covariance is that of its errors: free tumbles, sensors with white noise, no controller."""
+"""Whether the estimator's covariance is that of its errors: free tumbles, sensors with white noise, no controller.
+Tests: tests/estimator/test_flights.py."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@ form.
 
 Farrenkopf, Analytic steady-state accuracy solutions for two common spacecraft attitude estimators, JGC 1 (1978); in
 the form of Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 6.4: for one axis,
-gyro and star tracker.
+gyro and star tracker. Tests: tests/estimator/test_estimator.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""docs/evidence/failures.csv: a line for each flight; docs/evidence/failures.md is made from it."""
+"""docs/evidence/failures.csv: a line for each flight; docs/evidence/failures.md is made from it.
+Tests: tests/evidence/failures/test_rows.py."""
 
 from __future__ import annotations
 

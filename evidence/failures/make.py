@@ -1,5 +1,5 @@
 """Flies the rows in turn, so that those of a table have about as many flights at any time, and writes
-docs/evidence/failures.md."""
+docs/evidence/failures.md. Tests: tests/evidence/failures/test_rows.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The momentum bound of a flight: the least time that the balance of momentum allows for it."""
+"""The momentum bound of a flight: the least time that the balance of momentum allows for it.
+Tests: tests/evidence/test_hold_bound.py."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 each pairing.
 
 All are scenarios/flight_*.yaml with other start values, or with other blocks in the same places. Each lasts three
-orbits.
+orbits. Tests: tests/evidence/flight/test_flight.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Fields of docs/evidence/flight.md: other conditions, and each controller with each allocator."""
+"""Fields of docs/evidence/flight.md: other conditions, and each controller with each allocator.
+Tests: tests/evidence/flight/test_page.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of docs/evidence/flight.md."""
+"""The figures of docs/evidence/flight.md. Tests: tests/evidence/flight/test_flight.py."""
 
 from __future__ import annotations
 

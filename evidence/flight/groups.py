@@ -1,4 +1,4 @@
-"""All groups of flights of docs/evidence/flight.md."""
+"""All groups of flights of docs/evidence/flight.md. Tests: tests/evidence/flight/test_flight.py."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """docs/evidence/flight.csv: a line for each flight, from the datasets of the campaigns; docs/evidence/flight.md and
-its figures are made from it."""
+its figures are made from it. Tests: tests/evidence/flight/test_page.py."""
 
 from __future__ import annotations
 

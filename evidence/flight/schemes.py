@@ -1,5 +1,5 @@
 """The scenarios of docs/evidence/flight.md as data: scenarios/flight_*.yaml with other start values, and other blocks
-in the same places."""
+in the same places. Tests: tests/evidence/flight/test_flight.py."""
 
 from __future__ import annotations
 

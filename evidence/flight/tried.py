@@ -1,4 +1,4 @@
-"""Tumbles with one thing different."""
+"""Tumbles with one thing different. Tests: tests/evidence/flight/test_flight.py."""
 
 from __future__ import annotations
 

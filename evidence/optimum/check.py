@@ -1,5 +1,5 @@
 """What the optimiser found, flown: its commands by the plant open-loop, then the planned controller from where they
-end."""
+end. Tests: tests/evidence/optimum/test_least_time.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Courses of a tumble's motion: the flown one, others that the optimiser starts from, and those that it ends with."""
+"""Courses of a tumble's motion: the flown one, others that the optimiser starts from, and those that it ends with.
+Tests: tests/evidence/optimum/test_least_time.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""docs/evidence/optimum.csv: a line for each tumble; docs/evidence/optimum.md and its figure are made from it."""
+"""docs/evidence/optimum.csv: a line for each tumble; docs/evidence/optimum.md and its figure are made from it.
+Tests: tests/evidence/optimum/test_page.py."""
 
 from __future__ import annotations
 

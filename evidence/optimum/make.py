@@ -1,5 +1,5 @@
 """Searches the least time of tumbles of docs/evidence/flight.md, each saved as it ends, and writes
-docs/evidence/optimum.csv from them."""
+docs/evidence/optimum.csv from them. Tests: tests/evidence/optimum/test_least_time.py."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@ its task.
 
 The field along the orbit is the plant's, as Chebyshev series of time. Gravity gradient and the constant disturbance
 act; drag, of some 1e-7 N m, is left to the check by the plant (check.py).
+Tests: tests/evidence/optimum/test_least_time.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The numbers of the problem that docs/evidence/optimum.md states."""
+"""The numbers of the problem that docs/evidence/optimum.md states. Tests: tests/evidence/optimum/test_least_time.py."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ intervals.
 Of x' = f(x, u, t) from x(0) the least T is sought for which x is within a set at T and stays in it for a given while:
 the set must be one where the motion can be held, not one that is passed through. So [0, T] is divided into N equal
 intervals and the while after it into M. The variables are x at all nodes, u in all intervals, and T.
+Tests: tests/evidence/optimum/test_least_time.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""QEMU's Cortex-M7 with a firmware: its line as a TCP port on this machine, and what each call cost."""
+"""QEMU's Cortex-M7 with a firmware: its line as a TCP port on this machine, and what each call cost.
+Tests: tests/fmus/link/test_emulated.py."""
 
 from __future__ import annotations
 

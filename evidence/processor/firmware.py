@@ -2,6 +2,7 @@
 start-up.
 
 Needs arm-none-eabi-gcc and qemu-system-arm (Debian: gcc-arm-none-eabi qemu-system-arm).
+Tests: tests/evidence/processor/test_stack.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The rests of the law [8]: the goal, three half turns, and the eigenvalues of the loop at each."""
+"""The rests of the law [8]: the goal, three half turns, and the eigenvalues of the loop at each.
+Tests: tests/evidence/reproduction/test_convergence.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """What the paper's claims need of a run beside plain statistics: figures of the hold of all commands, and of b1.
 
 Metrics of campaigns: each is given the times (n,) s and the signals by name. Infinite where a thing never happened.
+Tests: tests/evidence/reproduction/test_runs.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""What runs show, in the figures that the paper's claims are about: metrics of campaigns."""
+"""What runs show, in the figures that the paper's claims are about: metrics of campaigns.
+Tests: tests/evidence/reproduction/test_runs.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""How the claims depend on what the paper leaves open: sweeps of the whole loop in the mass-normalised reading."""
+"""How the claims depend on what the paper leaves open: sweeps of the whole loop in the mass-normalised reading.
+Tests: tests/evidence/reproduction/test_claims.py."""
 
 from __future__ import annotations
 

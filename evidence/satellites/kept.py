@@ -1,4 +1,5 @@
-"""docs/evidence/satellites.csv: a line for each flight; docs/evidence/satellites.md is made from it."""
+"""docs/evidence/satellites.csv: a line for each flight; docs/evidence/satellites.md is made from it.
+Tests: tests/evidence/satellites/test_page.py."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """Flies the satellites in turn, so that each has about as many flights at any time, and writes
-docs/evidence/satellites.md."""
+docs/evidence/satellites.md. Tests: tests/evidence/satellites/test_classes.py."""
 
 from __future__ import annotations
 

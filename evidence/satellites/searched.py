@@ -1,5 +1,5 @@
 """What is known of tumbles that do not settle, beside their flights: what no controller can do, and what no search
-found."""
+found. Tests: tests/evidence/satellites/test_page.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""docs/evidence/verification.md from docs/evidence/verification.csv, which the tests' authorities write."""
+"""docs/evidence/verification.md from docs/evidence/verification.csv, which the tests' authorities write.
+Tests: tests/evidence/verification/test_cost.py."""
 
 from __future__ import annotations
 

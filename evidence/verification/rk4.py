@@ -2,7 +2,7 @@
 
 The equations are the paper's in the body rate, [1] and [2] with the wheel's torque [14]; the plant
 integrates momentum. `rk4` is the classical Runge-Kutta method at a fixed step, for comparisons of
-cost; `truth` is SciPy's DOP853 at its tightest tolerance.
+cost; `truth` is SciPy's DOP853 at its tightest tolerance. Tests: tests/evidence/verification/test_cost.py.
 """
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+/* Tests: tests/fmus/kit/test_example.py. */
 #include "actuators.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-"""The files of an FMU beside its description and its code, whatever its flavour; and its archive."""
+"""The files of an FMU beside its description and its code, whatever its flavour; and its archive.
+Tests: tests/fmus/contents/test_contents.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""documentation/index.html of an FMU, made from its interface."""
+"""documentation/index.html of an FMU, made from its interface. Tests: tests/fmus/contents/test_contents.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Icons: an SVG of rectangles, circles and polygons in a square of 100 by 100, and the same as a PNG.
 
 FMI wants the PNG; no renderer is asked of whoever builds an FMU, and the same SVG gives the same bytes everywhere.
+Tests: tests/fmus/contents/test_contents.py.
 """
 
 from __future__ import annotations

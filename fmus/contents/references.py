@@ -1,4 +1,5 @@
-"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder `reference_data`."""
+"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder `reference_data`.
+Tests: tests/tools/test_references.py."""
 
 from __future__ import annotations
 

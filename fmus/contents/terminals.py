@@ -1,7 +1,7 @@
 """terminalsAndIcons/terminalsAndIcons.xml: ports that are wired together, and where they stand on the icon.
 
 FMI 2.0.4 took it over from FMI 3.0 (2.4.9), so the file names that version. Terminals of one name on two blocks fit
-each other: a tool that knows terminals wires all their variables at once.
+each other: a tool that knows terminals wires all their variables at once. Tests: tests/fmus/contents/test_contents.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""python -m fmus.kit FOLDER: writes what is generated in FOLDER anew from FOLDER/interface.toml."""
+"""python -m fmus.kit FOLDER: writes what is generated in FOLDER anew from FOLDER/interface.toml.
+Tests: tests/fmus/kit/test_kit.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Fills the templates beside this file from an interface.
 
 What a team fills in afterwards (block.h, block.c, block.py) compiles and runs as it is, and gives zeros.
+Tests: tests/fmus/kit/test_kit.py.
 """
 
 from __future__ import annotations

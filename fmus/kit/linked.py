@@ -1,7 +1,7 @@
 """A kit for a device: the link FMU of a block, a firmware skeleton in C or a device in Python, and a bench that plays
 vectors at it.
 
-write(load("controller"), Path("controller_device"), "c")
+write(load("controller"), Path("controller_device"), "c") Tests: tests/fmus/kit/test_device_kit.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""python -m fmus.native FOLDER [BLOCK]...: writes the headers that the blocks' C includes and that builds generate."""
+"""python -m fmus.native FOLDER [BLOCK]...: writes the headers that the blocks' C includes and that builds generate.
+Tests: tests/native/test_embedding.py."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """C from an interface: the structures that the laws see, and the table of ports that the shell reads.
 
 Every build writes them anew into a folder of its own. `python -m fmus.native FOLDER` writes those that flight software
-and editors need.
+and editors need. Tests: tests/native/test_linking.py.
 """
 
 from __future__ import annotations

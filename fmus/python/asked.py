@@ -1,6 +1,6 @@
 """A list of value references that a host gives: looked at once, since masters give the same ones in every step.
 
-Carried by every Python FMU, so it needs the standard library only.
+Carried by every Python FMU, so it needs the standard library only. Tests: tests/fmus/python/test_slave.py.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Calls from the host: what is raised in one becomes a message to the host, and the instance stays usable.
 
-Carried by every Python FMU, so it needs the standard library only.
+Carried by every Python FMU, so it needs the standard library only. Tests: tests/fmus/python/test_errors.py.
 """
 
 from __future__ import annotations

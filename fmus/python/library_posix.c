@@ -1,4 +1,4 @@
-/* The library beside this one, on Linux. */
+/* The library beside this one, on Linux. Tests: tests/fmus/python/test_errors.py. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdlib.h>

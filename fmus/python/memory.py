@@ -1,6 +1,6 @@
 """A block's values as FMI sees them, a flat list by value reference, and as the block sees them, its dataclasses.
 
-Carried by every Python FMU, so it needs the standard library and numpy only.
+Carried by every Python FMU, so it needs the standard library and numpy only. Tests: tests/fmus/python/test_slave.py.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ two versions of one, run their own code in one process:
     resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py,
     memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it carries
     in tables/ resources/plant_0123456789ab_code/pythonfmu/
+Tests: tests/fmus/python/test_slave.py.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
  *
  * PythonFMU 0.7 reports every exception as fmi2Fatal, though its instance lives on (fmus/python/calls.py keeps it
  * alive), and drops every message, errors too, when the host has logging off. Here fmi2Fatal becomes fmi2Error, and
- * messages of warnings and errors always reach the host. All else is handed through. */
+ * messages of warnings and errors always reach the host. All else is handed through.
+ * Tests: tests/fmus/python/test_errors.py. */
 #include "fmi2.h"
 #include "handed_through.h"
 #include "library.h"

@@ -1,4 +1,5 @@
-"""The shell round PythonFMU's library, compiled for every platform for which PythonFMU brings one."""
+"""The shell round PythonFMU's library, compiled for every platform for which PythonFMU brings one.
+Tests: tests/fmus/python/test_errors.py."""
 
 from __future__ import annotations
 

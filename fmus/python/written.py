@@ -1,6 +1,6 @@
 """Functions that make the elements of a variable, as FMI sees them, from a block's value.
 
-Carried by every Python FMU, so it needs the standard library and numpy only.
+Carried by every Python FMU, so it needs the standard library and numpy only. Tests: tests/fmus/python/test_slave.py.
 """
 
 from __future__ import annotations

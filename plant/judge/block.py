@@ -1,6 +1,7 @@
 """The judge as a block: the tracking errors [4] of the true motion, to LVLH or to a given reference.
 
 It stands outside the loop and shares no code with the controller, which it judges.
+Tests: tests/plant/judge/test_judge.py.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Desired motions: attitude R_d (N from desired body) and rate Omega_d in desired body axes, dR_d/dt =
-R_d Omega_d^ [3]."""
+R_d Omega_d^ [3]. Tests: tests/plant/judge/test_judge.py."""
 
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_plant.py. */
 #include "atmosphere.h"
 
 enum { DEGREE = 7, ORDER = 3 };

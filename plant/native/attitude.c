@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_plant.py. */
 #include "attitude.h"
 
 enum { STAGES_MAX = 7 };

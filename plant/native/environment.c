@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_plant.py. */
 #include "environment.h"
 
 #include <string.h>

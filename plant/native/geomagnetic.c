@@ -1,5 +1,6 @@
 /* V_nm + i W_nm = (a/r)^(n+1) P_nm(sin phi) exp(i m lambda) by Cunningham's recursion in Cartesian components, nothing
- * singular at the poles, and B as its gradient: Montenbruck and Gill, Satellite Orbits, section 3.2. */
+ * singular at the poles, and B as its gradient: Montenbruck and Gill, Satellite Orbits, section 3.2.
+ * Tests: tests/native/test_plant.py. */
 #include "geomagnetic.h"
 
 static const double RADIUS = 6371200.0; /* m, of every WMM and IGRF model */

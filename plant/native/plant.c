@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_plant.py. */
 #include "plant.h"
 
 #include "rods.h"

@@ -1,4 +1,5 @@
-"""C tables of the numbers from outside: field models and density terms, from `plant.tables` at build time."""
+"""C tables of the numbers from outside: field models and density terms, from `plant.tables` at build time.
+Tests: tests/plant/test_field.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """The sensors as a block: when each measures, what it remembers, and what it puts out between its measurements.
 
 Departures from the paper, whose law knows the true state: # not in the paper: all of it.
+Tests: tests/plant/sensors/test_sensors.py.
 """
 
 from __future__ import annotations

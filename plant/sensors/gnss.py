@@ -1,4 +1,4 @@
-"""The GNSS receiver: position and velocity with noise."""
+"""The GNSS receiver: position and velocity with noise. Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """The gyro, in the terms of IEEE Std 952: bias, angle random walk, rate random walk, Markov noise, scale
-factor, range, resolution."""
+factor, range, resolution. Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

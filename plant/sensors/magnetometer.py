@@ -1,4 +1,5 @@
-"""The magnetometer: bias, noise, scale factors, misalignments, and the field of the rods beside it."""
+"""The magnetometer: bias, noise, scale factors, misalignments, and the field of the rods beside it.
+Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Parameters of the sensors, their check, and what follows from them alone."""
+"""Parameters of the sensors, their check, and what follows from them alone.
+Tests: tests/plant/sensors/test_sensors.py."""
 
 from __future__ import annotations
 

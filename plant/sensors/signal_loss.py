@@ -1,5 +1,5 @@
 """Drop-outs: a signal that is lost and found again as a Markov process of two states in continuous time
-(Gilbert, 1960)."""
+(Gilbert, 1960). Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

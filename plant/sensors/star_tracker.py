@@ -1,4 +1,5 @@
-"""The star tracker: noise about and across its boresight, and when it sees no stars."""
+"""The star tracker: noise about and across its boresight, and when it sees no stars.
+Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Sun sensors: coarse ones by the cosine law with the Earth's albedo, the sun vector made of them, and a fine one."""
+"""Sun sensors: coarse ones by the cosine law with the Earth's albedo, the sun vector made of them, and a fine one.
+Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

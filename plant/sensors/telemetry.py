@@ -1,4 +1,4 @@
-"""Telemetry of the wheel and the rods."""
+"""Telemetry of the wheel and the rods. Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

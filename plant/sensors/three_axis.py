@@ -1,4 +1,5 @@
-"""The common part of gyro and magnetometer: three axes with scale-factor errors, misalignments, range and resolution."""
+"""The common part of gyro and magnetometer: three axes with scale-factor errors, misalignments, range and resolution.
+Tests: tests/plant/sensors/test_models.py."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """The file of the density model's table: `density.csv` beside this module.
 
 It is kept with the sources, so neither a build nor a run needs pymsis; plant.tables.density_fit makes it.
+Tests: tests/plant/test_density.py.
 """
 
 from __future__ import annotations

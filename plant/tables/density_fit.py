@@ -6,6 +6,7 @@ samples pymsis (version 0, NRLMSISE-00; indices given, so nothing is downloaded)
 and activities, solves each sample for the eleven quantities of plant.atmosphere, and fits their expansions
 by least squares. The expansions are those of the model itself, so what is left of the fit is the rounding
 of pymsis, which counts in single precision. The only module of the plant that needs pymsis.
+Tests: tests/plant/test_density.py.
 """
 
 from __future__ import annotations

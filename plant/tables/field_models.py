@@ -1,7 +1,7 @@
 """Coefficients of the geomagnetic field models.
 
 WMM 2010 to 2025 from pygeomag (the .COF files of NOAA/NCEI and BGS), IGRF-14 from ppigrf (the .shc file
-of IAGA). Each file is found without importing its package.
+of IAGA). Each file is found without importing its package. Tests: tests/plant/test_field.py.
 """
 
 from __future__ import annotations

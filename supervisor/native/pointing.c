@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "pointing.h"
 
 static const double RADIUS = 6378137.0, FLATTENING = 1.0 / 298.257223563; /* m; WGS 84 */

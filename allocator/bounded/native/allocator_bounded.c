@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "allocator_bounded.h"
 
 #include "box.h"

@@ -9,7 +9,7 @@ for which
 
 is least; m1, within the limit, is applied. So h1 may grow where h2 falls the more. The field b2 is the measured one
 plus the change of a dipole field along the orbit. Not in that paper: the wheel is at rest while the rods detumble,
-and the second law.
+and the second law. Tests: tests/evidence/flight/test_rival.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-/* The functions that compilers call by themselves, for FMUs that are linked with no C library at all. */
+/* The functions that compilers call by themselves, for FMUs that are linked with no C library at all.
+ * Tests: tests/native/test_elementary.py. */
 #include <stdint.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* The block's functions on an instance: its law, its state at the start, its outputs. */
+/* The block's functions on an instance: its law, its state at the start, its outputs.
+ * Tests: tests/native/test_calls.py. */
 #include "instance.h"
 
 #include <math.h>

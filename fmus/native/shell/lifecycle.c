@@ -1,4 +1,5 @@
-/* From fmi2Instantiate to fmi2FreeInstance: the calls' order, start values and initialization. */
+/* From fmi2Instantiate to fmi2FreeInstance: the calls' order, start values and initialization.
+ * Tests: tests/native/test_calls.py. */
 #include "instance.h"
 
 #include <math.h>

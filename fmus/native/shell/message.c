@@ -1,4 +1,4 @@
-/* Messages, without stdio: so the shell needs no C library. */
+/* Messages, without stdio: so the shell needs no C library. Tests: tests/native/test_refusals.py. */
 #include "instance.h"
 
 #include <float.h>

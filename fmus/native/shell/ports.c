@@ -1,4 +1,4 @@
-/* fmi2Get... and fmi2Set... of variables. A call that is refused sets nothing. */
+/* fmi2Get... and fmi2Set... of variables. A call that is refused sets nothing. Tests: tests/native/test_values.py. */
 #include "instance.h"
 
 #include <math.h>

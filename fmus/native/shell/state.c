@@ -1,4 +1,5 @@
-/* Saving and restoring all that an instance remembers: a copy of it behind a header that tells whose it is. */
+/* Saving and restoring all that an instance remembers: a copy of it behind a header that tells whose it is.
+ * Tests: tests/native/test_states.py. */
 #include "instance.h"
 
 typedef struct {

@@ -1,4 +1,4 @@
-/* fmi2DoStep, its status, and what a simple co-simulation FMU does not offer. */
+/* fmi2DoStep, its status, and what a simple co-simulation FMU does not offer. Tests: tests/native/test_calls.py. */
 #include "instance.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "plant_judge.h"
 
 #include "reference.h"

@@ -1,4 +1,4 @@
-/* The GNSS receiver: position and velocity with noise. */
+/* The GNSS receiver: position and velocity with noise. Tests: tests/native/test_flavours.py. */
 #include "models.h"
 
 void plant_sensors_fix(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,

@@ -1,4 +1,4 @@
-/* The gyro in the terms of IEEE Std 952. */
+/* The gyro in the terms of IEEE Std 952. Tests: tests/native/test_flavours.py. */
 #include "models.h"
 #include "three_axis.h"
 

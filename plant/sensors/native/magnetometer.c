@@ -1,4 +1,4 @@
-/* The magnetometer, with the field of the rods beside it. */
+/* The magnetometer, with the field of the rods beside it. Tests: tests/native/test_flavours.py. */
 #include "models.h"
 #include "three_axis.h"
 

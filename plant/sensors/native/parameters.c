@@ -1,4 +1,4 @@
-/* The check of the parameters, and what follows from them alone. */
+/* The check of the parameters, and what follows from them alone. Tests: tests/native/test_flavours.py. */
 #include "plant_sensors.h"
 #include "rotation.h"
 

@@ -1,3 +1,4 @@
+/* Tests: tests/native/test_flavours.py. */
 #include "plant_sensors.h"
 
 #include "models.h"

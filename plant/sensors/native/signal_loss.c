@@ -1,4 +1,4 @@
-/* Drop-outs of the star tracker and of GNSS. */
+/* Drop-outs of the star tracker and of GNSS. Tests: tests/native/test_flavours.py. */
 #include "models.h"
 
 /* The exact probability for any span. */

@@ -1,4 +1,5 @@
-/* The star tracker: noise about and across its boresight, and when it sees no stars. */
+/* The star tracker: noise about and across its boresight, and when it sees no stars.
+ * Tests: tests/native/test_flavours.py. */
 #include "models.h"
 #include "rotation.h"
 

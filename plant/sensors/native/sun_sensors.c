@@ -1,4 +1,5 @@
-/* Sun sensors: coarse ones by the cosine law with the Earth's albedo, the sun vector made of them, and a fine one. */
+/* Sun sensors: coarse ones by the cosine law with the Earth's albedo, the sun vector made of them, and a fine one.
+ * Tests: tests/native/test_flavours.py. */
 #include "models.h"
 #include "rotation.h"
 

@@ -1,4 +1,4 @@
-/* Telemetry of the wheel and the rods. */
+/* Telemetry of the wheel and the rods. Tests: tests/native/test_flavours.py. */
 #include "models.h"
 
 void plant_sensors_telemetry(const PlantSensorsParameters *p, int64_t sample, const PlantSensorsInputs *u,
