@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from orchestration import BlockError, InputError
 from orchestration import run as run_scenario
-from orchestration.cli.main import main
 from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
+from orchestration.session.read import load, read
 
 from ..mocks import Mock, law, model, ramp, real, run
 
@@ -55,8 +53,8 @@ def test_a_frozen_signal_keeps_the_value_that_it_has_when_the_fault_begins():
 
 
 def test_a_bias_is_added():
-    result = chain({"at": 0.5, "until": 1.0, "bias": "plant.y", "by": 10})
     biased = (TIME >= 0.5) & (TIME < 1.0)
+    result = chain({"at": 0.5, "until": 1.0, "bias": "plant.y", "by": 10})
     np.testing.assert_allclose(result["law.y"], TIME + 10.0 * biased)
 
 
@@ -245,7 +243,6 @@ def test_a_refused_setting_names_its_time():
     def refuse(values):
         raise block.fail("fmi2SetReal of gain")
 
-    block.set = refuse
     calls = []
     block.set = lambda values: calls.append(values) if len(calls) < 1 else refuse(values)
     faults = [{"at": 0.3, "set": "block.gain = 2"}]
@@ -371,35 +368,13 @@ def test_a_time_between_two_steps_is_taken_as_the_next_with_a_note():
 # ---------------------------------------------------------------- as a user sees it
 
 
-def test_the_summary_and_the_manifest_tell_the_faults(loop):
-    text = (
-        loop.read_text()
-        + "faults:\n  - {at: 1 s, until: 1.5 s, cut: motor.speed}\n  - {at: 0.5 s, set: regulator.gain = -2}\n"
-    )
-    loop.write_text(text)
-    shown = CliRunner().invoke(main, [str(loop)])
-    assert "fault: motor.speed cut, from 1 s to 1.5 s\nfault: regulator.gain = -2, from 0.5 s on\n" in shown.output
-    manifest = json.loads(Path("results/loop/manifest.json").read_text())
-    assert manifest["faults"] == ["motor.speed cut, from 1 s to 1.5 s", "regulator.gain = -2, from 0.5 s on"]
-    again = run_scenario(manifest["scenario"])
-    np.testing.assert_array_equal(again["motor.speed"], run_scenario(loop)["motor.speed"])
-    shorter = CliRunner().invoke(main, [str(loop), "--duration", "0.8"])
-    assert shorter.exit_code == 0
-    assert "note: does not happen, since the run ends before: motor.speed cut, from 1 s to 1.5 s" in shorter.stderr
-    assert json.loads(Path("results/loop/manifest.json").read_text())["faults"] == manifest["faults"][1:]
-    assert "fault: motor" not in shorter.output.replace(shorter.stderr, "")
-    at_end = CliRunner().invoke(main, [str(loop), "--duration", "0.5"])
-    assert at_end.exit_code == 0
-    assert "note: does not happen, since the run ends before: regulator.gain = -2, from 0.5 s on" in at_end.stderr
-
-
 def test_faults_are_the_same_in_processes(loop):
-    faults = "faults:\n  - {at: 1 s, until: 1.5 s, freeze: motor.speed}\n  - {at: 0.5 s, until: 0.7 s, set: regulator.gain = -2}\n"
+    freeze = {"at": 1.0, "until": 1.5, "freeze": "motor.speed"}
+    faults = [freeze, {"at": 0.5, "until": 0.7, "set": "regulator.gain = -2"}]
     results = []
     for isolation in ("none", "process"):
-        loop.write_text(loop.read_text().replace("isolation: none\n", f"isolation: {isolation}\n{faults}"))
-        results.append(run_scenario(loop))
-        loop.write_text(loop.read_text().replace(f"isolation: {isolation}\n{faults}", "isolation: none\n"))
+        source = read(loop).with_value("isolation", isolation, "").with_value("faults", faults, "")
+        results.append(run_scenario(load(source)))
     np.testing.assert_array_equal(results[0].samples, results[1].samples)
     assert results[1].manifest["fmus"]["motor"]["isolation"] == "process"
 
