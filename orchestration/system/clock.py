@@ -43,12 +43,12 @@ class Clock:
         """The most samples of a run: after every interval, and at its end, which may come at any step."""
         return self.steps // self.interval + 1 + (self.interval > 1)
 
-    def times(self, first: int, count: int, every: int = 1) -> Floats:
-        """The times of `count` instants from step `first` on, one in so many steps."""
-        if (first + count * every) * self.numerator < EXACT and self.denominator < EXACT:
+    def times(self, first: int, count: int, apart: int = 1) -> Floats:
+        """The times of `count` instants from step `first` on, so many steps apart."""
+        if (first + count * apart) * self.numerator < EXACT and self.denominator < EXACT:
             # Quotients of whole numbers that doubles hold exactly are rounded once.
-            return np.arange(first, first + count * every, every, dtype=np.int64) * self.numerator / self.denominator
-        whole = range(first, first + count * every, every)
+            return np.arange(first, first + count * apart, apart, dtype=np.int64) * self.numerator / self.denominator
+        whole = range(first, first + count * apart, apart)
         return np.fromiter((self.time(n) for n in whole), np.float64, count)
 
     def sample_times(self) -> Floats:
@@ -73,21 +73,19 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     if not steps:
         message = f"expected at least one step, {scenario.step:.10g} s, found {scenario.duration:.10g} s"
         raise InputError(scenario.error(("duration",), message))
-    interval = scenario.record.interval or scenario.step
-    every = whole(Fraction(repr(interval)) / step)
-    if not every:
-        message = f"expected a multiple of the base step, {scenario.step:.10g} s, found {interval:.10g} s"
-        raise InputError(
-            scenario.error(("record", "interval"), f"{message}; nearest: {multiples_near(interval, step)}")
-        )
-    if every > steps:
-        message = f"expected at most the duration, {scenario.duration:.10g} s, found {interval:.10g} s"
+    asked = scenario.record.interval or scenario.step
+    interval = whole(Fraction(repr(asked)) / step)
+    if not interval:
+        message = f"expected a multiple of the base step, {scenario.step:.10g} s, found {asked:.10g} s"
+        raise InputError(scenario.error(("record", "interval"), f"{message}; nearest: {multiples_near(asked, step)}"))
+    if interval > steps:
+        message = f"expected at most the duration, {scenario.duration:.10g} s, found {asked:.10g} s"
         raise InputError(scenario.error(("record", "interval"), message))
     for name, entry in scenario.blocks.items():
         if entry.every > steps:
             message = f"{name} would never be stepped: the run has only {steps} base step{'s' if steps > 1 else ''}"
             raise InputError(scenario.error(("blocks", name, "every"), message))
-    return Clock(step.numerator, step.denominator, steps, every), notes
+    return Clock(step.numerator, step.denominator, steps, interval), notes
 
 
 def steps_to(scenario: Scenario, time: float) -> tuple[int, bool]:
