@@ -1,0 +1,101 @@
+"""`orchestrate convert` on a run of the project's own blocks, and what it refuses."""
+
+import tomllib
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.spatial.transform import Rotation
+
+from formats.convert import convert as write
+from formats.recorded import Recorded, recorded
+from orchestration import run
+from orchestration.cli import main as orchestrate
+
+GROUP = "orchestrate.commands"
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch):
+    """The commands that pyproject.toml adds, whenever this copy was installed."""
+    named = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["entry-points"][GROUP]
+    points = {name: EntryPoint(name, place, GROUP) for name, place in named.items()}
+    monkeypatch.setattr(orchestrate, "outside", lambda: points)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run("scenarios/paper_no_singularity.yaml", duration="5 s")
+
+
+def convert(*arguments):
+    return CliRunner().invoke(orchestrate.main, ["convert", *map(str, arguments)])
+
+
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_a_folder_has_the_signals_of_its_result(result, tmp_path, form):
+    found = recorded(result.save(tmp_path, form))
+    assert list(found.signals) == list(result)
+    assert found.time.tolist() == result.time.tolist()
+    for name, values in result.items():
+        assert np.array_equal(found.signals[name], values), name
+    assert found.units["plant.h_w"] == "N.m.s"
+    assert found.parameters["plant"]["epoch"] == "2009-08-10T00:00:00Z"
+
+
+@pytest.mark.parametrize("to", ["aem", "oem", "mcap", "ck", "hdf5"])
+def test_the_files_stand_in_the_folder_of_the_run(result, tmp_path, to):
+    folder = result.save(tmp_path / "out")
+    before = set(folder.iterdir())
+    done = convert(folder, "--to", to)
+    assert done.exit_code == 0, done.output
+    (new,) = set(folder.iterdir()) - before
+    assert str(new) in done.stdout
+    assert new.is_dir() == (to == "ck")
+
+
+def test_an_attitude_is_compared_with_an_ephemeris_and_a_tolerance(result, tmp_path):
+    folder = result.save(tmp_path / "out")
+    assert convert(folder, "--to", "aem", "--out", tmp_path / "a.xml", "--frame", "GCRF").exit_code == 0
+    done = convert(folder, "--compare", tmp_path / "a.xml", "--tolerance", "1e-9 rad")
+    assert (done.exit_code, done.stdout.split(":")[0]) == (0, "attitude at 51 instants")
+    apart = convert(
+        folder, "--compare", tmp_path / "a.xml", "--tolerance", "1e-9 rad", "--epoch", "2009-08-10T00:00:01Z"
+    )
+    assert apart.exit_code == 1
+
+
+def test_an_ephemeris_becomes_the_goal_of_a_supervisor(tmp_path):
+    """Two pointings in GCRF, 6 s apart: each is the reference from the step after its instant on, in N."""
+    scenario = Path("scenarios/track_ground_station.yaml").resolve()
+    R = Rotation.random(2, random_state=3).as_matrix()
+    plan = Recorded("plan", np.array([0.0, 6.0]), {"plant.R_NB": R}, {}, {"plant": {"epoch": "2009-08-10T00:00:00Z"}})
+    write(plan, "aem", tmp_path / "plan.aem", frame="GCRF")
+    done = convert(
+        *(tmp_path / "plan.aem", "--to", "timeline", "--scenario", scenario, "--out", tmp_path / "planned.yaml")
+    )
+    assert done.stdout == f"2 entries in {tmp_path / 'planned.yaml'}\n"
+    flown = run(tmp_path / "planned.yaml", duration="10 s")
+    for t, goal in ((5.0, R[0]), (10.0, R[1])):
+        reference = flown["supervisor.R_ref"][flown.time == t][0]
+        assert reference == pytest.approx(goal, abs=1e-9), t
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nothing", "--to", "aem"], "nothing: expected the folder of a run"),
+        (["nothing"], "expected --to FORMAT or --compare FILE.aem, found neither"),
+        (["FOLDER", "--to", "aem", "--attitude", "plant.R_BN"], "--attitude: plant.R_BN was not recorded"),
+        (["FOLDER", "--to", "aem", "--attitude", "plant.omega_B"], "expected a matrix (3, 3) or a quaternion (4,)"),
+        (["FOLDER", "--to", "aem", "--epoch", "2009-02-30T00:00:00"], "--epoch: expected a date of the calendar"),
+        (["FOLDER", "--to", "timeline"], "expected FILE.aem --to timeline --scenario SCENARIO --out FILE.yaml"),
+    ],
+)
+def test_wrong_input_is_told_without_a_traceback(result, tmp_path, arguments, message):
+    result.save(tmp_path / "out")
+    done = convert(*(str(tmp_path / "out") if a == "FOLDER" else a for a in arguments))
+    assert done.exit_code == 2
+    assert message in done.stderr
