@@ -8,6 +8,7 @@ python bench.py vector serial /dev/ttyUSB0           # a board; also udp HOST:PO
 from __future__ import annotations
 
 import csv
+import os
 import struct
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from typing import Any, Protocol
 
 from .device import (
     ANSWER,
+    END,
     GREETING,
     HELLO,
     PARAMETERS,
@@ -54,25 +56,32 @@ class Master:
 
     def __init__(self, ports: Ports, line: _Line) -> None:
         self._ports, self._line, self._reader = ports, line, Reader(ports.largest)
-        self._session, self._sequence = time.monotonic_ns() & 0xFFFFFFFF, 0
+        self._session, self._sequence, self._token = time.monotonic_ns() & 0xFFFFFFFF, 0, os.urandom(8)
         self._layouts = [Layout(fields, 0) for fields in (ports.parameters, ports.inputs, ports.outputs)]
 
     def begin(self, parameters: dict[str, Any], inputs: dict[str, Any]) -> dict[str, Any]:
         """Greets the device, tells it the parameters and starts it; its outputs at the start. Raises Failed."""
-        answer = self._ask(HELLO, GREETING.pack(0, 0, self._ports.hash, self._ports.name.encode()))
-        _, _, digest, name = GREETING.unpack(answer.payload)
+        answer = self._ask(HELLO, GREETING.pack(0, 0, self._ports.hash, self._ports.name.encode(), self._token))
+        _, _, digest, name, _ = GREETING.unpack(answer.payload)
         if digest != self._ports.hash:
             built = name.split(b"\0")[0].decode("ascii", "replace")
             other = " with other ports or parameters" if built == self._ports.name else ""
             raise Failed(f"the device is built for the interface {built}{other}; expected {self._ports.name}")
         self._ask(PARAMETERS, self._layouts[0].pack(parameters))
-        return self._outputs(self._ask(START, struct.pack("<dd", 0.0, 0.0) + self._layouts[1].pack(inputs)))
+        return self._outputs(self._ask(START, struct.pack("<dd", 0.0, 0.0) + self._layouts[1].pack(inputs)), 0.0, 0.0)
 
     def step(self, t: float, h: float, inputs: dict[str, Any]) -> dict[str, Any]:
         """The outputs at t + h for the inputs there. Raises Failed."""
-        return self._outputs(self._ask(STEP, struct.pack("<dd", t, h) + self._layouts[1].pack(inputs)))
+        return self._outputs(self._ask(STEP, struct.pack("<dd", t, h) + self._layouts[1].pack(inputs)), t + h, h)
 
-    def _outputs(self, answer: Frame) -> dict[str, Any]:
+    def end(self) -> None:
+        """Tells the device that the run has ended."""
+        self._line.send(frame(END, self._session, self._sequence + 1, b""))
+
+    def _outputs(self, answer: Frame, asked: float, h: float) -> dict[str, Any]:
+        (time_,) = struct.unpack_from("<d", answer.payload)
+        if not abs(time_ - asked) <= 0.5 * h + 1e-6:
+            raise Failed(f"expected outputs for {asked:g} s, found those for {time_:g} s")
         return vars(self._layouts[2].unpack(answer.payload[8:]))
 
     def _ask(self, type_: int, payload: bytes) -> Frame:
@@ -144,6 +153,7 @@ def play(ports: Ports, folder: Path, line: _Line) -> Iterator[tuple[float, dict[
             given = {label: _at(outputs[reads[label][0].name], reads[label][1]) for label in columns}
             yield now, given, {label: float(row[label]) for label in columns}
             last = now
+    master.end()
 
 
 def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) -> bool:

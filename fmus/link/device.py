@@ -9,19 +9,24 @@ answers = device.receive(bytes_from_the_line)
 from __future__ import annotations
 
 import struct
+import sys
+import time
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
-VERSION = 1
-HELLO, PARAMETERS, START, STEP, ANSWER, REFUSED = 1, 2, 3, 4, 0x80, 0xFF
-NOT_STARTED, OTHER_INTERFACE, WRONG_SIZE, BLOCK_REFUSES = 1, 2, 3, 4
+VERSION = 2
+HELLO, PARAMETERS, START, STEP, END, ANSWER, REFUSED = 1, 2, 3, 4, 5, 0x80, 0xFF
+NOT_STARTED, OTHER_INTERFACE, WRONG_SIZE, BLOCK_REFUSES, IN_USE = 1, 2, 3, 4, 5
+LEASE_OF_HELLO, LEASE = 0.2, 2.0
+"""Seconds after a run's last request from which another run may take the device; the first, where that has told no
+parameters."""
 BIG_ENDIAN, SINGLE = 1, 2
 MARK = b"\xa5\x5a"
 _HEAD = struct.Struct("<2sBBIIH")
-GREETING = struct.Struct("<BB8s32s")
+GREETING = struct.Struct("<BB8s32s8s")
 _CODES = {"real": "d", "integer": "i", "enumeration": "i", "boolean": "?"}
 
 
@@ -80,6 +85,10 @@ class Reader:
 
     def __init__(self, largest: int) -> None:
         self._held, self._largest = bytearray(), largest
+
+    def turn(self) -> None:
+        """Another datagram or sender follows: what was begun before is ended by no byte of it."""
+        self._held.clear()
 
     def feed(self, data: bytes) -> Iterator[Frame]:
         """The frames that end in these bytes. `largest` bounds what is waited for after a damaged size."""
@@ -151,7 +160,7 @@ Sample = Callable[[SimpleNamespace, SimpleNamespace, SimpleNamespace, float, flo
 
 class Device:
     """Meets each request once and answers it; one that comes again has the same answer, one that comes
-    late has none.
+    late has none. While a run uses the device, the hello of another is refused, named and changes nothing.
     """
 
     def __init__(self, ports: Ports, sample: Sample) -> None:
@@ -161,19 +170,29 @@ class Device:
         self._session = self._sequence = self._format = 0
         self._parameters: SimpleNamespace | None = None
         self._memory = SimpleNamespace()
-        self._answer = b""
+        self._answer, self._token, self._heard = b"", bytes(8), 0.0
+        self._sender = self._stranger = ""
 
-    def receive(self, data: bytes) -> bytes:
-        """The answers to the requests that end in these bytes."""
+    def receive(self, data: bytes, sender: str = "", turned: bool = False) -> bytes:
+        """The answers to the requests that end in these bytes, which another datagram or sender begins where `turned`."""
+        if turned:
+            self._reader.turn()
+        self._sender = sender
         return b"".join(map(self._met, self._reader.feed(data)))
 
     def _met(self, request: Frame) -> bytes:
-        if not HELLO <= request.type <= STEP:
+        if not HELLO <= request.type <= END:
             return b""
+        if request.type == HELLO and self._is_strange(request):
+            return self._refused(request)
         same = self._greeted and request.session == self._session
         if same and request.sequence <= self._sequence:
             return self._answer if request.sequence == self._sequence else b""
         if self._greeted and not same and request.type != HELLO:
+            return b""
+        self._heard = time.monotonic()
+        if request.type == END:
+            self._greeted = self._started = False
             return b""
         if request.type == HELLO:
             type_, payload = self._greet(request, same)
@@ -186,14 +205,28 @@ class Device:
         self._answer = frame(type_, request.session, request.sequence, payload)
         return self._answer
 
+    def _is_strange(self, hello: Frame) -> bool:
+        """Whether the hello is of another run than that which uses the device."""
+        lease = LEASE_OF_HELLO if self._parameters is None else LEASE
+        return self._greeted and _token(hello) != self._token and time.monotonic() - self._heard < lease
+
+    def _refused(self, hello: Frame) -> bytes:
+        """Names the run that uses the device, and the stranger."""
+        why = f"in use by run {self._token.hex()}; free when that ends, or {LEASE:g} s after its last request"
+        if self._sender != self._stranger:
+            print(f"refused {self._sender or 'another program'}: {why}", file=sys.stderr, flush=True)
+            self._stranger = self._sender
+        return frame(REFUSED, hello.session, hello.sequence, struct.pack("<B96s", IN_USE, why.encode()))
+
     def _greet(self, request: Frame, same: bool) -> tuple[int, bytes]:
         right = request.version == VERSION and len(request.payload) == GREETING.size
         if not same:
             self._started, self._parameters = False, None
-        self._greeted, self._session = True, request.session
+        self._greeted, self._session, self._token = True, request.session, _token(request)
         self._fits = right and request.payload[2:10] == self._ports.hash
         self._format = request.payload[0] & (BIG_ENDIAN | SINGLE) if right else 0
-        greeting = GREETING.pack(self._format, self._started, self._ports.hash, self._ports.name.encode())
+        name = self._ports.name.encode()
+        greeting = GREETING.pack(self._format, self._started, self._ports.hash, name, self._token)
         return HELLO | ANSWER, greeting
 
     def _work(self, request: Frame) -> bytes:
@@ -221,6 +254,10 @@ class Device:
             raise _Refusal(BLOCK_REFUSES, str(refused)) from None
         self._started = True
         return times.pack(t + h, 0.0)[:8] + Layout(self._ports.outputs, self._format).pack(outputs)
+
+
+def _token(hello: Frame) -> bytes:
+    return hello.payload[-8:] if len(hello.payload) == GREETING.size else bytes(8)
 
 
 class _Refusal(Exception):

@@ -8,8 +8,8 @@ from ..interface import Interface, InterfaceError, Variable
 from ..native.generate import TEXT_SIZE
 from ..variables import Causality
 
-HASH_SIZE, NAME_SIZE = 8, 32
-HEADER, CHECK, GREETING, REFUSAL, TIMES = 14, 4, 2 + HASH_SIZE + NAME_SIZE, 97, 16
+HASH_SIZE, NAME_SIZE, TOKEN_SIZE = 8, 32, 8
+HEADER, CHECK, GREETING, REFUSAL, TIMES = 14, 4, 2 + HASH_SIZE + NAME_SIZE + TOKEN_SIZE, 97, 16
 """Bytes of a frame's head and end, and of the payloads that no interface decides; see native/frame.h."""
 RECORDS: dict[Causality, str] = {"parameter": "Parameters", "input": "Inputs", "output": "Outputs"}
 SIZES = {"real": 8, "integer": 4, "enumeration": 4, "boolean": 1, "string": TEXT_SIZE}

@@ -29,6 +29,8 @@ enum { INTERRUPT_RECEIVED = 2 };
 static volatile uint32_t *const interrupt_enable = (volatile uint32_t *)0xE000E100u;
 static volatile uint32_t *const interrupt_clear = (volatile uint32_t *)0xE000E280u;
 
+uint32_t (*const board_clock)(void) = NULL; /* a UART has one other end */
+
 static Uart *const uart = (Uart *)UART_BASE;
 
 bool board_begin(int count, char **arguments)
@@ -43,8 +45,9 @@ bool board_begin(int count, char **arguments)
 
 /* Sleeps until a byte is there. Between a frame and its answer the other end sends nothing, but for a request that it sends again. Where a step
  * takes longer than a byte and the UART has no FIFO, let the interrupt of the receiver fill a ring of LINK_FRAME_MAX bytes. */
-bool board_receive(uint8_t *byte)
+bool board_receive(uint8_t *byte, bool *turned)
 {
+    (void)turned;
     while ((uart->state & STATE_RECEIVE_FULL) == 0u) {
         __asm volatile("dsb\n\twfi");
         uart->interrupt = INTERRUPT_RECEIVED;

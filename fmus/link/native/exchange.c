@@ -1,5 +1,6 @@
 /* Requests to a device and its answers: sent again where none comes, each taken once. */
 #include "exchange.h"
+#include "instance.h"
 
 #include <string.h>
 
@@ -7,7 +8,7 @@ static const char *const transports[] = {"", "udp ", "tcp ", "serial ", "pipe "}
 static const double AGAIN = 1e-3;  /* s, the shortest time between two attempts */
 static const double BEYOND = 0.02; /* s, for which a line that never ends is read beyond the time */
 
-static void append(char *text, size_t size, const char *more)
+void link_append(char *text, size_t size, const char *more)
 {
     size_t n = strlen(text);
     for (; *more != '\0' && n + 1 < size; ++more) {
@@ -17,20 +18,32 @@ static void append(char *text, size_t size, const char *more)
     text[n] = '\0';
 }
 
-/* A fault of the device, with a text of Link as what was found. */
-static LinkEnd wrong(Link *link, Fault *f, const char *expected, const char *found)
+LinkEnd link_wrong(Link *link, Fault *f, const char *expected, const char *found)
 {
     char text[sizeof link->reason] = "";
-    append(text, sizeof text, found); /* which may be link->reason itself */
+    link_append(text, sizeof text, found); /* which may be link->reason itself */
     memcpy(link->reason, text, sizeof text);
     *f = (Fault){link->where, expected, link->reason, 0.0};
     return LINK_FAULT;
 }
 
-bool link_silent(const Link *link, Fault *f)
+LinkEnd link_silent(Link *link, const LinkSettings *s, Fault *f)
 {
-    *f = (Fault){link->where, "an answer within the time-out", link->reason[0] != '\0' ? link->reason : "none", 0.0};
-    return false;
+    Message m = message("an answer within link_time_out (");
+    put_number(&m, s->time_out);
+    put(&m, " s)");
+    memcpy(link->expected, m.text, sizeof link->expected);
+    link->expected[sizeof link->expected - 1] = '\0';
+    *f = (Fault){link->where, link->expected, link->reason[0] != '\0' ? link->reason : "no answer", 0.0};
+    return LINK_SILENT;
+}
+
+LinkEnd link_useless(Link *link, const char *expected, const char *found, Fault *f)
+{
+    link->expected[0] = '\0';
+    link_append(link->expected, sizeof link->expected, expected);
+    link_wrong(link, f, link->expected, found);
+    return LINK_SILENT;
 }
 
 /* After this a line is opened anew and the device greeted again, in the same session. */
@@ -39,24 +52,29 @@ static void lose(Link *link)
     line_close(&link->line);
     link->greeted = false;
     link->reason[0] = '\0';
-    append(link->reason, sizeof link->reason, "the line is closed or blocked at the other end");
+    link_append(link->reason, sizeof link->reason, "the line is closed or blocked at the other end");
 }
 
 void link_hang_up(Link *link)
 {
+    if (link->line.open && link->greeted) {
+        const size_t n = link_close_frame(link->sent, LINK_END, link->session, ++link->sequence, 0);
+        line_send(&link->line, link->sent, n, line_now());
+    }
     lose(link);
     link->same_session = false;
+    link->hello = 0;
 }
 
-static bool open_line(Link *link, const LinkSettings *s, double wait)
+bool link_open(Link *link, const LinkSettings *s, double wait)
 {
     if (link->line.open) {
         return true;
     }
     link->where[0] = link->reason[0] = '\0';
-    append(link->where, sizeof link->where, "device at ");
-    append(link->where, sizeof link->where, transports[s->transport]);
-    append(link->where, sizeof link->where, s->address);
+    link_append(link->where, sizeof link->where, "device at ");
+    link_append(link->where, sizeof link->where, transports[s->transport]);
+    link_append(link->where, sizeof link->where, s->address);
     link->reader.bytes = link->received;
     link->reader.size = sizeof link->received;
     link->reader.held = link->reader.taken = 0;
@@ -72,7 +90,7 @@ LinkEnd link_poll(Link *link, double until, LinkFrame *frame, Fault *f)
         while (link_next(&link->reader, frame)) {
             if (frame->type >= LINK_ANSWER && frame->session == link->session) {
                 if (frame->version != LINK_VERSION) {
-                    *f = (Fault){link->where, "version 1 of the protocol", NULL, frame->version};
+                    *f = (Fault){link->where, "version 2 of the protocol", NULL, frame->version};
                     return LINK_FAULT;
                 }
                 return LINK_ANSWERED;
@@ -99,13 +117,18 @@ LinkEnd link_refused(Link *link, const LinkFrame *frame, Fault *f)
     const uint8_t code = frame->size == LINK_REFUSAL ? frame->payload[0] : 0;
     if (code == LINK_NOT_STARTED) {
         link->same_session = false;
-        wrong(link, f, "that it keeps its memory", "it has restarted");
+        link_wrong(link, f, "that it keeps its memory", "it has restarted");
         return LINK_RESTARTED;
+    }
+    if (code == LINK_IN_USE) {
+        memcpy(text, frame->payload + 1, LINK_TEXT);
+        link_wrong(link, f, "a device that no other run uses", text);
+        return LINK_BUSY;
     }
     if (frame->size == LINK_REFUSAL) {
         memcpy(text, frame->payload + 1, LINK_TEXT);
     }
-    return wrong(link, f, "that it accepts the request", text[0] != '\0' ? text : "a refusal without a reason");
+    return link_wrong(link, f, "that it accepts the request", text[0] != '\0' ? text : "a refusal without a reason");
 }
 
 LinkEnd link_request(Link *link, const LinkSettings *s, uint8_t type, size_t payload, double wait, LinkFrame *answer,
@@ -140,8 +163,7 @@ LinkEnd link_request(Link *link, const LinkSettings *s, uint8_t type, size_t pay
             }
         }
     }
-    link_silent(link, f);
-    return LINK_SILENT;
+    return link_silent(link, s, f);
 }
 
 LinkEnd link_tell(Link *link, const LinkSettings *s, uint8_t type, size_t payload, Fault *f)
@@ -149,62 +171,19 @@ LinkEnd link_tell(Link *link, const LinkSettings *s, uint8_t type, size_t payloa
     const size_t n = link_close_frame(link->sent, type, link->session, ++link->sequence, payload);
     if (!link->line.open || !line_send(&link->line, link->sent, n, line_now() + s->time_out)) {
         lose(link);
-        link_silent(link, f);
-        return LINK_SILENT;
+        return link_silent(link, s, f);
     }
+    const size_t room = sizeof link->told / sizeof link->told[0];
+    link->told[link->sequence % room].sequence = link->sequence;
+    link->told[link->sequence % room].at = line_now();
     return LINK_ANSWERED;
 }
 
-static const char *format_name(uint8_t format)
+void link_timed(Link *link, uint32_t sequence)
 {
-    static const char *const names[] = {"little-endian, double", "big-endian, double", "little-endian, single",
-                                        "big-endian, single"};
-    return names[format & (LINK_BIG_ENDIAN | LINK_SINGLE)];
-}
-
-static LinkEnd judge(Link *link, const LinkSettings *s, const LinkFrame *answer, Fault *f)
-{
-    static const uint8_t hash[LINK_HASH] = LINK_INTERFACE_HASH;
-    char name[LINK_NAME + 1] = "";
-    if (answer->size != LINK_GREETING) {
-        return wrong(link, f, "a greeting of this protocol", "one of another size");
+    const size_t k = sequence % (sizeof link->told / sizeof link->told[0]);
+    if (link->told[k].sequence == sequence && sequence != 0) {
+        link->round_trip = line_now() - link->told[k].at;
+        link->told[k].sequence = 0; /* a sample that the device repeats says nothing of the line */
     }
-    memcpy(name, answer->payload + 2 + LINK_HASH, LINK_NAME);
-    if (memcmp(answer->payload + 2, hash, LINK_HASH) != 0) {
-        char text[LINK_NAME + 64] = "";
-        append(text, sizeof text, name);
-        append(text, sizeof text, strcmp(name, LINK_INTERFACE) == 0 ? " with other ports or parameters" : "");
-        return wrong(link, f, "one built for the interface " LINK_INTERFACE, text);
-    }
-    if (answer->payload[0] != s->format) {
-        return wrong(link, f, "what link_byte_order and link_precision say", format_name(answer->payload[0]));
-    }
-    link->same_session = link->same_session && (answer->payload[1] & LINK_STARTED) != 0;
-    link->greeted = true;
-    return LINK_ANSWERED;
-}
-
-LinkEnd link_greet(Link *link, const LinkSettings *s, double wait, Fault *f)
-{
-    static const uint8_t hash[LINK_HASH] = LINK_INTERFACE_HASH;
-    const double begin = line_now();
-    LinkFrame answer;
-    if (!open_line(link, s, wait)) {
-        *f = (Fault){link->where, "a line that can be opened", link->reason, 0.0};
-        return LINK_SILENT;
-    }
-    if (link->greeted) {
-        return LINK_ANSWERED;
-    }
-    if (!link->same_session) { /* a number that an earlier run has hardly had */
-        link->session =
-            (uint32_t)((((uint64_t)(1e9 * begin) ^ (uint64_t)(uintptr_t)link) * 11400714819323198485u) >> 32);
-    }
-    uint8_t *payload = link->sent + LINK_HEADER;
-    memset(payload, 0, LINK_GREETING);
-    payload[0] = s->format;
-    memcpy(payload + 2, hash, LINK_HASH);
-    memcpy(payload + 2 + LINK_HASH, LINK_INTERFACE, sizeof LINK_INTERFACE - 1);
-    const LinkEnd end = link_request(link, s, LINK_HELLO, LINK_GREETING, begin + wait - line_now(), &answer, f);
-    return end == LINK_ANSWERED ? judge(link, s, &answer, f) : end;
 }

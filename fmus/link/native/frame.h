@@ -7,17 +7,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LINK_VERSION = 1, LINK_HEADER = 14, LINK_CHECK = 4, LINK_OVERHEAD = LINK_HEADER + LINK_CHECK };
+enum { LINK_VERSION = 2, LINK_HEADER = 14, LINK_CHECK = 4, LINK_OVERHEAD = LINK_HEADER + LINK_CHECK };
 
-/* Of a request. Its answer has the same with LINK_ANSWER added, or is LINK_REFUSED. */
-enum { LINK_HELLO = 1, LINK_PARAMETERS = 2, LINK_START = 3, LINK_STEP = 4, LINK_ANSWER = 0x80, LINK_REFUSED = 0xFF };
+/* Of a request. Its answer has the same with LINK_ANSWER added, or is LINK_REFUSED; LINK_END has none. */
+enum { LINK_HELLO = 1, LINK_PARAMETERS = 2, LINK_START = 3, LINK_STEP = 4, LINK_END = 5 };
+enum { LINK_ANSWER = 0x80, LINK_REFUSED = 0xFF };
 
 /* The first byte of the payload of LINK_REFUSED; text of LINK_TEXT bytes follows, filled with zeros. */
-enum { LINK_NOT_STARTED = 1, LINK_OTHER_INTERFACE = 2, LINK_WRONG_SIZE = 3, LINK_BLOCK_REFUSES = 4 };
+enum { LINK_NOT_STARTED = 1, LINK_OTHER_INTERFACE = 2, LINK_WRONG_SIZE = 3, LINK_BLOCK_REFUSES = 4, LINK_IN_USE = 5 };
 enum { LINK_TEXT = 96, LINK_REFUSAL = 1 + LINK_TEXT };
 
-/* Payload of LINK_HELLO: format, state, hash of the interface, its name filled with zeros. */
-enum { LINK_HASH = 8, LINK_NAME = 32, LINK_GREETING = 2 + LINK_HASH + LINK_NAME };
+/* Payload of LINK_HELLO: format, state, hash of the interface, its name filled with zeros, token of the run. */
+enum { LINK_HASH = 8, LINK_NAME = 32, LINK_TOKEN = 8, LINK_AT_TOKEN = 2 + LINK_HASH + LINK_NAME };
+enum { LINK_GREETING = LINK_AT_TOKEN + LINK_TOKEN };
 enum { LINK_BIG_ENDIAN = 1, LINK_SINGLE = 2 }; /* bits of the format: of the values in a payload */
 enum { LINK_STARTED = 1 };                     /* a bit of the state */
 

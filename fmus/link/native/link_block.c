@@ -1,12 +1,16 @@
 /* The block that the FMI shell calls: each step asks the device, in lock-step or for its latest sample. */
 #include "link_block.h"
 
+#include "samples.h"
+
+#include <math.h>
 #include <string.h>
 
 enum { LOCK_STEP = 1, FREE_RUNNING };  /* the items of link_mode */
 enum { SILENT_STOP = 1, SILENT_HOLD }; /* the items of link_when_silent; the third is zero */
 static const double LOOK_EVERY = 1.0;  /* s of wall time between two looks for a silent device */
-static const double LOOK_FOR = 0.01;   /* s that such a look takes at most */
+static const double LOOK_FOR = 0.01;   /* s that such a look takes at most; a later answer counts at a later step */
+static const double ROUNDING = 1e-6;   /* relative, of the time of a start */
 
 static LinkSettings settings(const Parameters *p)
 {
@@ -47,13 +51,6 @@ void link_release(Law *law)
     law->silent_steps = law->restarts = 0;
 }
 
-static void note_sample(Law *law, State *x, double time, const uint8_t *payload, uint8_t format)
-{
-    link_take(&link_output_fields, payload, format, &x->y);
-    x->sample_time = time;
-    law->heard = line_now();
-}
-
 /* Parameters, where the device does not have them as they are. */
 static LinkEnd tell_parameters(Law *law, const LinkSettings *s, Fault *f)
 {
@@ -79,18 +76,6 @@ static size_t put_inputs(Law *law, const LinkSettings *s, double t, double h, co
     return 16 + link_put(&link_input_fields, u, s->format, payload + 16);
 }
 
-/* The samples of an answer of the right size. */
-static bool is_sample(const LinkFrame *answer, uint8_t format)
-{
-    return answer->size == 8 + link_size(&link_output_fields, format);
-}
-
-static LinkEnd wrong_size(const Law *law, const LinkFrame *answer, Fault *f)
-{
-    *f = (Fault){law->link.where, "an answer with as many bytes as the interface has outputs", NULL, answer->size};
-    return LINK_FAULT;
-}
-
 /* A request that the device answers with its outputs at a time. */
 static LinkEnd ask(Law *law, const LinkSettings *s, uint8_t type, double t, double h, const Inputs *u, State *x,
                    Fault *f)
@@ -100,11 +85,14 @@ static LinkEnd ask(Law *law, const LinkSettings *s, uint8_t type, double t, doub
     if (end != LINK_ANSWERED) {
         return end;
     }
-    if (!is_sample(&answer, s->format)) {
-        return wrong_size(law, &answer, f);
+    if (!link_is_sample(&answer, s->format)) {
+        return link_wrong_size(law, &answer, f);
     }
-    note_sample(law, x, t + h, answer.payload + 8, s->format);
-    return LINK_ANSWERED;
+    const double time = link_take_time(answer.payload, s->format);
+    if (!(fabs(time - (t + h)) <= (h > 0.0 ? 0.5 * h : ROUNDING * (1.0 + fabs(t))))) {
+        return link_other_time(law, t + h, time, f);
+    }
+    return link_note_sample(law, x, t + h, answer.payload + 8, s->format, f);
 }
 
 /* Lets the device begin at a time, with these inputs; it forgets what was before. */
@@ -141,57 +129,39 @@ bool link_start(Law *law, const Inputs *u, State *x, Fault *f)
     return end == LINK_ANSWERED;
 }
 
-/* Takes in the samples that came since the last step; keeps the newest, whatever their order. */
-static LinkEnd take_samples(Law *law, const LinkSettings *s, State *x, Fault *f)
-{
-    LinkFrame frame;
-    LinkEnd end;
-    while ((end = link_poll(&law->link, line_now(), &frame, f)) == LINK_ANSWERED) {
-        if (frame.type == LINK_REFUSED) {
-            return link_refused(&law->link, &frame, f);
-        }
-        if (frame.type != (LINK_STEP | LINK_ANSWER)) {
-            continue;
-        }
-        if (!is_sample(&frame, s->format)) {
-            return wrong_size(law, &frame, f);
-        }
-        const double time = link_take_time(frame.payload, s->format);
-        if (time >= x->sample_time) {
-            note_sample(law, x, time, frame.payload + 8, s->format);
-        }
-    }
-    return end == LINK_FAULT ? end : LINK_ANSWERED;
-}
-
 /* Sends the inputs and takes what has come; silent where no sample has come for the time-out. */
 static LinkEnd run_free(Law *law, const LinkSettings *s, double h, const Inputs *u, State *x, Fault *f)
 {
     const size_t n = put_inputs(law, s, x->t, h, u);
     LinkEnd end = link_tell(&law->link, s, LINK_STEP, n, f);
     if (end == LINK_ANSWERED) {
-        end = take_samples(law, s, x, f);
+        end = link_take_samples(law, s, h, x, f);
     }
     if (end == LINK_ANSWERED && line_now() - law->heard > s->time_out) {
-        link_silent(&law->link, f);
-        return LINK_SILENT;
+        return link_silent(&law->link, s, f);
     }
     return end;
 }
 
-/* Looks for a silent device, seldom and for a short time; one that has lost its memory begins anew where the run is. */
+/* Looks for a silent device: calls it seldom, waits for a short time, and takes its answer when it comes. One that has
+ * lost its memory begins anew where the run is. */
 static LinkEnd look(Law *law, const LinkSettings *s, const Inputs *u, double t, State *x, Fault *f)
 {
-    if (line_now() - law->tried < LOOK_EVERY) {
-        return LINK_SILENT;
+    double until = line_now();
+    if (until - law->tried >= LOOK_EVERY) {
+        until += LOOK_FOR;
+        law->link.greeted = false;
+        link_call(&law->link, s, LOOK_FOR);
+        law->tried = line_now();
     }
-    law->link.greeted = false;
-    LinkEnd end = link_greet(&law->link, s, LOOK_FOR, f);
+    LinkEnd end = link_called(&law->link, s, until, f);
     if (end == LINK_ANSWERED && !law->link.same_session) {
         end = begin(law, s, t, u, x, f);
         law->restarts += end == LINK_ANSWERED;
     }
-    law->tried = law->heard = line_now();
+    if (end == LINK_ANSWERED) {
+        law->tried = law->heard = line_now();
+    }
     return end;
 }
 

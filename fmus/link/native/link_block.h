@@ -32,6 +32,9 @@ bool link_step(Law *law, State *x, const Inputs *u, double h, Outputs *y, Fault 
 /* Zero, or the value nearest to it that an output may have. */
 void link_zero_outputs(Outputs *y);
 
+/* The name of an output that is not finite; NULL where all are. */
+const char *link_not_finite(const Outputs *y);
+
 /* Closes the line: the instance ends or begins anew. */
 void link_release(Law *law);
 

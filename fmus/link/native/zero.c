@@ -1,5 +1,7 @@
-/* The outputs of a silent device with the policy zero. */
+/* The outputs of a silent device with the policy zero; those that are not finite. */
 #include "instance.h"
+
+#include <math.h>
 
 void link_zero_outputs(Outputs *y)
 {
@@ -11,4 +13,19 @@ void link_zero_outputs(Outputs *y)
             memcpy((unsigned char *)y + (v->offset - offsetof(Ports, y)), &least, sizeof least);
         }
     }
+}
+
+const char *link_not_finite(const Outputs *y)
+{
+    for (size_t i = 0; i < BLOCK_VARIABLES; ++i) {
+        const Variable *v = &variables[i];
+        double value = 0.0;
+        if (v->causality == CAUSALITY_OUTPUT && v->kind == KIND_REAL) {
+            memcpy(&value, (const unsigned char *)y + (v->offset - offsetof(Ports, y)), sizeof value);
+        }
+        if (!isfinite(value)) {
+            return v->name;
+        }
+    }
+    return NULL;
 }

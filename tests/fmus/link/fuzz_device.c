@@ -84,7 +84,7 @@ int main(int count, char **arguments)
     uint8_t frame[LINK_FRAME_MAX];
     seed = count > 1 ? strtoull(arguments[1], NULL, 10) : 1;
     const long frames = count > 2 ? strtol(arguments[2], NULL, 10) : 1000;
-    device_begin(&device, take, NULL);
+    device_begin(&device, take, NULL, NULL);
     for (long k = 0; k < frames; ++k) {
         const uint8_t type = pick(10) == 0 ? (uint8_t)pick(256) : (uint8_t)(1 + pick(4));
         size_t n = pick(20) == 0 ? pick(LINK_FRAME_MAX - LINK_OVERHEAD) : payload_of(type, frame + LINK_HEADER);

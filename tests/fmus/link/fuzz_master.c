@@ -69,6 +69,7 @@ bool line_send(Line *l, const uint8_t *bytes, size_t n, double until)
                 memset(payload, 0, LINK_GREETING);
                 payload[1] = started ? LINK_STARTED : 0;
                 memcpy(payload + 2, hash, LINK_HASH);
+                memcpy(payload + LINK_AT_TOKEN, f.payload + LINK_AT_TOKEN, LINK_TOKEN);
                 size = LINK_GREETING;
             } else if (f.type == LINK_STEP && (!started || pick(200) == 0)) {
                 started = false;
@@ -110,6 +111,7 @@ static bool run(Law *law)
                     .link_mode = 1 + (int32_t)pick(2),
                     .link_baud = 9600,
                     .link_time_out = 1.0,
+                    .link_age_max = 1e9,
                     .link_tries = 1 + (int32_t)pick(5),
                     .link_when_silent = 1 + (int32_t)pick(3),
                     .link_byte_order = 1,

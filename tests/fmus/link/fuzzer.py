@@ -48,5 +48,16 @@ def _device(folder: Path) -> tuple[list[Path], list[Path]]:
 def _master(folder: Path) -> tuple[list[Path], list[Path]]:
     """What the FMU's shell calls, with the line in the fuzz program."""
     sources, includes = link.lay_out(load("controller"), GUID, folder)
-    wanted = ("address.c", "exchange.c", "frame.c", "link_block.c", "zero.c", "wire.c", "table.c")
+    wanted = (
+        "address.c",
+        "exchange.c",
+        "frame.c",
+        "greeting.c",
+        "link_block.c",
+        "message.c",
+        "samples.c",
+        "zero.c",
+        "wire.c",
+        "table.c",
+    )
     return [path for path in sources if path.name in wanted], includes

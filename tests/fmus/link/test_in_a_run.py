@@ -81,7 +81,7 @@ def test_a_device_that_goes_silent_ends_the_run_there_and_every_sample_before_is
     with (
         devices.running("controller", "udp", port),
         datagrams(port, at_step(30, dead)) as proxy,
-        pytest.raises(BlockError, match="within the time-out") as ended,
+        pytest.raises(BlockError, match="within link_time_out") as ended,
     ):
         orchestration.run(scenario(5.0, address=proxy.address, time_out=0.2))
     result: Result = ended.value.result

@@ -14,7 +14,7 @@ def test_a_device_answers_the_next_caller_after_one_that_reset_the_line():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    threading.Thread(target=lines.serve, args=(bytes.upper, ["tcp", f"{port}"]), daemon=True).start()
+    threading.Thread(target=lines.serve, args=(upper, ["tcp", f"{port}"]), daemon=True).start()
     for _ in range(3):
         with connected(port) as line:
             line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
@@ -22,6 +22,10 @@ def test_a_device_answers_the_next_caller_after_one_that_reset_the_line():
     with connected(port) as line:
         line.sendall(b"b")
         assert line.recv(10) == b"B"
+
+
+def upper(data: bytes, sender: str, turned: bool) -> bytes:
+    return data.upper()
 
 
 def connected(port: int) -> socket.socket:

@@ -43,6 +43,7 @@ type = "boolean"
 description = "less of it"
 start = false
 """
+TOKEN = bytes(range(1, 9))
 PORTS = Ports(
     "lamp",
     wire.interface_hash(parse(LAMP)),
@@ -70,7 +71,7 @@ def lamp(calls: list[float] | None = None) -> Device:
 
 
 def greeted(device_: Device, session: int = 1) -> Device:
-    hello = device.GREETING.pack(0, 0, PORTS.hash, b"lamp")
+    hello = device.GREETING.pack(0, 0, PORTS.hash, b"lamp", TOKEN)
     device_.receive(frame(device.HELLO, session, 1, hello) + frame(device.PARAMETERS, session, 2, b"\0"))
     device_.receive(frame(device.START, session, 3, struct.pack("<ddd", 0.0, 0.0, 1.0)))
     return device_
@@ -79,7 +80,7 @@ def greeted(device_: Device, session: int = 1) -> Device:
 def test_the_page_s_example_is_what_the_code_sends():
     digest, hello, told, step = blocks()
     assert digest == wire.interface_hash(parse(LAMP))
-    assert hello == frame(device.HELLO, 1, 1, device.GREETING.pack(0, 0, digest, b"lamp"))
+    assert hello == frame(device.HELLO, 1, 1, device.GREETING.pack(0, 0, digest, b"lamp", TOKEN))
     assert told == frame(device.PARAMETERS | device.ANSWER, 1, 2, b"")
     assert step == frame(device.STEP, 1, 4, struct.pack("<ddd", 0.5, 0.1, -2.0))
     answer = greeted(lamp()).receive(step)
