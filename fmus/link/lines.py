@@ -47,7 +47,7 @@ def serve(receive: Receive, arguments: list[str]) -> None:
             print("ready", flush=True)
             _answer_callers(receive, server)
     else:
-        source, target = _files(*place, "in", "out")
+        source, target = _files(place[0], place[1], "in", "out")
         print("ready", flush=True)
         while data := os.read(source, 65536):
             _write(target, receive(data, "", False))
