@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
 
 from ..errors import BlockError, InputError
 from ..expectations.outcomes import Outcome
 from ..fmu.model import TYPES, Variable
+from ..quantities import shown
 from ..results.result import Result
 from ..scenario.source import Source
 from ..session.open import open_scenario
@@ -24,41 +22,9 @@ from ..swap.own_claims import own_claims
 from ..system.starts import taken
 from ..system.wiring import fed
 from . import playback
+from .difference import Difference, difference
 from .inputs import given, theirs_alone
 from .tolerances import Tolerance, tolerances
-
-ROUNDING = 1e-15
-"""A difference of so much of an output's nominal value is rounding and counts as zero."""
-WIDE = 0.01
-"""A difference beyond this share of our largest value is named in the verdict, though a tolerance allows it."""
-
-
-@dataclass
-class Difference:
-    """One output of theirs, and how far it is from ours on the same inputs."""
-
-    output: str
-    unit: str
-    passed: bool
-    tolerance: str
-    largest: float | None = None
-    """The largest of all elements and instants; of a boolean or an enumeration the share of samples that differ."""
-    element: str = ""
-    time: float | None = None
-    share: float | None = None
-    """`largest` over `scale`; 0 where it is rounding."""
-    rms: float | None = None
-    rms_share: float | None = None
-    scale: float | None = None
-    """Our output's largest value."""
-    zero: float = 0.0
-    """A difference up to this is rounding."""
-    note: str = ""
-
-    @property
-    def wide(self) -> bool:
-        """Whether a tolerance allows it, though it is no small one."""
-        return self.passed and self.share is not None and self.share > WIDE
 
 
 @dataclass
@@ -161,35 +127,11 @@ def _differences(
     differences = []
     for variable in (v for v in ports if v.causality == "output"):
         bound = bounds[variable.name]
-        unit = str(variable.unit) if variable.unit is not None and str(variable.unit) != "1" else ""
         if variable.name not in played.outputs:
+            unit = shown(variable.unit)
             differences.append(Difference(variable.name, unit, True, bound.text, note="theirs lacks it"))
             continue
         a = ours[f"{comparison.block}.{variable.name}"].reshape(len(ours.time), -1)[rows].astype(float)
         b = played.outputs[variable.name][chosen]
-        differences.append(_difference(variable, a, b, ours.time[rows], bound, unit))
+        differences.append(difference(variable, a, b, ours.time[rows], bound))
     return differences
-
-
-def _difference(variable: Variable, ours: Any, theirs: Any, time: Any, bound: Tolerance, unit: str) -> Difference:
-    found = Difference(variable.name, unit, False, bound.text, note="" if len(time) else "nothing to compare")
-    if not len(time):
-        return found
-    error = np.abs(theirs - ours)
-    if variable.type != "real":
-        differing = (error > 0.0).any(axis=1)
-        found.largest = found.share = share = float(differing.mean())
-        found.unit, found.passed = "", share <= min(bound.largest.limit(1.0), bound.rms.limit(1.0))
-        found.time = float(time[differing][0]) if differing.any() else None
-        found.note = f"{int(differing.sum())} of {len(time)} samples"
-        return found
-    row, column = np.unravel_index(int(error.argmax()), error.shape)
-    largest, scale = float(error[row, column]), float(np.abs(ours).max())
-    rms = float(np.sqrt((error * error).mean(axis=0).max()))
-    found.largest, found.rms, found.scale, found.zero = largest, rms, scale, ROUNDING * variable.nominal
-    pairs = [(largest, bound.largest), (rms, bound.rms)]
-    found.passed = all(value <= max(b.limit(scale), found.zero) for value, b in pairs)
-    found.share, found.rms_share = (0.0 if d <= found.zero else d / scale if scale else None for d in (largest, rms))
-    if largest > found.zero:
-        found.element, found.time = variable.label(int(column)) if variable.shape else "", float(time[row])
-    return found

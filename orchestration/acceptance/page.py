@@ -10,13 +10,14 @@ from markupsafe import Markup
 from fmus.interface import SOURCE, cites
 
 from ..errors import writing
-from ..quantities import ONE, with_unit
-from ..results.curves import axis, unit_of_values
+from ..quantities import ONE, shown, with_unit
+from ..results.curves import axis
 from ..results.html import Page, each, header, joined, listed, piece, section, table, verdict
 from ..results.plots import CURVES, ROWS, Curve, plot
 from ..results.report import figure, fmu_table
 from . import verdict as words
-from .compare import Comparison, Difference
+from .compare import Comparison
+from .difference import Difference
 from .verdict import DIFFERENCES, colour, meaning, rows_of_differences
 
 _CLOSED = (
@@ -95,8 +96,8 @@ def _output(comparison: Comparison, difference: Difference, made: Page) -> Marku
     # A difference by rounding alone is a line along zero.
     least = 1e-9 * float(abs(factor * mine).max(initial=0.0))
     plots += [{**plot(ours.time[at], axis("theirs - ours", unit), apart, made.arrays, ROWS), "least": least}]
-    for shown in plots:
-        shown["unit"] = unit_of_values(unit)
+    for made_plot in plots:
+        made_plot["unit"] = shown(unit)
     left = mine.shape[1] - CURVES
     notes = ["ours wide and pale, theirs thin", *([f"{left} more elements are not drawn"] if left > 0 else [])]
     return made.figure(name, plots, variable.description, notes, "n2")

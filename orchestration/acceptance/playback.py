@@ -85,7 +85,8 @@ def play(
     """Runs the block of a scenario's entry on recorded inputs, (instants, *shape) by name, in our units.
 
     The inputs of each instant are handed over before the step that ends there, those of the first in
-    initialization, as in a run. `shared` are the values of the scenario that the block takes. Raises InputError where the block does not fit.
+    initialization, as in a run. `shared` are the values of the scenario that the block takes. Raises InputError where
+    the block does not fit.
     """
     step = float(f"{(time[-1] - time[0]) / (len(time) - 1):.12g}")
     start = {**entry.get("start", {}), **{key: values[0].tolist() for key, values in inputs.items()}}

@@ -10,12 +10,12 @@ import numpy as np
 from ..errors import InputError
 from ..fmu.model import TYPES, Floats, Model
 from ..instances.slave import asks_to_end
+from ..quantities import suffix
 from ..swap.findings import Finding
 from . import experiments, playback
+from .difference import ROUNDING
 from .experiments import Experiment, Table
 
-ROUNDING = 1e-15
-"""A difference this small is rounding, however small the signal."""
 _TOPIC = "reference"
 
 
@@ -75,9 +75,8 @@ def play(
         row = int(difference.argmax())
         shares.append((float(difference[row]) / limit, variable.label(element.position)))
         if difference[row] > limit:
-            unit = "" if variable.unit is None or variable.unit.name in ("", "1") else f" {variable.unit.name}"
             label, largest = variable.label(element.position), float(difference[row])
-            text = f"{name}: {label} differs by {largest:.3g}{unit} at {instants[row]:.10g} s"
+            text = f"{name}: {label} differs by {largest:.3g}{suffix(variable.unit)} at {instants[row]:.10g} s"
             text += f"; expected at most {limit:.3g}"
             wrong.append(Finding("error", _TOPIC, text, "see whether FMU and reference data are of one version"))
     if wrong:

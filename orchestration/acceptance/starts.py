@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..fmu.model import Element
+from ..quantities import suffix
 from ..swap.as_ours import in_ours
 from ..swap.findings import Finding, Fit, Link
 
@@ -19,7 +20,7 @@ def look(fitted: Fit, starts: Mapping[Element, Any], findings: list[Finding]) ->
         theirs = in_ours(link, [starts[element] for element in link.theirs])
         ours = [fitted.reference.starts.get(element) for element in link.ours.elements]
         if theirs is not None and not all(_equal(a, b) for a, b in zip(theirs, ours, strict=True)):
-            unit = f" {link.ours.unit}" if link.ours.unit and link.ours.unit.name not in ("", "1") else ""
+            unit = suffix(link.ours.unit)
             differing.append(f"{name}: {_value(link, theirs)}{unit}, ours {_value(link, ours)}{unit}")
     for text in differing:
         findings.append(Finding("note", "start", text, "none needed where a scenario connects it or gives it a value"))

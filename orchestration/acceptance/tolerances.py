@@ -16,7 +16,7 @@ from typing import Any, TypeGuard
 
 from ..errors import InputError, as_written, hint
 from ..fmu.model import Model, Variable
-from ..quantities import ONE, QuantityError, parse
+from ..quantities import ONE, QuantityError, parse, suffix
 from ..scenario.text import read
 
 DEFAULT = 1e-6
@@ -56,7 +56,7 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
     Raises InputError where one is no tolerance, or of an output that there is not.
     """
     outputs = {v.name: v for v in model.of("output")}
-    default = _both(Bound(share=DEFAULT, text=f"{DEFAULT:g} of ours"))
+    default = both(Bound(share=DEFAULT, text=f"{DEFAULT:g} of ours"))
     given: dict[str, dict[str, Bound]] = {}
     for text in texts:
         if text.endswith((".yaml", ".yml")):
@@ -76,20 +76,21 @@ def tolerances(texts: Sequence[str], model: Model) -> dict[str, Tolerance]:
                 raise InputError(f"{where}: there is no output {name!r}{hint(name, outputs)}")
             try:
                 if name == "default":
-                    default = _both(_share(value))
+                    default = both(_share(value))
                 else:
                     given[name] = _tolerance(value, outputs[name])
             except QuantityError as error:
                 raise InputError(f"{where}: {error}") from None
     # A boolean either is as ours or is not: the default share of a number's size means nothing for it.
-    same = _both(Bound(share=0.0, text="no sample"))
+    same = both(Bound(share=0.0, text="no sample"))
     return {
         name: replace(default if variable.type == "real" else same, **given.get(name, {}))
         for name, variable in outputs.items()
     }
 
 
-def _both(bound: Bound) -> Tolerance:
+def both(bound: Bound) -> Tolerance:
+    """Returns the tolerance that asks the same of the largest and of the rms difference."""
     return Tolerance(bound, bound)
 
 
@@ -128,5 +129,4 @@ def _bound(value: Any, variable: Variable) -> Bound:
     if unit is not None and not unit.fits(own):
         raise QuantityError(f"the unit {str(unit)!r} does not fit that of {variable.name}, {own}")
     absolute = number * (unit.factor / own.factor if unit is not None else 1.0)
-    shown = f" {unit or own}" if str(unit or own) != "1" else ""
-    return Bound(absolute=absolute, text=f"{number:g}{shown}")
+    return Bound(absolute=absolute, text=f"{number:g}{suffix(unit or own)}")

@@ -27,10 +27,10 @@ from ..swap.findings import Finding, Fit
 from ..system.values import values_of
 from ..system.wiring import fed
 from . import playback
+from .difference import difference
 from .tables import columns_of, parameters_of, read_table
+from .tolerances import Bound, both
 
-ROUNDING = 1e-15
-"""A difference this small is rounding, however small the output itself."""
 ROWS_MAX = 400
 """Steps of a scenario that become a test vector, at most."""
 
@@ -146,21 +146,17 @@ def compared(
     for name, wanted in expected.items():
         if name not in played.outputs:
             continue
-        difference = np.nan_to_num(np.abs(played.outputs[name] - wanted[played.rows]))
         peak = float(np.nanmax(np.abs(wanted))) or 1.0
-        row = int(difference.max(axis=1).argmax())
-        largest = float(difference.max())
-        unit = model.variables[name].unit
-        shown_unit = f" {unit}" if unit is not None and unit.name not in ("", "1") else ""
+        bound = both(Bound(absolute=tolerances[name] * peak))
+        at = played.rows
+        apart = difference(model.variables[name], wanted[at], played.outputs[name], time[at], bound)
         text = f"{name}: as expected"
-        if largest:
-            text = f"{name}: differs by at most {largest:.3g}{shown_unit}, {largest / peak:.2g} of its largest value"
-            text += f", at {time[played.rows[row]]:.10g} s"
-        within = largest <= max(tolerances[name] * peak, ROUNDING)
-        remedy = (
-            ""
-            if within
-            else "with the same equations: look at the units and signs, then at --tolerance; others give other outputs"
-        )
-        findings.append(Finding("ok" if within else "error", topic, text, remedy))
+        if apart.largest:
+            size = f"{apart.largest:.3g} {apart.unit}".rstrip()
+            text = f"{name}: differs by at most {size}, {apart.largest / peak:.2g} of its largest value"
+            text += "" if apart.time is None else f", at {apart.time:.10g} s"
+        findings.append(Finding("ok", topic, text) if apart.passed else Finding("error", topic, text, _OTHER))
     return findings
+
+
+_OTHER = "with the same equations: look at the units and signs, then at --tolerance; others give other outputs"

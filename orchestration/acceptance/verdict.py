@@ -9,7 +9,8 @@ from dataclasses import asdict
 from typing import Any
 
 from ..quantities import with_unit
-from .compare import ROUNDING, Comparison, Difference
+from .compare import Comparison
+from .difference import ROUNDING, Difference
 
 DIFFERENCES = ("output", "our largest", "largest difference", "rms difference", "tolerance", "when")
 """The columns of the open loop."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from ..errors import InputError, Problem
+from ..errors import InputError, Problems
 from ..fmu.model import Model
-from ..quantities import ONE, QuantityError
+from ..quantities import ONE
 from ..scenario.expectations import Bound, Expectation
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
@@ -40,26 +40,22 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
     it is left out with a remark.
     """
     checks: list[Check] = []
-    errors: list[Problem] = []
     notes: list[str] = []
     known = phases(scenario, models)
     shortened = ("duration",) in scenario.source.options
     first: dict[str, int] = {}
-    for number, expectation in enumerate(scenario.expect):
-        name = " ".join(expectation.name.split())
-        if not name or first.setdefault(name, number) != number:
-            message = f"is that of expect[{first[name] + 1}], too; expected another" if name else "must not be blank"
-            errors.append(scenario.error(("expect", number, "name"), message))
-            continue
-        if shortened and expectation.after is not None and expectation.after > scenario.duration:
-            notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")
-            continue
-        try:
-            checks.append(_check(scenario, ("expect", number), expectation, models, known))
-        except InputError as error:
-            errors += error.problems
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, expectation in enumerate(scenario.expect):
+            name = " ".join(expectation.name.split())
+            if not name or first.setdefault(name, number) != number:
+                message = f"is that of expect[{first[name] + 1}], too; expected another"
+                problems.append(scenario.error(("expect", number, "name"), message if name else "must not be blank"))
+                continue
+            if shortened and expectation.after is not None and expectation.after > scenario.duration:
+                notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")
+                continue
+            with problems.gathered():
+                checks.append(_check(scenario, ("expect", number), expectation, models, known))
     return checks, notes
 
 
@@ -75,10 +71,8 @@ def _check(
         return Check(expectation, seen, none, changes_of_sign(expectation.zeros))
     how = "always" if expectation.always else "ever"
     bound: Bound = getattr(expectation, how)
-    try:
+    with scenario.naming((*key, how, bound.kind)):
         held = limits(expectation.signal, seen.variable, bound)
-    except QuantityError as error:
-        raise InputError(scenario.error((*key, how, bound.kind), str(error))) from None
     items = {float(number): item for item, number in seen.variable.items}
     if bound.kind == "equals" and seen.variable.type == "integer" and len(seen.nodes) == 1:
         items = {phase.value: name for name, phase in known.items() if phase.signal == seen.nodes[0]}

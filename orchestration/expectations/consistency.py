@@ -70,10 +70,8 @@ def _relation(scenario: Scenario, name: str, entry: Consistency, models: Mapping
         def find(reference: Reference) -> tuple[Variable, list[Node]]:
             return signals.find(scenario, (*key, side), reference, models)
 
-        try:
+        with scenario.naming((*key, side)):
             return parse_expression(getattr(entry, side), find)
-        except QuantityError as error:
-            raise InputError(scenario.error((*key, side), str(error))) from None
 
     left, right = expression("left"), expression("right")
     if left.shape != right.shape and right.nodes:
@@ -84,18 +82,9 @@ def _relation(scenario: Scenario, name: str, entry: Consistency, models: Mapping
     if None not in (left.unit, right.unit) and left.unit != right.unit:
         message = f"the units differ: left is in {written(left.unit)}, right in {written(right.unit)}"
         raise InputError(scenario.error(key, message))
-    when = None
-    if entry.when is not None:
-        condition, nodes = signals.find(scenario, (*key, "when"), entry.when, models)
-        if condition.type != "boolean" or len(nodes) != 1:
-            raise InputError(
-                scenario.error((*key, "when"), f"expected one boolean, but {entry.when} is {condition.kind}")
-            )
-        when = nodes[0]
-    try:
+    when = None if entry.when is None else signals.flag(scenario, (*key, "when"), entry.when, models)
+    with scenario.naming((*key, "within")):
         within = _within(entry, left.unit or right.unit)
-    except QuantityError as error:
-        raise InputError(scenario.error((*key, "within"), str(error))) from None
     blocks = {node.block for node in (*left.nodes, *right.nodes)}
     if not blocks:
         raise InputError(scenario.error(key, "expected a signal on one side"))

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InputError, Problem
+from ..errors import Problems
 from ..fmu.model import Floats, Model
 from ..scenario.expectations import HoldEntry
-from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..system import signals
@@ -66,7 +65,8 @@ class Hold:
         if len(self.spans) == 1:
             return f"{what} to {last:.6g} s, then released"
         longest = max(end - start for start, end in self.spans if end is not None)
-        return f"{what}; {len(self.spans)} times in all, the longest for {longest:.6g} s, released for the last time at {last:.6g} s"
+        often = f"{len(self.spans)} times in all, the longest for {longest:.6g} s"
+        return f"{what}; {often}, released for the last time at {last:.6g} s"
 
 
 def _releases(n: int) -> str:
@@ -90,33 +90,21 @@ class HoldCheck:
 def prepare(scenario: Scenario, models: Mapping[str, Model]) -> list[HoldCheck]:
     """Checks the scenario's holds against the blocks. Raises InputError with every error."""
     held: list[HoldCheck] = []
-    errors: list[Problem] = []
-    for number, entry in enumerate(scenario.holds):
-        key: Key = ("holds", number)
-        try:
-            flag = _flag(scenario, (*key, "signal"), entry.signal, models)
-            kept = [
-                node
-                for i, name in enumerate(entry.keeps)
-                for node in signals.find(scenario, (*key, "keeps", i), name, models)[1]
-            ]
-            limits = {
-                limit: _flag(scenario, (*key, "limits", limit), name, models) for limit, name in entry.limits.items()
-            }
-        except InputError as error:
-            errors += error.problems
-        else:
-            held.append(HoldCheck(entry, flag, kept, limits))
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, entry in enumerate(scenario.holds):
+            with problems.gathered():
+                held.append(_check(scenario, ("holds", number), entry, models))
     return held
 
 
-def _flag(scenario: Scenario, key: Key, name: Reference, models: Mapping[str, Model]) -> Node:
-    variable, nodes = signals.find(scenario, key, name, models)
-    if variable.type != "boolean" or len(nodes) != 1:
-        raise InputError(scenario.error(key, f"expected one boolean signal, {name} is {variable.kind}"))
-    return nodes[0]
+def _check(scenario: Scenario, key: Key, entry: HoldEntry, models: Mapping[str, Model]) -> HoldCheck:
+    flag = signals.flag(scenario, (*key, "signal"), entry.signal, models)
+    places = [((*key, "keeps", i), name) for i, name in enumerate(entry.keeps)]
+    kept = [node for place, name in places for node in signals.find(scenario, place, name, models)[1]]
+    limits = {
+        limit: signals.flag(scenario, (*key, "limits", limit), name, models) for limit, name in entry.limits.items()
+    }
+    return HoldCheck(entry, flag, kept, limits)
 
 
 class HoldObserver:

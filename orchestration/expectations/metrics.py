@@ -64,35 +64,27 @@ def prepare(
             (str(name), tuple(signals.find(places, (*key, "signals", i), name, models)[1]))
             for i, name in enumerate(metric.signals)
         ]
-        unit = parse_unit(metric.unit) if metric.unit else ONE
-        return Measure(
-            metric, unit, f"{metric.python} of {', '.join(map(str, metric.signals))}", None, None, tuple(given)
-        )
+        with places.naming((*key, "unit")):
+            unit = parse_unit(metric.unit) if metric.unit else ONE
+        text = f"{metric.python} of {', '.join(map(str, metric.signals))}"
+        return Measure(metric, unit, text, None, None, tuple(given))
     seen = sight(places, key, metric, metric.signal, models, scenario.duration, phases(scenario, models))
     if kind in BOUNDS:
         bound = getattr(metric, kind)
-        try:
+        with places.naming((*key, kind, bound.kind)):
             held = limits(metric.signal, seen.variable, bound)
+        with places.naming((*key, "unit")):
             unit = _unit(metric.unit, ONE if kind == "share" else SECOND)
-        except QuantityError as error:
-            place = (
-                (*key, "unit")
-                if "unit" in metric.model_fields_set and "metric" in str(error)
-                else (*key, kind, bound.kind)
-            )
-            raise InputError(places.error(place, str(error))) from None
         return Measure(metric, unit, f"{_WORDS[kind]} {seen.name} {_is(held)}{window(metric)}", seen, held)
     if seen.variable.type == "enumeration" and kind == "statistic" and metric.statistic not in ("final",):
-        message = f"{metric.signal} is {seen.variable.kind} and has no {metric.statistic}; expected share, or statistic: final"
-        raise InputError(places.error((*key, "statistic"), message))
+        message = f"{metric.signal} is {seen.variable.kind} and has no {metric.statistic}"
+        raise InputError(places.error((*key, "statistic"), f"{message}; expected share, or statistic: final"))
     if not one_number(seen) and metric.statistic not in ("peak", "maximum", "minimum"):
         message = f"{metric.signal} is {seen.variable.kind}; remedy: one element, or measure: norm"
         raise InputError(places.error((*key, "statistic"), message))
     own = seen.variable.unit or ONE
-    try:
+    with places.naming((*key, "unit")):
         unit = _unit(metric.unit, own)
-    except QuantityError as error:
-        raise InputError(places.error((*key, "unit"), str(error))) from None
     none = Limits(unit, *own.conversion(unit), -math.inf, math.inf, False, "")
     return Measure(metric, unit, f"{metric.statistic} of {seen.name}{window(metric)}", seen, none)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fmu.model import Floats
-from ..quantities import with_unit
+from ..quantities import shown, with_unit
 from ..scenario.expectations import Expectation
 from ..scenario.timeline import either
 from ..system.clock import slack
@@ -42,7 +42,7 @@ class Outcome:
 
     @property
     def status(self) -> str:
-        """`met`, `failed`, or `not reached` where there was no sample to look at, or the run ended too early to decide."""
+        """`met`, `failed`, or `not reached` where no sample was there to look at, or the run ended too early to decide."""
         return "met" if self.passed else "failed" if self.samples and not self.open else "not reached"
 
     @property
@@ -83,7 +83,9 @@ def not_evaluated(expectation: Expectation, reason: str) -> NotEvaluated:
 
 @dataclass(frozen=True)
 class Highlight:
-    """A signal in two numbers: its value at the end and that of largest magnitude; of a vector, by its largest element."""
+    """The key figures of a signal: its value at the end and that of largest magnitude; of a vector, by its largest
+    element.
+    """
 
     signal: str
     unit: str
@@ -200,8 +202,7 @@ class ExpectationObserver:
         """The signal's final and peak values; None for what is no number."""
         if self._peak is None or not self.check.limits.number:
             return None
-        unit = "" if str(self.check.limits.unit) == "1" else str(self.check.limits.unit)
-        return Highlight(_signal(self.check.expectation), unit, self._final, *self._peak)
+        return Highlight(_signal(self.check.expectation), shown(self.check.limits.unit), self._final, *self._peak)
 
 
 def _outcome(
@@ -214,7 +215,7 @@ def _outcome(
     note: str = "",
 ) -> Outcome:
     expectation = check.expectation
-    unit = "" if expectation.zeros is not None or str(check.limits.unit) == "1" else str(check.limits.unit)
+    unit = "" if expectation.zeros is not None else shown(check.limits.unit)
     return Outcome(
         expectation.name, _signal(expectation), check.expected, passed, value, unit, margin, time, samples, note
     )

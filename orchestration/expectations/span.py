@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..fmu.model import Floats, Model, Variable
-from ..quantities import ONE, QuantityError, Unit, parse, real
+from ..quantities import ONE, QuantityError, Unit, parse, real, suffix
 from ..scenario.expectations import Bound, Span
 from ..scenario.references import Reference
 from ..scenario.source import Key
@@ -76,13 +76,7 @@ def sight(
 ) -> Sight:
     """A signal and its span held against the blocks; `phases` by their names. Raises InputError."""
     variable, nodes = signals.find(places, (*key, "signal"), signal, models)
-    when = None
-    if span.when is not None:
-        condition, elements = signals.find(places, (*key, "when"), span.when, models)
-        if condition.type != "boolean" or len(elements) != 1:
-            message = f"expected one boolean, but {span.when} is {condition.kind}"
-            raise InputError(places.error((*key, "when"), message))
-        when = elements[0]
+    when = None if span.when is None else signals.flag(places, (*key, "when"), span.when, models)
     if span.after is not None and span.after > duration:
         message = f"{span.after:.10g} s lies after the end of the run, {duration:.10g} s"
         raise InputError(places.error((*key, "after"), message))
@@ -150,7 +144,6 @@ def numeric(name: str, own: Unit | None, bound: Bound) -> Limits:
         factor, offset = (given or own or ONE).conversion(unit)
         numbers.append(factor * number + offset)
     factor, offset = (own or ONE).conversion(unit) if units else (1.0, 0.0)
-    suffix = f" {unit}" if str(unit) != "1" else ""
     low, high = {
         "below": (-math.inf, numbers[0]),
         "above": (numbers[0], math.inf),
@@ -161,7 +154,7 @@ def numeric(name: str, own: Unit | None, bound: Bound) -> Limits:
         raise QuantityError(f"expected [low, high], found {value!r}")
     words = {"below": "<", "above": ">", "within": "within", "equals": "="}[bound.kind]
     span = f"{low:g} .. {high:g}" if len(numbers) == 2 else f"{numbers[0]:g}"
-    return Limits(unit, factor, offset, low, high, bound.kind in ("below", "above"), f"{words} {span}{suffix}")
+    return Limits(unit, factor, offset, low, high, bound.kind in ("below", "above"), f"{words} {span}{suffix(unit)}")
 
 
 def _end(end: object, name: str, own: Unit | None) -> tuple[float, Unit | None]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import InputError, Problem, hint
+from ..errors import Problems, hint
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..quantities import ONE, QuantityError, parse_unit, value_in, with_unit
 from ..rotation import about
@@ -41,14 +41,12 @@ class Control:
 def controls(scenario: Scenario, plan: Plan) -> list[Control]:
     """The sliders of a scenario. Raises InputError with everything that is wrong."""
     made: list[Control] = []
-    errors: list[Problem] = []
-    for number, slider in enumerate(scenario.live.sliders if scenario.live else ()):
-        try:
-            made.append(_control(slider, scenario, plan))
-        except (QuantityError, NameUnknown) as error:
-            errors.append(scenario.error(("live", "sliders", number), f"{slider.start}: {error}"))
-    if errors:
-        raise InputError(*errors)
+    with Problems() as problems:
+        for number, slider in enumerate(scenario.live.sliders if scenario.live else ()):
+            try:
+                made.append(_control(slider, scenario, plan))
+            except (QuantityError, NameUnknown) as error:
+                problems.append(scenario.error(("live", "sliders", number), f"{slider.start}: {error}"))
     return made
 
 

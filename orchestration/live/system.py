@@ -1,4 +1,6 @@
-"""A scenario made ready for a page: its blocks, sliders and faults as WebAssembly, and the native run that it is held against."""
+"""A scenario made ready for a page: its blocks, sliders and faults as WebAssembly, and the native run that it is held
+against.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from fmus.block import Block
 from fmus.native.toolchain import CompilerError
 from fmus.native.wasm import module
 
-from ..errors import InputError, Problem
+from ..errors import InputError, Problems
 from ..fmu.interfaces import is_path
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
@@ -70,18 +72,13 @@ def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[F
         entry = {key: value for key, value in data.items() if key != "name"}
         source = source.with_item("faults", entry, source.where(("live", "faults", number)))
     both = load(source) if own else scenario
-    errors: list[Problem] = []
-    opened = made = None
-    try:
+    problems = Problems()
+    with problems.gathered():
         opened = open_scenario(both)
-    except InputError as error:
-        errors += error.problems
-    try:
+    with problems.gathered():
         made = controls(scenario, open_scenario(scenario).plan)
-    except InputError as error:
-        errors += error.problems
-    if opened is None or made is None:
-        raise InputError(*dict.fromkeys(errors))
+    if problems:
+        raise InputError(*dict.fromkeys(problems))
     plan = opened.plan
     each = [resolve(both.model_copy(update={"faults": [fault]}), plan.models, plan.wiring) for fault in both.faults]
     for number, faults in enumerate(each):

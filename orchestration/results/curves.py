@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fmu.model import Floats
-from ..quantities import ONE, Unit
+from ..quantities import ONE, Unit, shown
 from ..scenario.figures import FigureEntry, Panel
 from ..system.panels import unit_of
 from .arrays import Span
@@ -37,14 +37,9 @@ def curves(result: RunData, reference: str, panel: Panel) -> tuple[Unit, list[tu
     return unit, [(name, factor * column + offset) for name, column in named]
 
 
-def unit_of_values(unit: Unit) -> str:
-    """Returns what stands behind a value: its unit, if there is one."""
-    return "" if unit.name in ("", "1") else str(unit)
-
-
 def axis(text: str, unit: Unit, between: str = ", ") -> str:
     """Returns the label of an axis: what it shows, and the unit if there is one."""
-    return f"{text}{between}{unit}" if unit_of_values(unit) else text
+    return f"{text}{between}{unit}" if shown(unit) else text
 
 
 def window(result: RunData, entry: FigureEntry) -> Span:

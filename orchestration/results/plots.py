@@ -10,10 +10,11 @@ import numpy as np
 
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, QuantityError, Unit, value_in
+from ..quantities import shown as unit_behind
 from ..scenario.figures import FigureEntry, Panel
 from ..system import acting
 from .arrays import MARKS, Arrays, Span, few, kept
-from .curves import axis, crossings, curves, spans, unit_of_values, window
+from .curves import axis, crossings, curves, spans, window
 from .data import RunData
 
 ROWS = 5000
@@ -74,7 +75,7 @@ def of_panel(
             drawn.append(Curve(name if over is None else f"{name}, ours", values, place, over is not None, layer=layer))
     return {
         **plot(result.time, axis(panel.label or panel.signals[0], unit), [*drawn, *others], arrays, ROWS, shown),
-        "unit": unit_of_values(unit),
+        "unit": unit_behind(unit),
         "scale": panel.scale,
         "lines": [value_in(line, unit) for line in panel.lines],
         "lines_are": panel.lines_are,
@@ -148,7 +149,7 @@ def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Grou
     drawn = [Curve(label, column, i, stepped=stepped) for i, (label, column) in enumerate(named)]
     shown = {
         **plot(result.time, axis(variable.name, unit), drawn, arrays, rows),
-        "unit": unit_of_values(unit),
+        "unit": unit_behind(unit),
         "lines": list(dict.fromkeys(lines)),
         "shade": held,
     }

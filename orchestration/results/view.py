@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
-from ..quantities import ONE, Unit
+from ..quantities import ONE, Unit, shown
 from ..rotation import matrix, quaternions
 from ..scenario.references import Reference
 from ..scenario.view import GHOSTS, ViewEntry
@@ -172,7 +172,7 @@ def _vector(result: RunData, signal: Reference, along: Any, parameters: Mapping[
     values = factor * result[signal].reshape(len(result.time), -1).astype(float)
     if along is not None:
         values = values @ np.array(directions(along, parameters))
-    return "" if unit.name in ("", "1") else str(unit), np.where(np.isfinite(values), values, 0.0)
+    return shown(unit), np.where(np.isfinite(values), values, 0.0)
 
 
 def _quaternions(values: NDArray[Any]) -> Floats:

@@ -39,6 +39,14 @@ def find(places: Places, key: Key, reference: Reference, models: Mapping[str, Mo
     return variable.at(positions), [Node(block, Element(variable.name, position)) for position in positions]
 
 
+def flag(places: Places, key: Key, reference: Reference, models: Mapping[str, Model]) -> Node:
+    """Returns the element that a reference to one boolean means. Raises InputError at the given place."""
+    variable, nodes = find(places, key, reference, models)
+    if variable.type != "boolean" or len(nodes) != 1:
+        raise InputError(places.error(key, f"expected one boolean, but {reference} is {variable.kind}"))
+    return nodes[0]
+
+
 def recorded(scenario: Scenario, models: Mapping[str, Model]) -> list[Node]:
     """All elements that `record.signals` asks for, in order; by default all outputs of all blocks."""
     nodes: dict[Node, None] = {}

@@ -17,7 +17,7 @@ import numpy as np
 from ... import rotation
 from ...errors import BlockError
 from ...fmu.model import Floats, Variable
-from ...quantities import Unit
+from ...quantities import Unit, suffix
 from ...system.wiring import Node
 from ..playback import play_opened
 from .bench import flown_inputs
@@ -164,8 +164,8 @@ def _factor(variable: Variable) -> float:
 
 def _vector(variable: Variable, values: Floats, sign: bool = False) -> str:
     """Returns values in the unit in which they are shown, without what is small beside the largest."""
-    factor, unit = _factor(variable), _shown_in(variable)
+    factor = _factor(variable)
     largest = float(np.abs(values).max())
     cells = [f"{x * factor:{'+' if sign else ''}.3g}" if abs(x) > _SMALL * largest else "0" for x in values]
     text = cells[0] if len(cells) == 1 else f"({', '.join(cells)})"
-    return text + (f" {unit}" if unit and str(unit) != "1" and not variable.units else "")
+    return text + (suffix(_shown_in(variable)) if not variable.units else "")

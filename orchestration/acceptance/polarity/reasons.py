@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...fmu.model import Floats
+from ...quantities import suffix
 from ...system.signals import label
 from ...system.wiring import Node
 from .fly import Loop
@@ -72,11 +73,10 @@ class Nominal:
             )
         variable = models[largest.block].variables[largest.element.variable]
         size = own[largest] * self.peaks[largest]
-        unit = f" {variable.unit}" if variable.unit and str(variable.unit) != "1" else ""
         name = f"{largest.block}.{variable.name}"
         return Unobservable(
             f"all expectations and checks hold; of what the reader gives, {name} changes most",
-            f"a consistency check of {name} to better than {size:.2g}{unit}, or a larger stimulus",
+            f"a consistency check of {name} to better than {size:.2g}{suffix(variable.unit)}, or a larger stimulus",
             size,
         )
 

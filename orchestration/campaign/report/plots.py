@@ -47,7 +47,7 @@ class Metric:
     @property
     def label(self) -> str:
         """The text at an axis."""
-        return f"{self.name}, {self.unit}" if self.unit not in ("", "1") else self.name
+        return f"{self.name}, {self.unit}" if self.unit else self.name
 
     @property
     def lower_is_worse(self) -> bool:
@@ -66,7 +66,7 @@ class Metric:
 
     def with_unit(self, value: float) -> str:
         """A value of it."""
-        return "never" if value == np.inf else with_unit(value, self.unit if self.unit != "1" else "")
+        return "never" if value == np.inf else with_unit(value, self.unit)
 
 
 def plain(label: str, xlabel: str, xname: str, x: Floats, span: tuple[float, float], arrays: Arrays) -> dict[str, Any]:

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from orchestration.acceptance import page as pages
-from orchestration.acceptance.compare import Comparison, Difference
+from orchestration.acceptance.compare import Comparison
+from orchestration.acceptance.difference import Difference
 from orchestration.acceptance.playback import Played
 
 from ..results.browser import Tab, pixels

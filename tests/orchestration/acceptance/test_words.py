@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.acceptance.compare import _difference
+from orchestration.acceptance.difference import difference
 from orchestration.acceptance.tolerances import tolerances
 from orchestration.acceptance.verdict import _cells, status
 from orchestration.fmu.model import Model, Variable
@@ -25,7 +25,7 @@ TIME = np.array([0.0, 1.0, 2.0])
 def found(ours, theirs, *wanted, nominal=1.0):
     variable = Variable("torque", "output", unit=parse_unit("N.m"), nominal=nominal)
     bound = tolerances(wanted, Model("regulator", {"torque": variable}))["torque"]
-    return _difference(variable, np.array(ours)[:, None], np.array(theirs)[:, None], TIME, bound, "N.m")
+    return difference(variable, np.array(ours)[:, None], np.array(theirs)[:, None], TIME, bound)
 
 
 def test_a_difference_of_rounding_is_zero_however_small_the_output_is():

@@ -102,7 +102,7 @@ def test_a_hold_of_the_last_sample_only_counts_as_in_place():
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        ({"signal": "law.y"}, "holds[1].signal: expected one boolean signal, law.y is a real scalar"),
+        ({"signal": "law.y"}, "holds[1].signal: expected one boolean, but law.y is a real scalar"),
         ({"signal": "law.holds"}, "holds[1].signal: law has no variable 'holds'; did you mean 'hold'?"),
         ({"keeps": ["low.y"]}, "holds[1].keeps[1]: there is no block 'low'; did you mean 'law'?"),
         ({"limits": {"x": "law.z"}}, "holds[1].limits.x: law has no variable 'z'"),
