@@ -41,24 +41,12 @@ MARKERS = {
         "fmus/test_rules.py",
         "fmus/test_nested.py",
         "native",
-        "orchestration/acceptance/test_binaries.py",
-        "orchestration/acceptance/test_check.py",
-        "orchestration/acceptance/test_compare.py",
-        "orchestration/live",
         "orchestration/master/test_compiled.py",
         "packaging",
     ),
     "isolate": (
-        "orchestration/cli",
-        "orchestration/acceptance/test_page.py",
-        "orchestration/campaign/flying/test_cluster.py",
         "orchestration/instances",
-        "orchestration/results/test_endings.py",
-        "orchestration/results/test_outputs.py",
-        "orchestration/results/test_browser.py",
         "orchestration/system/test_optional.py",
-        "orchestration/test_broken.py",
-        "orchestration/test_wrong_input.py",
     ),
     "fly": (
         "authorities",
@@ -74,7 +62,6 @@ MARKERS = {
         "native/test_linking.py",
         "native/test_sanitizers.py",
         "packaging/test_wheel.py",
-        "tools",
     ),
 }
 """What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""

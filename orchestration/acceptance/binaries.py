@@ -45,7 +45,7 @@ _CALLED = {
 
 
 def called(model: Model) -> set[str]:
-    """The functions without which an FMU does not run here: of FMI 3.0, those of the types that it has."""
+    """Returns the functions without which an FMU does not run here: of FMI 3.0, those of the types that it has."""
     names = set(_CALLED[model.prefix].split())
     if model.prefix == "fmi3":
         ports = model.of("input", "output", "parameter")

@@ -47,12 +47,12 @@ class Case:
 
     @property
     def runs(self) -> int:
-        """How many runs it has."""
+        """Returns how many runs it has."""
         return self.job.design.runs
 
     @property
     def parts(self) -> dict[str, str]:
-        """The parts that decide the rows, each by the hash of its content.
+        """Returns the parts that decide the rows, each by the hash of its content.
 
         With `sampling: random` the number of runs does not count.
         """
@@ -80,7 +80,7 @@ class Case:
 
     @property
     def fingerprint(self) -> str:
-        """The hash of all that decides the rows."""
+        """Returns the hash of all that decides the rows."""
         return _hash(self.parts)
 
 
@@ -91,7 +91,9 @@ def _hash(data: Any) -> str:
 def read_campaign(
     campaign: Path | str | Source, overrides: Mapping[str, Any] | None = None, sets: Mapping[str, Any] | None = None
 ) -> Case:
-    """A campaign file, or the same as data, held against its scenario and FMUs. Raises InputError with what is wrong.
+    """Returns a campaign file, or the same as data, held against its scenario and FMUs.
+
+    Raises InputError with what is wrong.
 
     `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by
     name.
@@ -114,7 +116,7 @@ def read_campaign(
 
 
 def _scenario(source: Source) -> Source | None:
-    """The scenario's own source; None where the file names none. Raises InputError."""
+    """Returns the scenario's own source; None where the file names none. Raises InputError."""
     given = source.data.get("scenario") if isinstance(source.data, dict) else None
     if isinstance(given, str) and given:
         with source.naming(("scenario",)):
@@ -128,7 +130,7 @@ def _scenario(source: Source) -> Source | None:
 
 
 def _changed(campaign: Campaign, source: Source, flown: Source) -> Source:
-    """The scenario with the campaign's swaps, start values and flavour."""
+    """Returns the scenario with the campaign's swaps, start values and flavour."""
     if unswapped := next((block for block in campaign.map if block not in campaign.swap), None):
         raise InputError(
             source.error(("map", unswapped), f"{unswapped} is not swapped{hint(unswapped, campaign.swap)}")
@@ -151,7 +153,7 @@ def _swap(campaign: Campaign, source: Source, block: str) -> Swap:
 
 
 def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
-    """A campaign held against its scenario. Raises InputError."""
+    """Returns a campaign held against its scenario. Raises InputError."""
     opened = open_scenario(scenario)
     plan = opened.plan
     measures: list[metrics.Measure] = []

@@ -103,7 +103,7 @@ class _Campaign:
 
     @property
     def finished(self) -> Finished:
-        """The outcome up to now."""
+        """Returns the outcome up to now."""
         counts = int(self._data.done.sum()), int(self._data.failed.sum())
         wall = perf_counter() - self._begun
         return Finished(self._state, *counts, self._verdicts, self._data.reason, wall, self._signal)
@@ -180,7 +180,7 @@ def verdicts_of_first(case: Case, data: Any, count: int, announced: Announced) -
 
 
 def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
-    """The report page. Where it cannot be written, the results stand without it."""
+    """Returns the report page. Where it cannot be written, the results stand without it."""
     try:
         return report.write(folder)
     except Exception as error:

@@ -64,7 +64,7 @@ def keep(case: Case, folder: Path, remark: Callable[[str], None]) -> list[int]:
 
 
 def chosen(case: Case, folder: Path) -> list[int]:
-    """The indices of the runs that the campaign keeps, of those that have been flown."""
+    """Returns the indices of the runs that the campaign keeps, of those that have been flown."""
     wanted = case.campaign.keep
     indices: list[int] = []
     if not (wanted.runs or wanted.failed or wanted.not_met) or not (folder / "runs").is_dir():

@@ -126,9 +126,8 @@ def earlier_start(case: Case, folder: Path) -> dict[str, Any]:
     if left["fingerprint"] != case.fingerprint:
         differ = [name for name, value in case.parts.items() if left["parts"].get(name) != value]
         if "sampling" in differ and left["sampling"] == case.campaign.sampling:
-            wanted = left["runs"]["wanted"]
-            runs = f"the number of runs ({wanted} there, {case.runs} here), on which the points of {case.campaign.sampling} depend"
-            differ[differ.index("sampling")] = runs
+            runs = f"the number of runs ({left['runs']['wanted']} there, {case.runs} here)"
+            differ[differ.index("sampling")] = f"{runs}, on which the points of {case.campaign.sampling} depend"
         raise InputError(
             f"{folder} holds the campaign {str(left['campaign'])!r}, which differs in "
             f"{', '.join(differ) or 'its parts'}; "

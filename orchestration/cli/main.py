@@ -85,7 +85,7 @@ class _Lazy(Commands):
         return super().parse_args(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """The commands, and the files that may be scenarios."""
+        """Returns the commands, and the files that may be scenarios."""
         return [*super().shell_complete(ctx, incomplete), CompletionItem(incomplete, type="file")]
 
     def resolve_command(

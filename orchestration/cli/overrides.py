@@ -69,12 +69,12 @@ class Changes:
 
     @cached_property
     def given(self) -> list[Swap]:
-        """The swaps of --swap and --map."""
+        """Returns the swaps of --swap and --map."""
         return swaps_of(self.swaps, self.maps)
 
     @property
     def blocks(self) -> list[str]:
-        """The blocks that are swapped."""
+        """Returns the blocks that are swapped."""
         return [swap.block for swap in self.given]
 
     def unswapped(self, path: Path) -> Source:

@@ -57,5 +57,5 @@ class FlagObserver:
 
     @property
     def flags(self) -> list[Flag]:
-        """All flags; none of a run that ended before its first sample."""
+        """Returns all flags; none of a run that ended before its first sample."""
         return list(self._flags.values()) if self._begun else []

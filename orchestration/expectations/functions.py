@@ -46,12 +46,12 @@ class Expression:
 
     @property
     def dimensions(self) -> str:
-        """The lengths of its shape, for messages."""
+        """Returns the lengths of its shape, for messages."""
         return str(list(self.shape))
 
 
 def wide(value: Floats, own: tuple[int, ...], shape: tuple[int, ...]) -> Floats:
-    """A scalar as wide as a vector or a matrix."""
+    """Returns a scalar as wide as a vector or a matrix."""
     return value if own == shape else value.reshape(len(value), *(1 for _ in shape))
 
 
@@ -67,7 +67,7 @@ def common_unit(parts: Sequence[Expression], what: str) -> Exponents:
 
 
 def written(unit: Exponents) -> str:
-    """A unit in base units, in words."""
+    """Returns a unit in base units, in words."""
     names = ("kg", "m", "s", "A", "K", "mol", "cd")
     powers = [f"{name}{power if power != 1 else ''}" for name, power in zip(names, unit or (), strict=False) if power]
     return ".".join(powers) or "1"
@@ -97,7 +97,7 @@ def elementwise(
 
 
 def _shift(values: Floats) -> Floats:
-    """Those of the instant before; not known at the first."""
+    """Returns those of the instant before; not known at the first."""
     return np.concatenate((np.full_like(values[:1], np.nan), values[:-1]))
 
 

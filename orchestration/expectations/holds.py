@@ -47,7 +47,7 @@ class Hold:
 
     @property
     def text(self) -> str:
-        """The outcome as a sentence."""
+        """Returns the outcome as a sentence."""
         if not self.spans:
             return NEVER
         start, end = self.spans[-1]
@@ -140,7 +140,7 @@ class HoldObserver:
 
     @property
     def hold(self) -> Hold:
-        """The hold as it stands up to now."""
+        """Returns the hold as it stands up to now."""
         outcome = AT_ZERO if self._from_zero else RELEASED
         if not self._spans or self._held:
             outcome = LATCHED if self._held else NEVER

@@ -57,7 +57,7 @@ class Measure:
 def prepare(
     places: signals.Places, key: Key, metric: Metric, models: Mapping[str, Model], scenario: Scenario
 ) -> Measure:
-    """A metric held against the blocks; `key` is its place in the file. Raises InputError."""
+    """Returns a metric held against the blocks; `key` is its place in the file. Raises InputError."""
     kind = metric.kind
     if metric.signal is None:
         given = [
@@ -114,7 +114,7 @@ class MetricObserver(Protocol):
         """Takes in the samples that follow those before."""
 
     def value(self) -> float:
-        """The metric in its unit; NaN where there was no sample to look at. Raises MetricError."""
+        """Returns the metric in its unit; NaN where there was no sample to look at. Raises MetricError."""
 
 
 class MetricError(ValueError):

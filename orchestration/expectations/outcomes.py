@@ -42,12 +42,12 @@ class Outcome:
 
     @property
     def status(self) -> str:
-        """`met`, `failed`, or `not reached` where no sample was there to look at, or the run ended too early to decide."""
+        """`met`, `failed`, or `not reached` where there was no sample, or the run ended too early to decide."""
         return "met" if self.passed else "failed" if self.samples and not self.open else "not reached"
 
     @property
     def text(self) -> str:
-        """The value that decides, and when it occurred."""
+        """Returns the value that decides, and when it occurred."""
         if self.found is None:
             return self.note
         if isinstance(self.found, str):
@@ -71,7 +71,7 @@ class NotEvaluated(Outcome):
 
 
 def not_evaluated(expectation: Expectation, reason: str) -> NotEvaluated:
-    """The outcome of an expectation that could not be looked at; it counts neither as met nor as failed."""
+    """Returns the outcome of an expectation that could not be looked at; it counts neither as met nor as failed."""
     how = "always" if expectation.always else "ever"
     bound = expectation.always or expectation.ever
     value = getattr(bound, bound.kind) if bound else None
@@ -96,7 +96,7 @@ class Highlight:
 
     @property
     def text(self) -> str:
-        """The peak and its time."""
+        """Returns the peak and its time."""
         return f"{with_unit(self.peak, self.unit)} at {self.time:.5g} s"
 
 
@@ -165,7 +165,7 @@ class ExpectationObserver:
             self._peak = float(largest[peak]), float(time[peak])
 
     def outcome(self, early: bool = False) -> Outcome:
-        """The outcome of the samples up to now. `early` says that the run ended before its time.
+        """Returns the outcome of the samples up to now. `early` says that the run ended before its time.
 
         What the rest of the run could still have changed is open then.
         """
@@ -199,7 +199,7 @@ class ExpectationObserver:
 
     @property
     def highlight(self) -> Highlight | None:
-        """The signal's final and peak values; None for what is no number."""
+        """Returns the signal's final and peak values; None for what is no number."""
         if self._peak is None or not self.check.limits.number:
             return None
         return Highlight(_signal(self.check.expectation), shown(self.check.limits.unit), self._final, *self._peak)
@@ -222,7 +222,7 @@ def _outcome(
 
 
 def highlights(observers: Iterable[ExpectationObserver]) -> list[Highlight]:
-    """Final and peak values of the numbers that the expectations look at, each once."""
+    """Returns final and peak values of the numbers that the expectations look at, each once."""
     by_signal: dict[str, Highlight] = {}
     for observer in observers:
         if (highlight := observer.highlight) is not None:
@@ -231,7 +231,7 @@ def highlights(observers: Iterable[ExpectationObserver]) -> list[Highlight]:
 
 
 def _never(expectation: Expectation) -> str:
-    """Why no sample of the window is looked at."""
+    """Returns why no sample of the window is looked at."""
     if expectation.during is None:
         return f"{expectation.when} is never true"
     condition = f" at which {expectation.when} is true" if expectation.when else ""

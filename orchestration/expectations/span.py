@@ -44,7 +44,7 @@ class Sight:
 
     @np.errstate(over="ignore")
     def values(self, columns: Mapping[Node, Floats], factor: float = 1.0, offset: float = 0.0) -> Floats:
-        """The signal (n, elements), or (n, 1) for a norm, in another unit by `factor` and `offset`."""
+        """Returns the signal (n, elements), or (n, 1) for a norm, in another unit by `factor` and `offset`."""
         values = np.column_stack([columns[node] for node in self.nodes])
         if self.span.measure == "norm":
             values = np.sqrt((values * values).sum(axis=1, keepdims=True))
@@ -74,7 +74,7 @@ def sight(
     duration: float,
     phases: Mapping[str, Phase],
 ) -> Sight:
-    """A signal and its span held against the blocks; `phases` by their names. Raises InputError."""
+    """Returns a signal and its span held against the blocks; `phases` by their names. Raises InputError."""
     variable, nodes = signals.find(places, (*key, "signal"), signal, models)
     when = None if span.when is None else signals.flag(places, (*key, "when"), span.when, models)
     if span.after is not None and span.after > duration:
@@ -109,17 +109,17 @@ class Limits:
     """Whether the signal is a number, and no boolean or item of an enumeration."""
 
     def margins(self, values: Floats) -> Floats:
-        """How far values lie within the bound, in its unit; negative outside."""
+        """Returns how far values lie within the bound, in its unit; negative outside."""
         return np.minimum(values - self.low, self.high - values)
 
     def met(self, values: Floats) -> NDArray[np.bool_]:
-        """Which values meet the bound."""
+        """Returns which values meet the bound."""
         margins = self.margins(values)
         return margins > 0.0 if self.strict else margins >= 0.0
 
 
 def limits(signal: str, variable: Variable, bound: Bound) -> Limits:
-    """A bound on a signal, its unit converted. Raises QuantityError."""
+    """Returns a bound on a signal, its unit converted. Raises QuantityError."""
     value = getattr(bound, bound.kind)
     if variable.type == "boolean":
         if bound.kind != "equals" or not isinstance(value, bool):
@@ -134,7 +134,7 @@ def limits(signal: str, variable: Variable, bound: Bound) -> Limits:
 
 
 def numeric(name: str, own: Unit | None, bound: Bound) -> Limits:
-    """A bound on a number that has the unit `own`, or none. Raises QuantityError."""
+    """Returns a bound on a number that has the unit `own`, or none. Raises QuantityError."""
     value = getattr(bound, bound.kind)
     ends = [_end(end, name, own) for end in (value if isinstance(value, list) else [value])]
     units = {unit for _, unit in ends if unit is not None}
@@ -174,7 +174,7 @@ def one_number(sight: Sight) -> bool:
 
 
 def window(span: Span) -> str:
-    """Which samples are looked at, in words."""
+    """Returns which samples are looked at, in words."""
     parts = [
         f"{word} {limit:.10g} s" for word, limit in (("from", span.after), ("to", span.before)) if limit is not None
     ]

@@ -1,4 +1,5 @@
-"""Writes a scenario as one FMU: the blocks, their wires and start values inside a container of fmu-manipulation-toolbox.
+"""Writes a scenario as one FMU: the blocks, their wires and start values inside a container of
+fmu-manipulation-toolbox.
 
 The container steps the blocks one after the other in the scenario's order (or all at once, for parallel exchange) and
 offers their outputs and parameters as `block.variable`.
@@ -114,7 +115,7 @@ def _file(block: str) -> str:
 
 
 def _description(system: System, name: str) -> dict[str, Any]:
-    """What the toolbox reads."""
+    """Returns what the toolbox reads."""
     components = system.components
     outputs = [(c, p) for c in components for p in c.ports if p.kind == "output"]
     return {

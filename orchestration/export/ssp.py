@@ -89,7 +89,7 @@ def _annotations(top: ET.Element, system: System) -> None:
 
 
 def _rest(system: System) -> dict[str, Any]:
-    """What the scenario says beyond components, connections and values."""
+    """Returns what the scenario says beyond components, connections and values."""
     data = {k: v for k, v in system.scenario.source.data.items() if k in KEYS}
     given = system.scenario.source.data["blocks"]
     blocks = {name: {k: v for k, v in entry.items() if k in BLOCK_KEYS} for name, entry in given.items()}
@@ -115,7 +115,7 @@ def _component(parent: ET.Element, component: Component, source: str) -> None:
 
 
 def parameter_set(values: Sequence[Value]) -> bytes:
-    """The document of start values."""
+    """Returns the document of start values."""
     root = _element(None, "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
     parameters = _element(root, "ssv:Parameters")
     for value in values:
@@ -170,6 +170,6 @@ def _element(
 
 
 def xml_bytes(root: ET.Element) -> bytes:
-    """The document of this root, indented, which is done in place."""
+    """Returns the document of this root, indented, which is done in place."""
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

@@ -22,6 +22,7 @@ from ..system.wiring import Node
 
 Scalar = float | int | bool | str
 
+_ONLY_OURS = ", which only this orchestrator can do; cannot be exported"
 _LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "timeline", "phases", "cycle", "record")
 """What the step for the values of t = 0 goes without."""
 
@@ -94,7 +95,7 @@ def check_plain(scenario: Scenario, what: str, remedy: str = "") -> None:
 
 
 def flat(scenario: Scenario) -> System:
-    """The system of a scenario. Raises InputError where it cannot run or needs more than wires, and BlockError."""
+    """Returns the system of a scenario. Raises InputError where it cannot run or needs more than wires; BlockError."""
     opened = open_scenario(scenario)
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
@@ -103,10 +104,12 @@ def flat(scenario: Scenario) -> System:
             message = f"it is an FMU of FMI {fmus[name].model.fmi}; what is exported holds FMUs of FMI 2.0 only"
             raise InputError(scenario.error(("blocks", name, "fmu"), message))
         if substeps := opened.rates.substeps.get(name):
-            message = f"its FMU cannot vary its step of {float(substeps.length):.10g} s and is stepped {substeps.count} times in each of the scenario's, which only this orchestrator can do; cannot be exported"
-            raise InputError(scenario.error(("blocks", name), message))
+            message = (
+                f"its FMU cannot vary its step of {float(substeps.length):.10g} s and is stepped {substeps.count} "
+            )
+            raise InputError(scenario.error(("blocks", name), f"{message}times in each of the scenario's{_ONLY_OURS}"))
         if fit is not None and not fit.identical:
-            message = "its ports are mapped to those of another interface, which only this orchestrator can do; cannot be exported"
+            message = f"its ports are mapped to those of another interface{_ONLY_OURS}"
             raise InputError(scenario.error(("blocks", name), message))
     names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}
     initial = _initial(scenario)
@@ -148,7 +151,7 @@ def flat(scenario: Scenario) -> System:
 
 
 def _initial(scenario: Scenario) -> dict[Node, Scalar]:
-    """Every output at t = 0."""
+    """Returns every output at t = 0."""
     keys: list[Key] = [(key,) for key in _LEFT_OUT]
     longest = max(entry.every for entry in scenario.blocks.values())
     short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))

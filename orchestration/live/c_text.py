@@ -20,7 +20,7 @@ class Text:
         self.lines.append(f"{what}[] = {{{', '.join(items) or '{0}'}}};")
 
     def array(self, ctype: str, values: Iterable[Any]) -> str:
-        """The name of a constant array with these values; NULL where there are none."""
+        """Returns the name of a constant array with these values; NULL where there are none."""
         text = ", ".join(number(value) for value in values)
         if not text:
             return "NULL"
@@ -31,30 +31,30 @@ class Text:
         return self._known[line]
 
     def room(self, ctype: str, count: int) -> str:
-        """The name of an array to write to."""
+        """Returns the name of an array to write to."""
         name = f"room_{len(self.lines)}"
         self.lines.append(f"static {ctype} {name}[{count}];")
         return name
 
 
 def number(value: Any) -> str:
-    """A number, or a name, as C has it."""
+    """Returns a number, or a name, as C has it."""
     if isinstance(value, (float, np.floating)):
         return repr(float(value)).replace("inf", "INFINITY")
     return str(value)
 
 
 def quoted(text: str) -> str:
-    """A literal string."""
+    """Returns a literal string."""
     shown = (chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode())
     return f'"{"".join(shown)}"'
 
 
 def listed(items: Iterable[Any]) -> str:
-    """An initializer by order."""
+    """Returns an initializer by order."""
     return f"{{{', '.join(map(number, items))}}}"
 
 
 def fields(entries: Mapping[str, Any]) -> str:
-    """An initializer by name."""
+    """Returns an initializer by name."""
     return f"{{{', '.join(f'.{name} = {number(value)}' for name, value in entries.items())}}}"

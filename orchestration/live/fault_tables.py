@@ -51,7 +51,9 @@ def _disturbance(plan: Plan, on: Places, fault: Disturbance) -> str:
 
 
 def _changes(plan: Plan, on: Places, settings: Sequence[tuple[int, Setting]]) -> None:
-    """The begins and ends of settings in the order of time, and the elements that they set; each with its fault's number."""
+    """The begins and ends of settings in the order of time, and the elements that they set; each with its fault's
+    number.
+    """
     nodes = dict.fromkeys(Node(s.block, element) for _, s in settings for element, _ in s.values)
     numbers = {node: number for number, node in enumerate(nodes)}
     for name in ("before", "sound", "given"):
@@ -88,7 +90,7 @@ def _changes(plan: Plan, on: Places, settings: Sequence[tuple[int, Setting]]) ->
 
 
 def _listed(c: Text, kind: str, made: Sequence[str]) -> dict[str, Any]:
-    """The entries for an array of exchanges: its name, and how many there are."""
+    """Returns the entries for an array of exchanges: its name, and how many there are."""
     name = f"exchanges_{len(c.lines)}"
     c.define(f"static const Exchange {name}", made)
     return {f"{kind}s": name, f"{kind}_count": len(made)}

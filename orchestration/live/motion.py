@@ -13,7 +13,7 @@ from ..scenario.view import GHOSTS
 
 
 def motion(native: RunData, shown: dict[str, Any]) -> dict[str, Any]:
-    """What the worker takes for the view; `shown` is that of the native run: a flight has the same vectors."""
+    """Returns what the worker takes for the view; `shown` is that of the native run: a flight has the same vectors."""
     entry = view.entry_of(native)
     assert entry is not None
     names = {vector["name"] for vector in shown["vectors"]}
@@ -45,6 +45,6 @@ def motion(native: RunData, shown: dict[str, Any]) -> dict[str, Any]:
 
 
 def columns(native: RunData, conditions: Iterable[Condition]) -> list[dict[str, Any]]:
-    """Conditions with the column that each looks at."""
+    """Returns conditions with the column that each looks at."""
     places = {node: i for i, node in enumerate(native.columns)}
     return [{"name": c.name, "column": places[c.signal], "value": c.value, "colour": c.colour} for c in conditions]

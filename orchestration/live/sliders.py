@@ -39,7 +39,7 @@ class Control:
 
 
 def controls(scenario: Scenario, plan: Plan) -> list[Control]:
-    """The sliders of a scenario. Raises InputError with everything that is wrong."""
+    """Returns the sliders of a scenario. Raises InputError with everything that is wrong."""
     made: list[Control] = []
     with Problems() as problems:
         for number, slider in enumerate(scenario.live.sliders if scenario.live else ()):
@@ -51,7 +51,7 @@ def controls(scenario: Scenario, plan: Plan) -> list[Control]:
 
 
 def start_value(plan: Plan, node: Node) -> Any:
-    """What an element starts with: the scenario's value, or its FMU's own."""
+    """Returns what an element starts with: the scenario's value, or its FMU's own."""
     given = {start.element: start.value for start in plan.starts.get(node.block, ())}
     return given.get(node.element, plan.models[node.block].starts.get(node.element, 0.0))
 
@@ -102,7 +102,7 @@ def _of_block(block: str, name: Name, models: Mapping[str, Model]) -> list[tuple
 def _shared(
     name: Name, scenario: Scenario, models: Mapping[str, Model]
 ) -> list[tuple[str, tuple[Variable, list[int]]]]:
-    """The parameter of each block that takes a shared value, but where the block's own start goes before it."""
+    """Returns the parameter of each block that takes a shared value, but where the block's own start goes before it."""
     found = []
     for block, model in models.items():
         own = taken(model, name)
@@ -114,7 +114,10 @@ def _shared(
 
 
 def _measured(slider: Slider, values: list[float]) -> float:
-    """What the slider stands at, in the unit of the port, or rad. Raises QuantityError where it can stand nowhere."""
+    """Returns what the slider stands at, in the unit of the port, or rad.
+
+    Raises QuantityError where it can stand nowhere.
+    """
     if slider.measure == "element":
         if len(values) > 1:
             raise QuantityError(f"has {len(values)} elements; remedy: one of them, or 'measure: norm'")

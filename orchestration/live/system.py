@@ -61,7 +61,7 @@ def prepare(scenario: Scenario) -> Live:
 
 
 def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[Faults]]:
-    """The scenario with the faults of its `live` as its own, its blocks, its sliders, and each fault alone.
+    """Returns the scenario with the faults of its `live` as its own, its blocks, its sliders, and each fault alone.
 
     Raises InputError with everything in `live` that does not fit the blocks.
     """

@@ -1,4 +1,6 @@
-"""A planned scenario as tables in C: its wiring, order, rates, start values and faults, for loop.c, live.c and changes.c."""
+"""A planned scenario as tables in C: its wiring, order, rates, start values and faults, for loop.c, live.c and
+changes.c.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +81,7 @@ class _Writer:
         }
 
     def _first(self, seat: Seat) -> int:
-        """Where a seat's outputs begin on the bus."""
+        """Returns where a seat's outputs begin on the bus."""
         return (seat.view.ctypes.data - self.bus.values.ctypes.data) // self.bus.values.itemsize
 
     def write(self, starts: Mapping[str, Sequence[Start]], faults: Sequence[Faults]) -> Tables:
@@ -115,7 +117,7 @@ class _Writer:
         return Tables(text, places, values)
 
     def _exchange(self, block: str, it: Exchange, values: str, places: NDArray[Any] | None = None) -> str:
-        """An exchange on these values; at other places among them than its own where these are given."""
+        """Returns an exchange on these values; at other places among them than its own where these are given."""
         direct = it.direct and places is None
         buffer = f"{values} + {it.places[0]}" if direct else self.c.room(_CTYPES[it.native.code], len(it.buffer))
         low, beyond = it.native.bounds
@@ -135,7 +137,7 @@ class _Writer:
         return fields(entries)
 
     def moves(self, verb: str, block: str, places: Mapping[Element, int], values: str) -> list[str]:
-        """Exchanges of these elements of a block with their places among values."""
+        """Returns exchanges of these elements of a block with their places among values."""
         model = self.plan.models[block]
         elements = sorted(places, key=lambda e: (TYPES.index(model.variables[e.variable].type), places[e]))
         where = np.array([places[element] for element in elements], np.int64)
@@ -242,5 +244,5 @@ class _Writer:
         self.c.lines.append(f"const size_t level_count = {len(levels)};")
 
     def place_of(self, node: Node) -> int:
-        """Where an input lies among those of its seat."""
+        """Returns where an input lies among those of its seat."""
         return self.bus.seats[self.seats[node.block]].inputs.elements.index(node.element)

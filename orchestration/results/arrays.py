@@ -30,11 +30,11 @@ class Arrays:
     _places: dict[tuple[str, bytes, float], int] = field(default_factory=dict)
 
     def add(self, values: NDArray[Any]) -> int:
-        """The array's place among all."""
+        """Returns the array's place among all."""
         return self._place(*_packed(values))
 
     def add_short(self, values: NDArray[Any]) -> int:
-        """The same with two bytes a number, 1/32767 of the largest magnitude apart; rows one after the other."""
+        """Returns the array's place among all; two bytes a number, 1/32767 of the largest magnitude apart."""
         clean = np.where(np.isfinite(values), values, 0.0).astype(float)
         scale = float(np.abs(clean).max(initial=0.0)) / 32767 or 1.0
         return self._place("i2", np.round(clean / scale).astype("<i2").tobytes(), scale)
@@ -48,7 +48,9 @@ class Arrays:
 
 
 def kept(values: NDArray[Any], rows: int) -> NDArray[np.intp]:
-    """Which rows of (n, k) to keep, about so many: of each stretch those of every column's extremes, and all where few."""
+    """Returns which rows of (n, k) to keep, about so many: of each stretch those of every column's extremes, and all
+    where few.
+    """
     n, k = values.shape
     if n <= rows:
         return np.arange(n)

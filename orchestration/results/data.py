@@ -62,12 +62,14 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """The scenario as resolved, parameters, versions and what came of the run, ready for JSON; made when it is asked for."""
+        """Returns the scenario as resolved, parameters, versions and what came of the run, ready for JSON; made when it
+        is asked for.
+        """
         return self.described(self)
 
     @property
     def labels(self) -> list[str]:
-        """The name of each recorded element, free of commas: `plant.R_NB[1][2]`."""
+        """Returns the name of each recorded element, free of commas: `plant.R_NB[1][2]`."""
         return [signals.label(node, self.models) for node in self.columns]
 
     @property
@@ -82,19 +84,21 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @property
     def flags(self) -> dict[str, float | None]:
-        """When each boolean output was true first, s; None for never. Every base step counts, recorded or not."""
+        """Returns when each boolean output was true first, s; None for never. Every base step counts."""
         return {flag.name: flag.first for flag in self.booleans}
 
     @property
     def raised(self) -> list[str]:
-        """The flags that were true at some time, when first and when last."""
+        """Returns the flags that were true at some time, when first and when last."""
         return [flag.text for flag in self.booleans if flag.first is not None]
 
     def column(self, node: Node) -> Floats:
         return self.samples[:, self._place[node]]
 
     def variable(self, name: str) -> Variable:
-        """The variable that a name means: its shape and description, and the unit of the elements that are meant."""
+        """Returns the variable that a name means: its shape and description, and the unit of the elements that are
+        meant.
+        """
         reference = Reference(name)
         variable, positions = self._find(reference)
         return variable.at(positions)
@@ -104,11 +108,11 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of each signal by its name; "" where it has none."""
+        """Returns the unit of each signal by its name; "" where it has none."""
         return {name: unit_text(self.variable(name).unit) for name in self}
 
     def unit_of_column(self, node: Node) -> str:
-        """The unit of a column; "" where it has none."""
+        """Returns the unit of a column; "" where it has none."""
         variable = self.models[node.block].variables[node.element.variable]
         return unit_text(variable.at([node.element.position]).unit)
 
@@ -120,7 +124,10 @@ class RunData(Mapping[str, NDArray[Any]]):
         return places
 
     def places(self, name: str) -> list[int]:
-        """The columns of a signal's elements. Raises KeyError where they were not recorded, and ValueError for no name."""
+        """Returns the columns of a signal's elements.
+
+        Raises KeyError where they were not recorded, and ValueError for no name.
+        """
         reference = Reference(name)
         variable, positions = self._find(reference)
         return [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
@@ -136,7 +143,7 @@ class RunData(Mapping[str, NDArray[Any]]):
         return self.samples[:, places].astype(variable.dtype).reshape(len(self.time), *shape)
 
     def __iter__(self) -> Iterator[str]:
-        """Names of the variables of which every element was recorded, and of single elements of the others."""
+        """Returns names of the variables of which every element was recorded, and of single elements of the others."""
         return iter(self._names)
 
     @property
@@ -151,12 +158,12 @@ class RunData(Mapping[str, NDArray[Any]]):
 
 
 def unit_text(unit: Unit | None) -> str:
-    """A unit as text; "" where there is none."""
+    """Returns a unit as text; "" where there is none."""
     return "" if unit is None else str(unit)
 
 
 def json_text(data: object) -> str:
-    """What a run's files hold, as JSON to be read."""
+    """Returns what a run's files hold, as JSON to be read."""
     return json.dumps(data, indent=2, ensure_ascii=False, default=_plain)
 
 

@@ -45,7 +45,7 @@ class Differences(dict[str, Difference]):
 
 
 def compare(a: RunData, b: RunData) -> Differences:
-    """The differences b - a of the signals that both have, at the instants that both have, in the units of `a`.
+    """Returns the differences b - a of the signals that both have, at the instants that both have, in the units of `a`.
 
     Raises ValueError where they have no instant in common.
     """

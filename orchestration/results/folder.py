@@ -17,7 +17,8 @@ from .data import RunData, json_text
 def write(result: RunData, folder: Path, format: str = "csv") -> Path:
     """Writes the folder and returns it. Raises ResultsError where it cannot be written; what was in it then stands.
 
-    Of a run that did not come to its first sample there are no signals. Raises InputError where another run writes there.
+    Of a run that did not come to its first sample there are no signals. Raises InputError where another run writes
+    there.
     """
     formats.check(format)
     formats.check_names(result.columns, result.models, format)

@@ -1,9 +1,9 @@
 """The formats of a run's signals.
 
 The first column is `time`; then comes `block.variable`, with `[i]` for an element of a vector and `[i][j]` for one of a
-matrix, since common readers split at commas even between quotes. Numbers in CSV are the shortest decimals that read back
-as the same doubles; booleans are 0 and 1. MAT has a struct for each block, with whole vectors and matrices as fields.
-Names are written as fmu/names.py says.
+matrix, since common readers split at commas even between quotes. Numbers in CSV are the shortest decimals that read
+back as the same doubles; booleans are 0 and 1. MAT has a struct for each block, with whole vectors and matrices as
+fields. Names are written as fmu/names.py says.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ def check_names(columns: Iterable[Node], models: Mapping[str, Model], format: st
     for name in signals.names(columns, models):
         for part in _fields(name):
             if len(part) > _FIELD_MAX:
-                message = f"--format mat: the name {part} of {name} has {len(part)} characters; MATLAB reads at most {_FIELD_MAX}"
+                message = f"--format mat: the name {part} of {name} has {len(part)} characters; "
+                message += f"MATLAB reads at most {_FIELD_MAX}"
                 raise InputError(f"{message}; remedy: --format csv or parquet, or leave it out of record.signals")
 
 
@@ -96,7 +97,7 @@ def _mat(result: RunData, path: Path) -> None:
 
 
 def _fields(name: str) -> tuple[str, str]:
-    """What a MAT file calls the block and the variable of a signal."""
+    """Returns what a MAT file calls the block and the variable of a signal."""
     block, _, variable = name.partition(".")
     return field(block, _TOP), field(unescaped(variable))
 

@@ -11,7 +11,7 @@ from .data import RunData
 
 
 def to_pandas(result: RunData) -> Any:
-    """A DataFrame: a row for each instant, a column for each recorded element, units in `attrs["units"]`.
+    """Returns a DataFrame: a row for each instant, a column for each recorded element, units in `attrs["units"]`.
 
     Raises InputError where pandas is missing.
     """
@@ -29,7 +29,8 @@ def to_pandas(result: RunData) -> Any:
 
 
 def to_xarray(result: RunData) -> Any:
-    """A Dataset: each signal with its own dimensions besides `time`, counted as the FMU counts; `units` among its attributes.
+    """Returns a Dataset: each signal with its own dimensions besides `time`, counted as the FMU counts; `units` among
+    its attributes.
 
     Raises InputError where xarray is missing.
     """
@@ -52,7 +53,7 @@ def to_xarray(result: RunData) -> Any:
 
 
 def _typed(result: RunData, label: str) -> Any:
-    """The column with the type of its variable."""
+    """Returns the column with the type of its variable."""
     return result[label].reshape(len(result.time))
 
 

@@ -186,7 +186,9 @@ class Page:
         style: str = "",
         more: Mapping[str, object] = {},
     ) -> str:
-        """Returns the whole page, with script and style of its own, what the security policy allows that, and more data."""
+        """Returns the whole page, with script and style of its own, what the security policy allows that, and more
+        data.
+        """
         # The library takes the pixels to the point from the screen; on paper they are more. So the page gives them.
         library = asset("resolution.js").replace("/* library */", asset("uPlot.iife.min.js"))
         drawing = "\n".join([library, *map(asset, _PLOTS + (_VIEW if self._seen else ())), script])

@@ -47,14 +47,14 @@ class Keys:
             self.shades.append(signal)
 
     def fault(self, text: str) -> tuple[int, str]:
-        """The row of the fault's bar, from the top, and its colour."""
+        """Returns the row of the fault's bar, from the top, and its colour."""
         if text not in self.faults:
             self.faults.append(text)
         row = self.faults.index(text)
         return row, _colour(row)
 
     def texts(self) -> list[tuple[str, str]]:
-        """What kind of thing each line explains, and the line; those of faults follow."""
+        """Returns what kind of thing each line explains, and the line; those of faults follow."""
         several = len(self.lines) > 1
         found = [("line", what + (f" ({', '.join(panels)})" if several else "")) for what, panels in self.lines.items()]
         found += [("mark", crossings_text(signal, times)) for signal, times in self.marks.items()]

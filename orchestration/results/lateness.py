@@ -23,12 +23,12 @@ _NAMES = {
 
 
 def figures(pace: Pace) -> list[list[str]]:
-    """Rows of a table: p50, p99, p99.9 and the largest."""
+    """Returns rows of a table: p50, p99, p99.9 and the largest."""
     return [[_NAMES[name], *map(milliseconds, values.values())] for name, values in pace.figures.items()]
 
 
 def facts(pace: Pace) -> list[str]:
-    """What was asked for and what came of it, in sentences."""
+    """Returns what was asked for and what came of it, in sentences."""
     steps, late, overruns = len(pace.lateness), pace.late_steps, pace.overruns
     told = [
         f"factor {pace.factor:g}: a base step of {pace.clock.step:.6g} s has {milliseconds(pace.period)}",
@@ -44,7 +44,7 @@ def facts(pace: Pace) -> list[str]:
 
 
 def edges(values: Floats) -> Floats:
-    """Edges of bins 1, 2, 5, 10, ... in s that hold all the values; those below the first one too, from 0 on."""
+    """Returns edges of bins 1, 2, 5, 10, ... in s that hold all the values; smaller ones too, from 0 on."""
     sequence = [_SMALLEST * 10.0**power * m for power in range(12) for m in (1.0, 2.0, 5.0)]
     last = next(i for i, edge in enumerate(sequence) if edge > values.max() or i == len(sequence) - 1)
     first = max((i for i, edge in enumerate(sequence[:last]) if edge <= values.min()), default=None)
@@ -52,7 +52,7 @@ def edges(values: Floats) -> Floats:
 
 
 def histogram(pace: Pace, arrays: Arrays) -> dict[str, Any]:
-    """The plot of how many base steps have a lateness between two edges."""
+    """Returns the plot of how many base steps have a lateness between two edges."""
     values = np.clip(pace.lateness, 0.0, None)
     bounds = edges(values)
     counts = np.histogram(values, [*bounds[:-1], np.inf])[0]
@@ -66,7 +66,7 @@ def histogram(pace: Pace, arrays: Arrays) -> dict[str, Any]:
 
 
 def over_time(pace: Pace, arrays: Arrays) -> dict[str, Any]:
-    """The plot of each base step's lateness."""
+    """Returns the plot of each base step's lateness."""
     curve = Curve("lateness", 1e3 * np.array(pace.lateness), 0)
     shown = plot(pace.times, "lateness, ms", [curve], arrays, ROWS)
     return {**shown, "lines": [1e3 * pace.tolerance], "lines_are": "tolerance"}

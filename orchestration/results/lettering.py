@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def undrawn(text: str) -> str:
-    """Why Matplotlib cannot draw a text; "" where it can."""
+    """Returns why Matplotlib cannot draw a text; "" where it can."""
     from matplotlib.cbook import is_math_text  # optional, and slow to import  # noqa: PLC0415
     from matplotlib.mathtext import MathTextParser  # optional, and slow to import  # noqa: PLC0415
 
@@ -18,5 +18,5 @@ def undrawn(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Text of others, in which a dollar is a dollar."""
+    """Returns text of others, in which a dollar is a dollar."""
     return text.replace("$", r"\$")

@@ -1,8 +1,10 @@
-"""The place of a run's results: a folder that one run at a time may write, and in which new results replace earlier ones.
+"""The place of a run's results: a folder that one run at a time may write, and in which new results replace earlier
+ones.
 
-New results are complete in a folder of their own, `.orchestrate-part-...`, before anything of the earlier ones is touched.
-Its renaming to `.orchestrate-ready` decides: from then on its files take the places of the earlier ones, the manifest last. A run that
-is killed before leaves the earlier results, and one that is killed after it leaves the rest to the next run.
+New results are complete in a folder of their own, `.orchestrate-part-...`, before anything of the earlier ones is
+touched. Its renaming to `.orchestrate-ready` decides: from then on its files take the places of the earlier ones, the
+manifest last. A run that is killed before leaves the earlier results, and one that is killed after it leaves the rest
+to the next run.
 """
 
 from __future__ import annotations
@@ -51,9 +53,11 @@ def check_writable(folder: Path) -> None:
 
 
 def refuse_foreign(folder: Path, own: Iterable[str] = ()) -> None:
-    """Refuses a folder that could not be written, or has files in it that are no results. Raises InputError, which names them.
+    """Refuses a folder that could not be written, or has files in it that are no results. Raises InputError, which
+    names them.
 
-    A folder with the manifest of a run is one of results, and a hidden file is no one's; `own` are further names of ours.
+    A folder with the manifest of a run is one of results, and a hidden file is no one's; `own` are further names of
+    ours.
     """
     check_writable(folder)
     try:
@@ -80,13 +84,12 @@ def refuse_other(folder: Path, scenario: str) -> None:
     except (OSError, ValueError):
         return
     if not same:
-        raise InputError(
-            f"{folder} holds the results of another scenario, {earlier}; remedy: --out DIR, or another name in {scenario}"
-        )
+        remedy = f"--out DIR, or another name in {scenario}"
+        raise InputError(f"{folder} holds the results of another scenario, {earlier}; remedy: {remedy}")
 
 
 def _manifest(folder: Path) -> dict[str, Any]:
-    """The manifest in a folder; nothing where there is none of ours."""
+    """Returns the manifest in a folder; nothing where there is none of ours."""
     try:
         data = json.loads((folder / MANIFEST).read_text("utf-8"))
     except (OSError, ValueError):
@@ -96,7 +99,8 @@ def _manifest(folder: Path) -> dict[str, Any]:
 
 @contextmanager
 def reserved(folder: Path) -> Iterator[None]:
-    """Keeps other runs out of the folder, and clears what a killed one left there. Raises InputError where another is in it.
+    """Keeps other runs out of the folder, and clears what a killed one left there. Raises InputError where another is
+    in it.
 
     The folder is made, and removed again where nothing was put into it. Within one thread it may be entered again.
     """
@@ -107,7 +111,8 @@ def reserved(folder: Path) -> Iterator[None]:
         place = get_ident(), folder.resolve()
         release = None if place in _ours else _lock(folder)
     except (BlockingIOError, TimeoutError):
-        message = f"the results cannot be written to {folder}: another run writes there; remedy: wait for it, or another folder (--out)"
+        remedy = "wait for it, or another folder (--out)"
+        message = f"the results cannot be written to {folder}: another run writes there; remedy: {remedy}"
         raise InputError(message) from None
     except (OSError, ValueError) as error:
         raise InputError(f"the results cannot be written to {folder}: {reason(error)}") from None
@@ -131,7 +136,9 @@ _ours: set[tuple[int, Path]] = set()
 
 
 def _lock(folder: Path) -> Callable[[], None]:
-    """Takes the folder's lock and returns what gives it back. Raises BlockingIOError or TimeoutError where another has it."""
+    """Takes the folder's lock and returns what gives it back. Raises BlockingIOError or TimeoutError where another has
+    it.
+    """
     if fcntl is not None:
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -163,7 +170,8 @@ def _clear(folder: Path) -> None:
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
-    """An empty folder whose files take the places of the earlier results when the block of code is left; not where it raises.
+    """An empty folder whose files take the places of the earlier results when the block of code is left; not where it
+    raises.
 
     One of them has to be the manifest, which names the others in `files`. Signals wait for the end, a second one only
     for the end of the replacing. Raises OSError, which names files by their places in the folder.
@@ -214,7 +222,7 @@ def _sync(path: Path) -> None:
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """The SHA-256 of each file in the folder."""
+    """Returns the SHA-256 of each file in the folder."""
     found = {}
     for path in sorted(folder.iterdir()):
         with path.open("rb") as file:
@@ -230,7 +238,8 @@ def put(path: Path, text: str) -> None:
 
 @contextmanager
 def putting(path: Path) -> Iterator[Path]:
-    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises OSError.
+    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises
+    OSError.
 
     A link stays, and its file is replaced; a device is written itself.
     """

@@ -39,7 +39,8 @@ class Curve:
     """Wide and pale, for another curve to be drawn over it."""
     stepped: bool = False
     layer: int | None = None
-    """Its signal's place where a plot shows several: 0 is wide, and later ones are dashed, so that none hides another."""
+    """Its signal's place where a plot shows several: 0 is wide, and later ones are dashed, so that none hides another.
+    """
 
 
 @dataclass
@@ -58,7 +59,7 @@ class Group:
 def of_panel(
     result: RunData, entry: FigureEntry, panel: Panel, arrays: Arrays, over: RunData | None = None
 ) -> dict[str, Any]:
-    """The plot of a figure's panel; `over` is a run of the same scenario whose curves are drawn over these."""
+    """Returns the plot of a figure's panel; `over` is a run of the same scenario whose curves are drawn over these."""
     shown = window(result, entry)
     drawn: list[Curve] = []
     others: list[Curve] = []
@@ -85,7 +86,7 @@ def of_panel(
 
 
 def _padded(result: RunData, reference: str, panel: Panel, rows: int) -> list[Floats]:
-    """A signal's curves with so many rows, gaps where the run is shorter; none where it lacks the signal."""
+    """Returns a signal's curves with so many rows, gaps where the run is shorter; none where it lacks the signal."""
     if reference not in result:
         return []
     short = [values[:rows] for _, values in curves(result, reference, panel)[1]]
@@ -100,7 +101,7 @@ def _shaded(result: RunData, flag: str, shown: Span) -> list[Span]:
 
 
 def faulty(result: RunData) -> list[Span]:
-    """When the scenario's faults act."""
+    """Returns when the scenario's faults act."""
     end = float(result.time[-1])
     spans = [
         (fault.at, end if fault.until is None else min(fault.until, end)) for fault in acting.faults(result.scenario)
@@ -109,7 +110,7 @@ def faulty(result: RunData) -> list[Span]:
 
 
 def others(result: RunData, arrays: Arrays, shown: Iterable[str] = ()) -> tuple[list[Group], int]:
-    """A group for each recorded variable that is not among those shown, and how many there are too many."""
+    """Returns a group for each recorded variable that is not among those shown, and how many there are too many."""
     skipped = set(shown)
     names = list(dict.fromkeys(f"{node.block}.{node.element.variable}" for node in result.columns))
     names = [name for name in names if name not in skipped]
@@ -161,7 +162,7 @@ def _group(result: RunData, name: str, arrays: Arrays, held: list[Span]) -> Grou
 def plot(
     time: Floats, label: str, drawn: Sequence[Curve], arrays: Arrays, rows: int, shown: Span | None = None
 ) -> dict[str, Any]:
-    """A plot with its curves, of which it keeps about so many rows."""
+    """Returns a plot with its curves, of which it keeps about so many rows."""
     low, high = shown or (float(time[0]), float(time[-1]))
     part = slice(int(np.searchsorted(time, low)), int(np.searchsorted(time, high, side="right")))
     values, time = np.column_stack([curve.values[part] for curve in drawn]), time[part]
@@ -189,7 +190,7 @@ def plot(
 
 
 def _bounds(bound: Any, variable: Variable, unit: Unit) -> list[float]:
-    """The numbers of a bound in the plot's unit; none of what is no number."""
+    """Returns the numbers of a bound in the plot's unit; none of what is no number."""
     value = getattr(bound, bound.kind)
     factor, offset = (variable.unit or ONE).conversion(unit)
     ends = list(value) if isinstance(value, list) else [value]

@@ -30,7 +30,7 @@ def write(result: RunData, path: Path) -> None:
 
 @np.errstate(over="ignore", invalid="ignore")
 def page(result: RunData, files: Sequence[str] = ()) -> str:
-    """The page of a run; `files` are those beside it that it links to."""
+    """Returns the page of a run; `files` are those beside it that it links to."""
     made = Page(result)
     figures = [figure(result, entry, made) for entry in result.scenario.figures] if len(result.time) else []
     view = made.view(seen.view(result, made.arrays))
@@ -59,7 +59,7 @@ def page(result: RunData, files: Sequence[str] = ()) -> str:
 
 
 def _outcome(result: RunData) -> tuple[str, str]:
-    """A class for its colour, and the outcome in words."""
+    """Returns a class for its colour, and the outcome in words."""
     reached = f"{result.reached:.10g} s"
     if result.failure is not None:
         return "bad", f"failed after {reached}"
@@ -151,7 +151,7 @@ def _realtime(result: RunData, made: Page) -> Markup:
 
 
 def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None = None) -> Markup:
-    """A figure of the scenario; `over` is a run whose curves are drawn over those of `result`."""
+    """Returns a figure of the scenario; `over` is a run whose curves are drawn over those of `result`."""
     panels = [plots.of_panel(result, entry, panel, made.arrays, over) for panel in entry.panels]
     notes = []
     if entry.shade and (made.live or any(panel["shade"] for panel in panels)):
@@ -164,7 +164,9 @@ def figure(result: RunData, entry: FigureEntry, made: Page, over: RunData | None
 
 
 def _signals(result: RunData, made: Page) -> list[Markup]:
-    """What no figure shows: a fold for each block; in the open what is looked at, where the scenario has no figures."""
+    """Returns what no figure shows: a fold for each block; in the open what is looked at, where the scenario has no
+    figures.
+    """
     entries = result.scenario.figures
     drawn = {name for e in entries for panel in e.panels if panel.measure == "element" for name in panel.signals}
     groups, left = plots.others(result, made.arrays, drawn)
@@ -228,7 +230,9 @@ def manifest_fold(file: str, about: str, data: object) -> Markup:
 
 
 def public(data: Any) -> Any:
-    """Data without the folders of this machine, for a page that is passed on: a path from the current folder on, or its name."""
+    """Returns data without the folders of this machine, for a page that is passed on: a path from the current folder
+    on, or its name.
+    """
     if isinstance(data, dict):
         return {key: public(value) for key, value in data.items()}
     if isinstance(data, list):

@@ -17,7 +17,10 @@ from .html import rows
 
 
 def target(folder: str | Path | None, scenario: Scenario) -> Path:
-    """The folder of a run's results, by default `results/<name of the scenario>`. Raises InputError for an empty name."""
+    """Returns the folder of a run's results, by default `results/<name of the scenario>`.
+
+    Raises InputError for an empty name.
+    """
     if folder == "":
         raise InputError("the folder of the results has an empty name; expected a folder such as results/run1")
     return Path("results") / scenario.name if folder is None else Path(folder)
@@ -48,48 +51,50 @@ class Result(RunData):
 
     @property
     def signals(self) -> list[str]:
-        """The names of the recorded signals, each of which is a key."""
+        """Returns the names of the recorded signals, each of which is a key."""
         return list(self)
 
     def plot(self, *names: str) -> Any:
-        """A Matplotlib figure of these signals over time, a panel for each; of those that expectations look at by default.
+        """Returns a Matplotlib figure of these signals over time, a panel for each; of those that expectations look at
+        by default.
 
         A notebook shows it. Raises KeyError for a signal that was not recorded, and InputError without Matplotlib.
         """
         return figures.plot(self, names)
 
     def compare(self, other: RunData) -> Differences:
-        """The largest and rms difference of each signal that both results have, at the instants that both have.
+        """Returns the largest and rms difference of each signal that both results have, at the instants that both have.
 
         Raises ValueError where they have no instant in common.
         """
         return compare(self, other)
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame: the index is time in s, a column for each element, units in `attrs["units"]`."""
+        """Returns a pandas DataFrame: the index is time in s, a column for each element, units in `attrs["units"]`."""
         return frames.to_pandas(self)
 
     def to_xarray(self) -> Any:
-        """An xarray Dataset: vectors and matrices with their dimensions, units among the attributes."""
+        """Returns an xarray Dataset: vectors and matrices with their dimensions, units among the attributes."""
         return frames.to_xarray(self)
 
     def _ipython_key_completions_(self) -> list[str]:
-        """What a notebook offers behind `result["`."""
+        """Returns what a notebook offers behind `result["`."""
         return self.signals
 
     def __repr__(self) -> str:
         return f"<Result {self._text()}>"
 
     def _text(self) -> str:
-        """The run in a line."""
+        """Returns the run in a line."""
         ended = "failed at" if self.failure else "interrupted at" if self.interrupted else "ran"
         met = sum(outcome.passed for outcome in self.outcomes)
         claims = f", {met} of {len(self.outcomes)} expectations met" if self.outcomes else ""
         claims += f", {left} not evaluated" if (left := len(self.not_evaluated)) else ""
-        return f"{self.scenario.name}: {ended} {self.reached:.10g} s, {len(self)} signals, {len(self.time)} samples{claims}"
+        recorded = f"{len(self)} signals, {len(self.time)} samples"
+        return f"{self.scenario.name}: {ended} {self.reached:.10g} s, {recorded}{claims}"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the run in a line, and its expectations."""
+        """Returns what a notebook shows: the run in a line, and its expectations."""
         cells = [(o.status, o.name, o.text, o.expected) for o in (*self.outcomes, *self.not_evaluated)]
         head = Markup("<tr><th>outcome</th><th>expectation</th><th>found</th><th>expected</th></tr>")
         table = Markup("<table>{}{}</table>").format(head, rows(cells)) if cells else ""

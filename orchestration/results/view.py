@@ -30,7 +30,7 @@ _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
 def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
-    """What the page's view draws; None where the scenario has no attitude to be seen."""
+    """Returns what the page's view draws; None where the scenario has no attitude to be seen."""
     entry = entry_of(result)
     if entry is None or len(result.time) < 2:
         return None
@@ -74,18 +74,18 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
 
 
 def chosen(time: Floats) -> NDArray[np.intp]:
-    """Which samples a view keeps."""
+    """Returns which samples a view keeps."""
     n = len(time)
     return np.linspace(0, n - 1, min(n, ROWS)).round().astype(np.intp)
 
 
 def entry_of(result: RunData) -> ViewEntry | None:
-    """What the scenario says of its view, or else the interfaces of its blocks."""
+    """Returns what the scenario says of its view, or else the interfaces of its blocks."""
     return result.scenario.view or _default(result)
 
 
 def _default(result: RunData) -> ViewEntry | None:
-    """What the interfaces of the blocks say, as far as it was recorded."""
+    """Returns what the interfaces of the blocks say, as far as it was recorded."""
     found: dict[str, Any] = {"vectors": [], "axes": {}}
     parameters = result.manifest.get("parameters", {})
     for block, stated in result.scenario.blocks.items():
@@ -120,7 +120,7 @@ def _default(result: RunData) -> ViewEntry | None:
 
 
 def _goal(result: RunData, block: str, own: Mapping[str, Any], given: Mapping[str, Any]) -> str | None:
-    """The desired attitude of a controller: what is connected to its input, else what its parameter says."""
+    """Returns the desired attitude of a controller: what is connected to its input, else what its parameter says."""
     desired = own.get("desired", {})
     for connection in result.scenario.connections:
         if str(connection.target) == f"{block}.{desired.get('input')}":
@@ -129,26 +129,26 @@ def _goal(result: RunData, block: str, own: Mapping[str, Any], given: Mapping[st
 
 
 def _named(block: str, axes: Any, given: Mapping[str, Any]) -> Any:
-    """Axes of an interface as a scenario states them; None where the block has no such parameter."""
+    """Returns axes of an interface as a scenario states them; None where the block has no such parameter."""
     if isinstance(axes, str):
         return f"{block}.{axes}" if axes in given else None
     return axes
 
 
 def _value(value: Any, parameters: Mapping[str, Mapping[str, Any]]) -> Any:
-    """The value of a parameter that a reference names, or what is no reference itself."""
+    """Returns the value of a parameter that a reference names, or what is no reference itself."""
     return parameters[value.block][value.variable] if isinstance(value, Reference) else value
 
 
 def directions(axes: Any, parameters: Mapping[str, Any]) -> list[list[float]]:
-    """Unit vectors along axes, one a row."""
+    """Returns unit vectors along axes, one a row."""
     rows = np.atleast_2d(np.array(_value(axes, parameters), float))
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     return (rows / np.where(length > 0.0, length, 1.0)).tolist()
 
 
 def _body(entry: ViewEntry, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """The prism with a largest extent of 1."""
+    """Returns the prism with a largest extent of 1."""
     length, width = (float(_value(getattr(entry.body, key), parameters)) for key in ("length", "width"))
     axis = str(_value(entry.body.axis, parameters))
     largest = max(length, width)
@@ -161,13 +161,13 @@ def _body(entry: ViewEntry, parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def unit_of(variable: Variable) -> tuple[Unit, float]:
-    """The unit in which a vector is shown, and what its values are multiplied by."""
+    """Returns the unit in which a vector is shown, and what its values are multiplied by."""
     unit = variable.display_unit or variable.unit or ONE
     return unit, (variable.unit or ONE).conversion(unit)[0]
 
 
 def _vector(result: RunData, signal: Reference, along: Any, parameters: Mapping[str, Any]) -> tuple[str, Floats]:
-    """A vector's unit, and its components (n, 3) in that unit."""
+    """Returns a vector's unit, and its components (n, 3) in that unit."""
     unit, factor = unit_of(result.variable(signal))
     values = factor * result[signal].reshape(len(result.time), -1).astype(float)
     if along is not None:
@@ -176,7 +176,7 @@ def _vector(result: RunData, signal: Reference, along: Any, parameters: Mapping[
 
 
 def _quaternions(values: NDArray[Any]) -> Floats:
-    """Unit quaternions (n, 4), scalar first, neighbours in one half; zeros where there is no attitude."""
+    """Returns unit quaternions (n, 4), scalar first, neighbours in one half; zeros where there is no attitude."""
     rows = values.reshape(len(values), -1).astype(float)
     known = np.isfinite(rows).all(axis=1) & rows.any(axis=1)
     found = np.zeros((len(rows), 4))
@@ -200,7 +200,9 @@ def _earth_angle(epoch: str) -> float | None:
 
 
 def conditions(result: RunData, entry: ViewEntry) -> list[Condition]:
-    """What is marked on the time slider while a signal has a value: the scenario's phases, else those of `phase`."""
+    """Returns what is marked on the time slider while a signal has a value: the scenario's phases, else those of
+    `phase`.
+    """
     if result.scenario.phases is not None:
         return phases.conditions(result)
     if entry.phase is None or result.scenario.timeline:
@@ -213,7 +215,7 @@ def conditions(result: RunData, entry: ViewEntry) -> list[Condition]:
 
 
 def _marks(result: RunData, entry: ViewEntry) -> list[Band]:
-    """What is marked on the time slider: the phases, and the times of the holds."""
+    """Returns what is marked on the time slider: the phases, and the times of the holds."""
     end = float(result.time[-1])
     found = phases.bands(result) or phases.lasting(result, conditions(result, entry))
     for hold in result.holds:

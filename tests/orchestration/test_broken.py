@@ -11,7 +11,10 @@ from tests.once import computed
 
 from .broken import CASES, CASES_3, HEAD, HEAD_3, TESTED_3, Case, Outcome, outcomes, outcomes_3, rows, wrong
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits are those of Linux")
+pytestmark = [
+    pytest.mark.isolate,
+    pytest.mark.skipif(sys.platform != "linux", reason="signals and limits are those of Linux"),
+]
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,8 @@ from tests.once import computed
 
 from .wrong_inputs import CASES, Case, outcomes, page
 
+pytestmark = pytest.mark.isolate
+
 
 @pytest.fixture(scope="session")
 def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, bool]]:

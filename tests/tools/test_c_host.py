@@ -12,6 +12,8 @@ import pytest
 
 from fmus.build import BLOCKS, blocks_of, ensure
 
+pytestmark = pytest.mark.thorough
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -11,6 +11,8 @@ import orchestration
 
 from .exchange import imitated, plain
 
+pytestmark = pytest.mark.thorough
+
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 ERROR = "controller.attitude_error"
 

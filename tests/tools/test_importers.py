@@ -18,6 +18,8 @@ from tests.fmus.link import devices
 from . import measure
 from .measure import LOOPS, ONES, STEPS, Recipe
 
+pytestmark = pytest.mark.thorough
+
 MODULES = {
     "FMPy": "fmpy",
     "libcosimpy": "libcosimpy",

@@ -19,6 +19,8 @@ from fmus.contents.references import FOLDER
 from .measure import ONES, Recipe
 from .test_importers import needs
 
+pytestmark = pytest.mark.thorough
+
 READ = """\
 import json, sys
 fmu, step, start, names, inputs, outputs = json.loads(sys.stdin.read())  # inputs: a row of numbers an instant

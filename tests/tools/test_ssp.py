@@ -25,6 +25,8 @@ from tests.commands import orchestrate
 from ..orchestration import fmus
 from ..orchestration.wrong_inputs import SCENARIO
 
+pytestmark = pytest.mark.thorough
+
 ROOT = Path(__file__).parents[2]
 SCENARIOS = sorted((ROOT / "scenarios").glob("paper*.yaml"))
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"

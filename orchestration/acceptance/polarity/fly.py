@@ -95,7 +95,7 @@ class Loop:
         """How often larger the difference of each consistency check could be in the run as wired, once it is flown."""
 
     def _relations(self) -> list[Relation]:
-        """The consistency checks; those that read what a swapped block lacks are left out with a note."""
+        """Returns the consistency checks; those that read what a swapped block lacks are left out with a note."""
         scenario, models = self.plan.scenario, self.plan.models
         lacking: dict[str, str] = {}
         for check, entry in scenario.consistency.items():
@@ -110,7 +110,7 @@ class Loop:
         return prepare(scenario, models)
 
     def fly(self, port: Port | None = None, wrong: Wrong | None = None) -> tuple[Found | None, float]:
-        """What shows the wrong wiring first, and how long the loop flew, s; None where nothing does.
+        """Returns what shows the wrong wiring first, and how long the loop flew, s; None where nothing does.
 
         Without a port the loop flies as it is wired.
         """
@@ -167,7 +167,10 @@ class Loop:
         return replace(plan.circuit, wiring=wiring, order=replace(plan.order, levels=levels))
 
     def _as_given(self, port: Port | None, wrong: Wrong | None, columns: Columns) -> Columns:
-        """What others see of an output that is given wrongly. An input that is read wrongly is right on the wire."""
+        """Returns what others see of an output that is given wrongly.
+
+        An input that is read wrongly is right on the wire.
+        """
         if port is None or wrong is None or port.causality != "output" or not all(n in columns for n in port.nodes):
             return columns
         values = wrong.apply(np.stack([columns[node] for node in port.nodes], axis=1))
@@ -175,7 +178,7 @@ class Loop:
 
 
 def _readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:
-    """The inputs that a port is, or feeds, by block and variable."""
+    """Returns the inputs that a port is, or feeds, by block and variable."""
     if port.causality == "input":
         return [(port.block, port.variable)]
     fed = {
@@ -188,7 +191,9 @@ def _readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:
 
 
 def _first(check: Check, time: Floats, columns: Mapping[Node, Floats]) -> float | None:
-    """The time of the first of these samples by which an expectation fails; None where that is not decided by one."""
+    """Returns the time of the first of these samples by which an expectation fails; None where that is not decided by
+    one.
+    """
     if check.expectation.always is None:
         return None
     low, high = 0, len(time)

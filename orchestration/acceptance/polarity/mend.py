@@ -79,7 +79,7 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
 
 
 def named(port: Port, change: Wrong) -> str:
-    """The wrong wiring that a change undoes, by its name in the tables."""
+    """Returns the wrong wiring that a change undoes, by its name in the tables."""
     if change.matrix is None:
         return change.name
     undone = np.linalg.inv(change.matrix)

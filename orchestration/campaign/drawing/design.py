@@ -44,7 +44,7 @@ class Design:
         return self.sampling in ("latin hypercube", "sobol")
 
     def points(self, indices: Sequence[int] | NDArray[np.int64]) -> Floats:
-        """The points (n, dimension) of these runs, each coordinate in [0, 1)."""
+        """Returns the points (n, dimension) of these runs, each coordinate in [0, 1)."""
         if self.early:
             if self._whole is None:
                 self._whole = self._make()
@@ -72,7 +72,7 @@ class Design:
 
 
 def design(sampling: str, seed: int, runs: int | None, draws: Draws) -> Design:
-    """The design of a campaign. Raises InputError."""
+    """Returns the design of a campaign. Raises InputError."""
     axes: tuple[tuple[int, int], ...] = ()
     if sampling == "grid":
         axes = tuple(
@@ -92,8 +92,8 @@ def design(sampling: str, seed: int, runs: int | None, draws: Draws) -> Design:
 
 
 def samples(draws: Draws) -> Iterator[list[float]]:
-    """The centre of the unit cube, and the points beside it that have each value of each choice and grid; of steps the
-    two ends.
+    """Yields the centre of the unit cube, and the points beside it that have each value of each choice and grid; of
+    steps the two ends.
     """
     centre = [0.5] * draws.dimension
     yield centre
@@ -105,7 +105,7 @@ def samples(draws: Draws) -> Iterator[list[float]]:
 
 
 def notes(design: Design) -> list[str]:
-    """Remarks on a design."""
+    """Returns remarks on a design."""
     if design.sampling == "sobol" and design.runs & (design.runs - 1):
         near = 1 << design.runs.bit_length()
         return [

@@ -60,7 +60,7 @@ class Draw:
 
     @property
     def shown(self) -> str:
-        """The unit of its columns; empty where they have none."""
+        """Returns the unit of its columns; empty where they have none."""
         if self.entry.rotation or not self.numbers:
             return ""
         return self.port if self.unit is None else str(self.unit)
@@ -75,7 +75,7 @@ class Draw:
         return value if unit is None or not self.numbers else _each(value, lambda number: Quantity(number, unit))
 
     def known(self, value: Any) -> Any:
-        """The value in expressions: in base units, rotations as matrices."""
+        """Returns the value in expressions: in base units, rotations as matrices."""
         if self.entry.rotation:
             R = rotation.matrix(value)
             return [R[0:3], R[3:6], R[6:9]]
@@ -83,7 +83,7 @@ class Draw:
         return _each(value, lambda number: number * unit.factor + unit.offset) if self.numbers else value
 
     def cells(self, value: Any) -> list[Any]:
-        """The value in the columns of the dataset."""
+        """Returns the value in the columns of the dataset."""
         if self.columns and self.numbers:
             return [float(x) for x in np.ravel(value)]
         return [value if isinstance(value, str) else json.dumps(value)] if self.columns else []
@@ -97,7 +97,10 @@ class Draws:
         self.dimension = sum(draw.count for draw in draws)
 
     def at(self, point: Sequence[float]) -> list[Any]:
-        """The value of each at a point of the unit cube (dimension,). Raises NoValue where an expression has none."""
+        """Returns the value of each at a point of the unit cube (dimension,).
+
+        Raises NoValue where an expression has none.
+        """
         values: list[Any] = []
         known: dict[str, Any] = {}
         for draw in self.draws:
@@ -121,17 +124,17 @@ class Draws:
         return {draw.name: _written(draw.given(value)) for draw, value in pairs if not draw.helper}
 
     def cells(self, values: Sequence[Any]) -> list[Any]:
-        """The values in the columns of the dataset."""
+        """Returns the values in the columns of the dataset."""
         return [cell for draw, value in zip(self.draws, values, strict=True) for cell in draw.cells(value)]
 
     @property
     def columns(self) -> list[tuple[str, bool]]:
-        """Names of columns, and whether they hold numbers."""
+        """Returns names of columns, and whether they hold numbers."""
         return [(column, draw.numbers) for draw in self.draws for column in draw.columns]
 
     @property
     def coordinates(self) -> list[str]:
-        """A label for each coordinate."""
+        """Returns a label for each coordinate."""
         return [
             draw.name if draw.count == 1 else f"{draw.name} ({i + 1} of {draw.count})"
             for draw in self.draws
@@ -159,7 +162,7 @@ def prepare(campaign: Campaign, source: Source, models: Mapping[str, Model]) -> 
 
 
 def _target(start: StartName, models: Mapping[str, Model]) -> Variable | None:
-    """The parameter that a name means; None where there is none, of which `resolve` tells."""
+    """Returns the parameter that a name means; None where there is none, of which `resolve` tells."""
     wanted = Name(start.variable)
     of = [(block, model) for block, model in models.items() if start.shared or block == start.block]
     for block, model in of:
@@ -229,7 +232,7 @@ def _columns(name: str, entry: Varied, shape: tuple[int, ...]) -> tuple[str, ...
 
 
 def _base_unit(variable: Variable | None) -> Unit | None:
-    """The base unit of a port whose own is another; None where a bare number will do."""
+    """Returns the base unit of a port whose own is another; None where a bare number will do."""
     unit = variable.unit if variable is not None else None
     if unit is None or unit.exponents is None or (unit.factor == 1.0 and unit.offset == 0.0):
         return None

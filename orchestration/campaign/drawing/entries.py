@@ -21,7 +21,7 @@ def numbers_only(value: Any) -> bool:
 
 
 def examples(sampler: samplers.Sampler) -> list[Any]:
-    """All values of a choice or a grid; of another distribution the one at the centre."""
+    """Returns all values of a choice or a grid; of another distribution the one at the centre."""
     return list(sampler.values) if isinstance(sampler, samplers.Pick) else [sampler.value([0.5] * sampler.count)]
 
 
@@ -147,7 +147,7 @@ def _measured(*quantities: Any, differences: Sequence[int] = ()) -> tuple[list[F
 
 
 def describe(entry: Varied) -> str:
-    """The distribution in words."""
+    """Returns the distribution in words."""
     if entry.uniform is not None:
         return f"uniform from {_words(entry.uniform[0])} to {_words(entry.uniform[1])}"
     if entry.normal is not None:

@@ -31,7 +31,7 @@ class Sampler:
 
     @property
     def count(self) -> int:
-        """How many numbers it takes."""
+        """Returns how many numbers it takes."""
         return 1
 
     @property

@@ -17,8 +17,8 @@ class Sensitivity(Model):
     method: Literal["sobol", "morris"] = "sobol"
     """sobol: shares of the variance (Saltelli's design); morris: mean effects, for many entries and few runs."""
     points: Annotated[Count, Field(ge=4, le=2**20)] = 256
-    """sobol: base points, a power of two, each with 2 runs and one more for each varied entry; morris: trajectories, each
-    with one run and one more for each varied entry."""
+    """sobol: base points, a power of two, each with 2 runs and one more for each varied entry; morris: trajectories,
+    each with one run and one more for each varied entry."""
 
     @model_validator(mode="after")
     def _balanced(self) -> Sensitivity:
@@ -28,7 +28,7 @@ class Sensitivity(Model):
         return self
 
     def runs(self, entries: int) -> int:
-        """The runs that it takes with so many varied entries."""
+        """Returns the runs that it takes with so many varied entries."""
         return self.points * (entries + (2 if self.method == "sobol" else 1))
 
 

@@ -59,7 +59,7 @@ class Requirement(Model):
 
     @property
     def bound(self) -> Bound | None:
-        """The bound on the metric."""
+        """Returns the bound on the metric."""
         ends = {name: getattr(self, name) for name in ("below", "above", "within")}
         return None if self.metric is None else Bound.model_validate({k: v for k, v in ends.items() if v is not None})
 
@@ -83,7 +83,8 @@ class Campaign(Extending):
     description: str = ""
     """What the campaign examines."""
     scenario: Annotated[str, Field(min_length=1)] | dict[str, Any]
-    """The path of a scenario, relative to this file, or a scenario in place, such as `{extends: a.yaml, duration: 2 h}`."""
+    """The path of a scenario, relative to this file, or a scenario in place, such as
+    `{extends: a.yaml, duration: 2 h}`."""
     swap: dict[str, Annotated[str, Field(strict=True, min_length=1)]] = {}
     """FMUs in the places of blocks, relative to this file: `{allocator: vendor.fmu}`."""
     map: dict[str, Annotated[str, Field(strict=True, min_length=1)]] = {}
@@ -97,14 +98,16 @@ class Campaign(Extending):
     vary: dict[str, Varied] = {}
     """Start values that vary, by name as `--set` takes them: `plant.h_w0`, `plant.x[2]`, or `J_B` for a shared one."""
     sampling: Literal["random", "latin hypercube", "sobol", "grid"] = "random"
-    """How the values are drawn. Of `random`, run i depends on seed and i alone; `latin hypercube` and `sobol` make one design of
+    """How the values are drawn. Of `random`, run i depends on seed and i alone; `latin hypercube` and `sobol` make one
+    design of
     all runs from the seed; `grid` crosses all that is given as `grid`, and draws the rest at random."""
     runs: int | None = Field(None, strict=True, ge=1, le=10**9)
     """How many runs there are; default: 1000, or with `grid` its number of points."""
     seed: int = Field(0, strict=True, ge=0)
     """What the values are drawn from."""
     stop: Literal["budget", "decided"] = "budget"
-    """Whether all runs are flown, or the campaign ends as soon as every requirement is decided (with `sampling: random`)."""
+    """Whether all runs are flown, or the campaign ends as soon as every requirement is decided (with
+    `sampling: random`)."""
     metrics: list[Metric] = []
     """What each run is measured by."""
     requirements: list[Requirement] = []
@@ -163,6 +166,6 @@ class Campaign(Extending):
 
 
 def schema() -> str:
-    """The JSON Schema of campaign files; `docs/campaign.schema.json` is this text."""
+    """Returns the JSON Schema of campaign files; `docs/campaign.schema.json` is this text."""
     document = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Campaign.model_json_schema()}
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"

@@ -64,12 +64,15 @@ class Steps(Model):
 
 
 def _steps(value: Any) -> Any:
-    """Points that are given by their ends, so that of `grid` only what was meant is reported."""
+    """Returns points that are given by their ends, so that of `grid` only what was meant is reported."""
     return _inner(Steps, value)
 
 
 def _inner(model: type[Model], value: Any) -> Any:
-    """The part as this model where it is written as one. Raises ValueError, in which the names of models have no place."""
+    """Returns the part as this model where it is written as one.
+
+    Raises ValueError, in which the names of models have no place.
+    """
     if not isinstance(value, dict):
         return value
     try:
@@ -135,7 +138,7 @@ class Varied(Model):
 
     @property
     def kind(self) -> str:
-        """Which of the distributions it is."""
+        """Returns which of the distributions it is."""
         return next(name for name in KINDS if getattr(self, name) is not None)
 
 

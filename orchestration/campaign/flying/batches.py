@@ -48,13 +48,13 @@ class Batches:
     """Cuts runs into batches, as large as their measured time allows. The cut does not change what a run gives."""
 
     def __init__(self, indices: NDArray, points: Callable[[NDArray], Floats] | None, slots: int) -> None:
-        """`points` are made here where the workers cannot draw them; `slots` is how many batches are flown at a time."""
+        """`points` are made here where the workers cannot draw them; `slots` batches are flown at a time."""
         self._indices, self._points, self._slots = indices, points, max(slots, 1)
         self._next, self._size, self._cost = 0, 1, 0.0
         self._checks: list[int] = []
 
     def next(self) -> Batch | None:
-        """The next batch; None where no run is left."""
+        """Returns the next batch; None where no run is left."""
         if self._checks:
             chosen = np.array(self._checks[: self._size])
             del self._checks[: self._size]
@@ -115,23 +115,23 @@ class Crew(Protocol):
 
     @property
     def slots(self) -> int:
-        """How many batches it flies at a time."""
+        """Returns how many batches it flies at a time."""
 
     anew: bool
     """Whether FMUs are instantiated for each run. What is flown after it is set obeys it."""
 
     def fly(self, batches: Batches) -> Iterator[Flown]:
-        """The rows of all batches, in any order; each batch once."""
+        """Returns the rows of all batches, in any order; each batch once."""
 
 
 def fly(pilot: Pilot, batch: Batch) -> RunRows:
-    """The rows of a batch."""
+    """Returns the rows of a batch."""
     points = pilot.job.design.points(batch.indices) if batch.points is None else batch.points
     return [pilot.fly(int(index), point) for index, point in zip(batch.indices, points, strict=True)]
 
 
 def seconds(rows: RunRows) -> float:
-    """The wall time of the runs."""
+    """Returns the wall time of the runs."""
     return sum(float(row[3] or 0.0) for row in rows)
 
 

@@ -25,7 +25,7 @@ class Checks:
 
     @property
     def unchecked(self) -> list[list[int]]:
-        """The runs that each pilot has flown since its last sound check, in their order."""
+        """Returns the runs that each pilot has flown since its last sound check, in their order."""
         return [flown for flown in self._flown.values() if flown]
 
     def took(self, pilot: object, indices: Sequence[int]) -> list[int]:

@@ -54,7 +54,7 @@ class Cluster:
 
     @property
     def slots(self) -> int:
-        """How many runs are flown at a time; it changes as workers come and go."""
+        """Returns how many runs are flown at a time; it changes as workers come and go."""
         return max(1, sum(self._client.nthreads().values()))
 
     def check(self) -> None:
@@ -240,7 +240,9 @@ def _started(workers: int, dashboard: bool) -> LocalCluster:
 
 
 def each(function: Callable[[Any], Any], items: Iterable[Any], scheduler: str) -> Iterator[tuple[int, Any]]:
-    """The results of a function of each item as the workers at an address give them, each with the place of its item."""
+    """Yields the results of a function of each item as the workers at an address give them, each with the place of its
+    item.
+    """
     with Client(scheduler, timeout=_PATIENCE, set_as_default=False) as client:
         places = {client.submit(function, item, pure=False): place for place, item in enumerate(items)}
         for future in as_completed(list(places), loop=client.loop):

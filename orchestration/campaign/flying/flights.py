@@ -38,7 +38,7 @@ class Flights:
 
     @property
     def state(self) -> dict[str, Any]:
-        """The entries of the manifest that the next start needs."""
+        """Returns the entries of the manifest that the next start needs."""
         return {"fresh": self._fresh, "unchecked": self._checks.unchecked}
 
     def crew(self) -> Crew:

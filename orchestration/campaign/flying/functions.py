@@ -35,7 +35,7 @@ class Code:
         return hashlib.sha256(content).hexdigest()
 
     def imported(self) -> ModuleType:
-        """The module, made of the text or imported."""
+        """Returns the module, made of the text or imported."""
         if self.text is None:
             return import_module(self.module)
         name = f"metrics_{self.sha256}"  # of its own, since other modules may be called as the file is
@@ -60,7 +60,7 @@ class NotLoaded(InputError):
 
 
 def find(reference: str, folder: Path, place: str) -> Code:
-    """The code of `module:function`: `module.py` beside the campaign file, else an installed module.
+    """Returns the code of `module:function`: `module.py` beside the campaign file, else an installed module.
 
     Raises InputError.
     """
@@ -76,7 +76,8 @@ def find(reference: str, folder: Path, place: str) -> Code:
     except ModuleNotFoundError as error:
         missing = error.name or name
         if not path.is_file() and (name == missing or name.startswith(f"{missing}.")):
-            why = f"there is no file {path}, and no installed module of this name; remedy: write the file, or install the module"
+            why = f"there is no file {path}, and no installed module of this name"
+            why += "; remedy: write the file, or install the module"
         else:
             why = f"it imports {missing!r}, which is not installed; remedy: pip install it"
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}") from None
@@ -95,7 +96,7 @@ def find(reference: str, folder: Path, place: str) -> Code:
 
 
 def functions(codes: dict[str, Code]) -> dict[str, Function]:
-    """The functions by their references, `module:function`; a module that several name is loaded once."""
+    """Returns the functions by their references, `module:function`; a module that several name is loaded once."""
     modules: dict[str, ModuleType] = {}
     for code in codes.values():
         if code.module not in modules:

@@ -45,7 +45,7 @@ class CheckedRequirement(Requirement):
 
     @property
     def ends(self) -> tuple[float | None, float | None]:
-        """The bound in the metric's unit, low and high; None for none."""
+        """Returns the bound in the metric's unit, low and high; None for none."""
         if self.limits is None:
             return None, None
         low, high = ((end - self.limits.offset) / self.limits.factor for end in (self.limits.low, self.limits.high))
@@ -80,12 +80,12 @@ class Job:
 
     @property
     def expectations(self) -> list[str]:
-        """The names of the scenario's expectations that are evaluated."""
+        """Returns the names of the scenario's expectations that are evaluated."""
         return [check.expectation.name for check in self.opened.plan.checks]
 
     @property
     def columns(self) -> list[tuple[str, str]]:
-        """Names and types of the dataset's columns: `int64`, `double`, `string`, `bool`."""
+        """Returns names and types of the dataset's columns: `int64`, `double`, `string`, `bool`."""
         return [
             ("index", "int64"),
             ("status", "string"),
@@ -98,7 +98,7 @@ class Job:
         ]
 
     def placed(self, files: Mapping[str, Path]) -> Job:
-        """The same with its FMUs in these files, by their hashes."""
+        """Returns the same with its FMUs in these files, by their hashes."""
         fmus = {name: replace(fmu, path=files[fmu.sha256]) for name, fmu in self.opened.fmus.items()}
         return replace(self, opened=replace(self.opened, fmus=fmus))
 
@@ -107,18 +107,18 @@ class Pilot:
     """Flies the runs of a job, one after the other, on FMUs that stay loaded."""
 
     def __init__(self, job: Job, anew: bool = False) -> None:
-        """`anew`: the FMUs are instantiated for each run, since a reset does not bring them back to their first state."""
+        """`anew`: FMUs are instantiated for each run, since a reset does not bring them back to their first state."""
         self.job, self.name = job, uuid4().hex
         self._functions = functions(dict(job.codes))
         self._nodes = [node for measure in job.measures for node in measure.needed]
         self._session = Session(job.opened, resets=not anew)
 
     def observers(self) -> list[MetricObserver]:
-        """One for each metric, for one run."""
+        """Returns one for each metric, for one run."""
         return [measure.observer(self._functions.get(measure.metric.python or "")) for measure in self.job.measures]
 
     def fly(self, index: int, point: Floats) -> list[Cell]:
-        """A row of the dataset: the run at this point, whose index is as given."""
+        """Returns a row of the dataset: the run at this point, whose index is as given."""
         begun = perf_counter()
         job = self.job
         try:
@@ -156,13 +156,13 @@ class Pilot:
 
 
 def failed(job: Job, index: int, reason: str, cells: Sequence[Cell], wall: float) -> list[Cell]:
-    """The row of a run that failed."""
+    """Returns the row of a run that failed."""
     rest: list[Cell] = [None] * (len(job.measures) + len(job.requirements) + len(job.expectations))
     return [index, FAILED, printable(reason)[:_REASON_MAX], wall, *cells, *rest]
 
 
 def lost(job: Job, index: int, point: Floats, reason: str) -> list[Cell]:
-    """The row of a run that ended its worker."""
+    """Returns the row of a run that ended its worker."""
     try:
         cells: Sequence[Cell] = job.draws.cells(job.draws.at(point.tolist()))
     except QuantityError:

@@ -36,7 +36,7 @@ class Rows:
 
     @cached_property
     def index(self) -> NDArray[np.int64]:
-        """The indices of the runs, ascending."""
+        """Returns the indices of the runs, ascending."""
         return self._column("index").to_numpy()[self._order]
 
     @cached_property
@@ -45,15 +45,15 @@ class Rows:
         return pc.equal(self._column("status"), "failed").to_numpy(zero_copy_only=False)[self._order]
 
     def numbers(self, name: str) -> Floats:
-        """A column of numbers; nan where a run has none."""
+        """Returns a column of numbers; nan where a run has none."""
         return self._column(name).to_numpy(zero_copy_only=False).astype(np.float64)[self._order]
 
     def true(self, name: str) -> NDArray[np.bool_]:
-        """A column of booleans; false where a run failed."""
+        """Returns a column of booleans; false where a run failed."""
         return pc.fill_null(self._column(name), False).to_numpy(zero_copy_only=False)[self._order]
 
     def values(self, name: str) -> tuple[Floats, list[str] | None]:
-        """A column of what varies: numbers; or of texts their places among the texts in order, and these."""
+        """Returns a column of what varies: numbers; or of texts their places among the texts in order, and these."""
         column = self._column(name)
         if not pa.types.is_primitive(column.type):  # text
             texts, places = np.unique(column.to_numpy(zero_copy_only=False).astype(str), return_inverse=True)
@@ -61,7 +61,7 @@ class Rows:
         return self.numbers(name), None
 
     def reasons(self) -> dict[int, str]:
-        """Why each run failed that did, by its index, ascending."""
+        """Returns why each run failed that did, by its index, ascending."""
         table = self._dataset.to_table(columns=["index", "reason"], filter=ds.field("status") == "failed")
         pairs = zip(table["index"].to_pylist(), table["reason"].to_pylist(), strict=True)
         return {index: reason or "no reason given" for index, reason in sorted(pairs)}

@@ -18,7 +18,7 @@ _SHOWN = 8
 
 
 def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tuple[Markup, list[dict[str, float]]]:
-    """A table of rank correlations for each metric, the strongest first, and the correlations by varied value."""
+    """Returns a table of rank correlations for each metric, the strongest first, and these by varied value."""
     tables, strengths = [], []
     for metric in metrics:
         correlations = dict(zip(columns, ranks(columns.values(), metric.values[:RANKED]), strict=True))
@@ -41,7 +41,7 @@ def ranked(metrics: list[Metric], columns: dict[str, NDArray[np.float64]]) -> tu
 
 
 def sensitivity(analysis: dict[str, Any] | None) -> Markup:
-    """The indices of a design of its own, in a table for each metric, the most important entry first."""
+    """Returns the indices of a design of its own, in a table for each metric, the most important entry first."""
     if analysis is None:
         return Markup("")
     sobol = analysis["method"] == "sobol"
@@ -83,12 +83,12 @@ def _number(value: float | None) -> str:
 
 
 def signed(value: float) -> str:
-    """A coefficient to two decimals, with a true minus sign."""
+    """Returns a coefficient to two decimals, with a true minus sign."""
     return "\N{EN DASH}" if np.isnan(value) else f"{round(value, 2) + 0.0:.2f}".replace("-", "\N{MINUS SIGN}")
 
 
 def bar(value: float, low: float, high: float, least: float, most: float, text: str = "") -> Markup:
-    """A bar from 0 to a value on a scale from `least` to `most`, and a line from `low` to `high` across it."""
+    """Returns a bar from 0 to a value on a scale from `least` to `most`, and a line from `low` to `high` across it."""
 
     def at(number: float) -> float:
         return 100.0 * min(max((number - least) / (most - least), 0.0), 1.0)

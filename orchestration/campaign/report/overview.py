@@ -27,7 +27,7 @@ def basis(manifest: dict[str, Any]) -> str:
 
 
 def outcome(manifest: dict[str, Any]) -> tuple[str, str]:
-    """A class for its colour, and the outcome in words."""
+    """Returns a class for its colour, and the outcome in words."""
     statuses = [v["status"] for v in manifest["verdicts"]]
     if not statuses:
         return "plain", "no requirements"
@@ -79,7 +79,7 @@ def verdicts(manifest: dict[str, Any]) -> list[list[object]]:
 
 
 def failures(reasons: Mapping[int, str]) -> list[list[object]]:
-    """How many runs failed for each reason, and the first five of them; the most frequent first."""
+    """Returns how many runs failed for each reason, and the first five of them; the most frequent first."""
     runs: dict[str, list[int]] = {}
     for index, reason in sorted(reasons.items()):
         runs.setdefault(reason, []).append(index)

@@ -41,7 +41,7 @@ def write(folder: Path) -> Path:
 
 
 def page(folder: Path) -> str:
-    """The page of the campaign whose files are in the folder."""
+    """Returns the page of the campaign whose files are in the folder."""
     from ..flying.rows import Rows  # it needs PyArrow, and all commands and their help do without  # noqa: PLC0415
 
     runs = Rows(folder)
@@ -83,7 +83,7 @@ def _metrics(runs: Rows) -> list[Metric]:
 
 
 def _metric(metric: Metric, failed: int, early: bool) -> list[object]:
-    """A row of the table of metrics: quantiles from the good end on."""
+    """Returns a row of the table of metrics: quantiles from the good end on."""
     sign = -1.0 if metric.lower_is_worse else 1.0
     bad = sign * metric.values
     bad = np.where(np.isnan(bad), np.inf, bad)
@@ -224,7 +224,7 @@ def _search(manifest: dict[str, Any], searched: dict[str, Any] | None, metrics: 
 
 
 def value_text(value: Any) -> str:
-    """A start value with its numbers to six figures."""
+    """Returns a start value with its numbers to six figures."""
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(value_text, value))}]"
     if isinstance(value, dict):

@@ -46,7 +46,7 @@ class Metric:
 
     @property
     def label(self) -> str:
-        """The text at an axis."""
+        """Returns the text at an axis."""
         return f"{self.name}, {self.unit}" if self.unit else self.name
 
     @property
@@ -56,7 +56,9 @@ class Metric:
 
     @property
     def badness(self) -> Floats:
-        """How bad each run is: its value, less it, or how far it is outside of two bounds; +inf where it failed."""
+        """Returns how bad each run is: its value, less it, or how far it is outside of two bounds; +inf where it
+        failed.
+        """
         x = self.values
         if self.low is not None and self.high is not None:
             bad = np.maximum(self.low - x, x - self.high)
@@ -65,12 +67,12 @@ class Metric:
         return np.where(np.isnan(x), np.inf, bad)
 
     def with_unit(self, value: float) -> str:
-        """A value of it."""
+        """Returns a value of it."""
         return "never" if value == np.inf else with_unit(value, self.unit)
 
 
 def plain(label: str, xlabel: str, xname: str, x: Floats, span: tuple[float, float], arrays: Arrays) -> dict[str, Any]:
-    """A plot of something over x, without its curves."""
+    """Returns a plot of something over x, without its curves."""
     low, high = span if span[0] < span[1] else (span[0] - 0.5, span[0] + 0.5)
     return {
         "label": label, "xlabel": xlabel, "xname": xname, "range": [low, high], "x": arrays.add(x), "curves": [],
@@ -79,12 +81,12 @@ def plain(label: str, xlabel: str, xname: str, x: Floats, span: tuple[float, flo
 
 
 def curve(name: str, y: Floats, colour: int, arrays: Arrays, **more: Any) -> dict[str, Any]:
-    """A curve of a plot."""
+    """Returns a curve of a plot."""
     return {"name": name, "y": arrays.add(y), "colour": colour, "pale": False, "stepped": False, **more}
 
 
 def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = False) -> dict[str, Any] | None:
-    """The share of all runs up to a value, with bounds; or from a value on, where large ones are wanted.
+    """Returns the share of all runs up to a value, with bounds; or from a value on, where large ones are wanted.
 
     `tail` shows what is near the required probability only, and is None where there is none, or too few runs.
     """
@@ -129,7 +131,7 @@ def distribution(metric: Metric, arrays: Arrays, repeated: bool, tail: bool = Fa
 
 
 def bound_notes(metric: Metric, drawn: Sequence[dict[str, Any]]) -> list[str]:
-    """Returns the notes on required bounds below a distribution: on those that are drawn, and on those beyond the axis."""
+    """Returns the notes on required bounds below a distribution: on those drawn, and on those beyond the axis."""
     ends = [b for b in (metric.low, metric.high) if b is not None]
     marked = [b for b in ends if any(b in plot["marks"] for plot in drawn)]
     beyond = [b for b in ends if b not in marked]
@@ -138,7 +140,9 @@ def bound_notes(metric: Metric, drawn: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _spread(left: NDArray[np.int64], n: int) -> NDArray[np.intp]:
-    """Which of n steps to draw: evenly spread ones, and all of the tail's last, where the fewest runs are worse."""
+    """Returns which of n steps to draw: evenly spread ones, and all of the tail's last, where the fewest runs are
+    worse.
+    """
     if n <= STEPS:
         return np.arange(n)
     far = np.argsort(left, kind="stable")[: STEPS // 4]
@@ -146,7 +150,9 @@ def _spread(left: NDArray[np.int64], n: int) -> NDArray[np.intp]:
 
 
 def shown_runs(metrics: Sequence[Metric], failed: Booleans) -> NDArray[np.intp]:
-    """The rows that scatter plots show: all where they are few, else some at random, and the worst of each metric."""
+    """Returns the rows that scatter plots show: all where they are few, else some at random, and the worst of each
+    metric.
+    """
     n = len(failed)
     if n <= DOTS:
         return np.arange(n)
@@ -168,8 +174,8 @@ def scatter(
     index: NDArray[np.int64],
     arrays: Arrays,
 ) -> dict[str, Any]:
-    """A metric against a varied value (of the rows): runs that meet its requirement and others, endless and failed
-    ones.
+    """Returns a metric against a varied value (of the rows): runs that meet its requirement and others, endless and
+    failed ones.
     """
     y = metric.values[rows]
     if items is not None:  # texts: beside each other, spread for the eye
@@ -205,8 +211,8 @@ def scatter(
 
 
 def search(searched: dict[str, Any], metric: Metric, arrays: Arrays) -> dict[str, Any] | None:
-    """The worst value up to a number of runs: of the search, and of the campaign's own runs in the order of their
-    index.
+    """Returns the worst value up to a number of runs: of the search, and of the campaign's own runs in the order of
+    their index.
     """
     history = [(runs, value) for runs, value in searched["history"] if value is not None]
     if not history:

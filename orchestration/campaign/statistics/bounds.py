@@ -37,7 +37,8 @@ class Bounds:
 
 
 def share(successes: int, runs: int, confidence: float) -> Bounds:
-    """The two-sided confidence interval of a probability, of which `successes` of `runs` independent runs are known.
+    """Returns the two-sided confidence interval of a probability, of which `successes` of `runs` independent runs are
+    known.
 
     It is Clopper and Pearson's, which never covers less than its confidence. Without runs it is all of [0, 1].
     """
@@ -48,7 +49,9 @@ def share(successes: int, runs: int, confidence: float) -> Bounds:
 
 
 def fixed(successes: int, runs: int, confidence: float) -> Bounds:
-    """A lower and an upper bound of a probability, each for itself at the confidence, for runs fixed in number before."""
+    """Returns a lower and an upper bound of a probability, each for itself at the confidence, for runs fixed in number
+    before.
+    """
     misses = runs - successes
     low = float(betaincinv(successes, misses + 1, 1.0 - confidence)) if successes else 0.0
     high = float(betaincinv(successes + 1, misses, confidence)) if misses else 1.0
@@ -56,7 +59,9 @@ def fixed(successes: int, runs: int, confidence: float) -> Bounds:
 
 
 def sequence(successes: int, runs: int, confidence: float) -> Bounds:
-    """A lower and an upper bound of a probability, each for itself at the confidence after all numbers of runs at once."""
+    """Returns a lower and an upper bound of a probability, each for itself at the confidence after all numbers of runs
+    at once.
+    """
     if runs == 0:
         return Bounds(0.0, 1.0)
     wanted = -np.log1p(-confidence)
@@ -72,7 +77,7 @@ def sequence(successes: int, runs: int, confidence: float) -> Bounds:
 
 
 def evidence(successes: int, runs: int, probability: float) -> tuple[float, float]:
-    """The logarithms of E_n (see above) for a probability above this one, and for one below it."""
+    """Returns the logarithms of E_n (see above) for a probability above this one, and for one below it."""
     hits, misses = successes, runs - successes
     ratio = betaln(hits + 1, misses + 1) - hits * np.log(probability) - misses * np.log1p(-probability)
     with np.errstate(divide="ignore"):  # no weight at all on a side: no evidence
@@ -96,7 +101,7 @@ def elsewhere(successes: int, runs: int, required: float, confidence: float, ann
 
 
 def looks(runs: int) -> list[int]:
-    """Counts of runs, ascending, after which early stopping looks; the last is `runs`.
+    """Returns counts of runs, ascending, after which early stopping looks; the last is `runs`.
 
     Each is a seventh above the last.
     """
@@ -108,7 +113,7 @@ def looks(runs: int) -> list[int]:
 
 
 def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
-    """The least number of runs that shows a requirement as met, when every one of them meets the bound."""
+    """Returns the least number of runs that shows a requirement as met, when every one of them meets the bound."""
     least = int(np.ceil(np.log1p(-confidence) / np.log(probability) - 1e-9))
     if not repeated:
         return least
@@ -127,7 +132,7 @@ def runs_needed(probability: float, confidence: float, repeated: bool) -> int:
 
 
 def quantile(values: Floats, share: float, confidence: float, repeated: bool = False) -> tuple[float, Bounds]:
-    """A quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
+    """Returns a quantile of values (n,), and a lower and an upper bound of it, each for itself at the confidence.
 
     The bounds are order statistics and hold for whatever distribution (Wilks, Ann. Math. Stat. 12, 1941): the k-th
     value is an upper bound where k successes of n runs would show a probability of `share`. One is infinite where there

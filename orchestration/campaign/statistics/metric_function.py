@@ -38,5 +38,5 @@ class MetricFunction:
 
     @property
     def dimension(self) -> int:
-        """How many coordinates a point has."""
+        """Returns how many coordinates a point has."""
         return len(self.coordinates)

@@ -46,7 +46,9 @@ class _Runs:
         return 0 if self.worst == math.inf else self.section.runs - self.count
 
     def badness(self, points: Floats) -> Floats:
-        """How bad the runs of points (n, d) of the searched cube are; -inf where a run failed, which is no case."""
+        """Returns how bad the runs of points (n, d) of the searched cube are; -inf where a run failed, which is no
+        case.
+        """
         unit = self.low + self.span * points[:, : self.function.dimension]
         values = self.sign * self.function.fly(unit)[self.section.metric]
         self.count += len(points)
@@ -104,7 +106,7 @@ def run(section: Search, function: MetricFunction, seed: int) -> dict[str, Any]:
 
 
 def _apart(points: Floats) -> Floats:
-    """Those of the points (n, d), the worst first, that lie apart from all worse ones."""
+    """Returns those of the points (n, d), the worst first, that lie apart from all worse ones."""
     kept: list[Floats] = []
     for point in points:
         if all(np.abs(point - other).max() > 4.0 * _STEP for other in kept):

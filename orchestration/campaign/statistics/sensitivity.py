@@ -84,7 +84,7 @@ def run(section: Sensitivity, function: MetricFunction, seed: int) -> dict[str, 
 
 
 def _problem(function: MetricFunction) -> tuple[dict[str, Any], list[str]]:
-    """SALib's problem, and the entries whose indices it gives: the coordinates themselves where only one entry varies."""
+    """Returns SALib's problem, and the entries whose indices it gives: coordinates where only one entry varies."""
     entries = [(name, count) for name, _, count in function.entries if count]
     if len(entries) == 1:
         entries = [(name, 1) for name in function.coordinates]

@@ -104,7 +104,7 @@ def _verdict(requirement: Requirement, met: int, flown: int, announced: Announce
 
 
 def hints(requirements: Iterable[Requirement], runs: int, early: bool = False) -> list[str]:
-    """Requirements that so many runs cannot show, even if each of them meets the requirement, as sentences."""
+    """Returns requirements that so many runs cannot show, even if each of them meets the requirement, as sentences."""
     needed = {
         requirement: runs_needed(requirement.probability, requirement.confidence, early) for requirement in requirements
     }
@@ -118,12 +118,14 @@ def hints(requirements: Iterable[Requirement], runs: int, early: bool = False) -
 
 
 def percent(value: float) -> str:
-    """A share as a percentage: 95%, 99.73%."""
+    """Returns a share as a percentage: 95%, 99.73%."""
     return f"{100.0 * value:.10g}%"
 
 
 def probability(value: float, up: bool = False) -> str:
-    """A bound of a probability, rounded outwards to three figures of its distance from 0 or 1, whichever is nearer."""
+    """Returns a bound of a probability, rounded outwards to three figures of its distance from 0 or 1, whichever is
+    nearer.
+    """
     distance = min(value, 1.0 - value)
     if distance <= 0.0:
         return f"{value:g}"
@@ -133,5 +135,7 @@ def probability(value: float, up: bool = False) -> str:
 
 
 def ends(low: float, high: float) -> str:
-    """Both bounds of a probability, each for itself: no interval, whose confidence would be less than that of each."""
+    """Returns both bounds of a probability, each for itself: no interval, whose confidence would be less than that of
+    each.
+    """
     return f"at least {probability(low)}, at most {probability(high, up=True)}"

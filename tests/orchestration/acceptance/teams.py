@@ -1,6 +1,7 @@
 """FMUs of other teams for tests: our controller or allocator behind ports that are read in another way.
 
-Each is this project's C with a conversion before and behind it, under an interface that does not tell of the conversion.
+Each is this project's C with a conversion before and behind it, under an interface that does not tell of the
+conversion.
 """
 
 from __future__ import annotations

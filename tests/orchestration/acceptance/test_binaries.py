@@ -15,6 +15,8 @@ from orchestration.acceptance.check import check
 from tests.machine import require_elf_tools
 from tests.orchestration import fmus, vendor
 
+pytestmark = pytest.mark.compile
+
 FMI = set(binaries.FUNCTIONS["fmi2"])
 
 

@@ -20,6 +20,8 @@ from tests.machine import require_elf_tools
 
 from .. import fmus, vendor
 
+pytestmark = pytest.mark.compile
+
 ROOT = Path(__file__).parents[3]
 
 

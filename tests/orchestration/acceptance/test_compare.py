@@ -20,6 +20,8 @@ from .. import fmus, vendor
 from ..swapped import STEP, swapped
 from ..wrong_inputs import SCENARIO
 
+pytestmark = pytest.mark.compile
+
 ARGUMENTS = ("compare", "loop.yaml", "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml", "--out", "out")
 FIGURE = """
 figures:

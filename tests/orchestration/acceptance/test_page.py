@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from orchestration.acceptance import page as pages
 from orchestration.acceptance.compare import Comparison
@@ -13,6 +14,8 @@ from orchestration.acceptance.playback import Played
 
 from ..results.browser import Tab, pixels
 from ..results.swing import EVIL, Reader, data_of, swing, unpacked
+
+pytestmark = pytest.mark.isolate
 
 
 def compared(note: str = "swings", steps: int = 400) -> Comparison:

@@ -224,7 +224,9 @@ def test_the_checks_of_a_loop_with_an_estimator_show_its_wrong_axes_within_a_min
 
 
 def test_the_test_card_has_the_signs_of_the_physics(paper):
-    """A torque about the wheel's axis is the wheel's with the opposite sign; a wheel that is sped up turns the body back."""
+    """A torque about the wheel's axis is the wheel's with the opposite sign; a wheel that is sped up turns the body
+    back.
+    """
     made = card(paper)
     by = {(s.stimulus.split(" ")[0], s.output): s.expected for s in made.steps}
     assert by["tau_cmd_B[1]", "wheel_torque_cmd"].startswith("-")

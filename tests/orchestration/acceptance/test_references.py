@@ -1,4 +1,6 @@
-"""The reference data that an FMU carries (FMI-LS-REF): played, found wrong where it is wrong, and read in all its forms."""
+"""The reference data that an FMU carries (FMI-LS-REF): played, found wrong where it is wrong, and read in all its
+forms.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,9 @@ def table(name: str, values: tuple[float, ...]) -> str:
 
 
 def regulator(folder: Path, **changed: str) -> Path:
-    """regulator.fmu with reference data; a file is given by its name with an underscore for the dot, None leaves it out."""
+    """regulator.fmu with reference data; a file is given by its name with an underscore for the dot, None leaves it
+    out.
+    """
     xml = changed.pop("description", None) or fmus.description("regulator")
     path = fmus.write(folder / "regulator.fmu", xml, fmus.library())
     files = {"fmi-ls-manifest.xml": MANIFEST, "all.exp": EXPERIMENT, "p.ssv": GAIN}
@@ -207,7 +211,9 @@ def test_text_among_the_data_is_left_out_and_of_two_rows_at_an_event_either_will
 
 
 def test_other_drafts_are_read(tmp_path):
-    """Experiments in the manifest, settings in an element of their own, a coarser table, and a result of the default experiment."""
+    """Experiments in the manifest, settings in an element of their own, a coarser table, and a result of the default
+    experiment.
+    """
     ok = "feedthrough: 1 outputs as expected over 0.4 s, to the last bit"
     inside = MANIFEST.replace("<Related", EXPERIMENT.partition("\n")[2].removesuffix("</Experiments>\n") + "<Related")
     inside = inside.replace('role="experiment"', 'role="other"')

@@ -1,4 +1,6 @@
-"""`orchestrate check --vector` refuses a broken vector with its line. tests/fmus/kit/test_kit.py has vectors that are played."""
+"""`orchestrate check --vector` refuses a broken vector with its line. tests/fmus/kit/test_kit.py has vectors that are
+played.
+"""
 
 from __future__ import annotations
 

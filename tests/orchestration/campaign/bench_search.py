@@ -1,4 +1,5 @@
-"""How often a search finds a worse case than as many random runs: `python -m tests.orchestration.campaign.bench_search`.
+"""How often a search finds a worse case than as many random runs:
+`python -m tests.orchestration.campaign.bench_search`.
 
 Functions of the unit cube, 8 seeds each, and SciPy's differential evolution beside it. Half a minute.
 """

@@ -1,4 +1,7 @@
-"""A campaign's folder as the engine leaves it, made of drawn numbers: `python -m tests.orchestration.campaign.synthetic DIR RUNS`."""
+"""A campaign's folder as the engine leaves it, made of drawn numbers.
+
+`python -m tests.orchestration.campaign.synthetic DIR RUNS` writes one, with its page.
+"""
 
 from __future__ import annotations
 
@@ -89,6 +92,7 @@ def write(
     requirements.append(Requirement("never <b>saturates</b>", 0.99, 0.95))
     metric = {"settles": "settle", "points": "rms", "available": "share"}
     expected = {"settles": "< 1158 s", "points": "< 5 mrad", "available": "> 0.98"}
+    expectation, counts = "the wheel stays within its limits", {name: int(m.sum()) for name, m in met.items()}
     place = 0
     varied = []
     for name, text, unit, names in _VARIED:
@@ -114,22 +118,25 @@ def write(
         "metrics": [
             {"name": "settle", "column": "settle", "unit": "s", "signal": "judge.rate_error_B",
              "text": "time from which |judge.rate_error_B| < 0.001 rad/s for good"},
-            {"name": "rms", "column": "rms", "unit": "rad", "signal": "judge.attitude_error", "text": "rms of judge.attitude_error after 2 orbits"},
-            {"name": "share", "column": "share", "unit": "", "signal": "judge.attitude_error", "text": "share of time with judge.attitude_error < 5 mrad"},
+            {"name": "rms", "column": "rms", "unit": "rad", "signal": "judge.attitude_error",
+             "text": "rms of judge.attitude_error after 2 orbits"},
+            {"name": "share", "column": "share", "unit": "", "signal": "judge.attitude_error",
+             "text": "share of time with judge.attitude_error < 5 mrad"},
         ],
         "requirements": [
-            {"name": c.name, **({"metric": metric[c.name]} if c.name in metric else {"expectation": "the wheel stays within its limits"}),
-             "column": f"met: {c.name}", "expected": expected.get(c.name, "met"), "low": bounds.get(c.name, (None, None))[0],
-             "high": bounds.get(c.name, (None, None))[1], "probability": c.probability, "confidence": c.confidence}
+            {"name": c.name, **({"metric": metric[c.name]} if c.name in metric else {"expectation": expectation}),
+             "column": f"met: {c.name}", "expected": expected.get(c.name, "met"),
+             "low": bounds.get(c.name, (None, None))[0], "high": bounds.get(c.name, (None, None))[1],
+             "probability": c.probability, "confidence": c.confidence}
             for c in requirements
         ],
-        "expectations": [{"name": "the wheel stays within its limits", "column": "expect: the wheel stays within its limits"}],
-        "verdicts": [asdict(v) for v in verdicts(requirements, {n: int(m.sum()) for n, m in met.items()}, runs, Announced(runs, early))],
+        "expectations": [{"name": expectation, "column": f"expect: {expectation}"}],
+        "verdicts": [asdict(v) for v in verdicts(requirements, counts, runs, Announced(runs, early))],
         "early": early,
         "scenario_file": "scenarios/paper_no_singularity.yaml",
         "campaign_file": "detumble_spread.yaml",
         "scenario": "paper_no_singularity",
-        "fmus": {"plant": {"file": "plant.fmu", "sha256": "ab" * 32}, "controller": {"file": "controller.fmu", "sha256": "cd" * 32}},
+        "fmus": {name: {"file": f"{name}.fmu", "sha256": 32 * sha} for name, sha in (("plant", "ab"), ("controller", "cd"))},
         "versions": {"attitude-cosim": "0.2.0"},
         "platform": "Linux",
         "started": "2026-11-22T01:00:00+00:00",

@@ -1,4 +1,6 @@
-"""A campaign of a loop of two small FMUs whose answer is known: the speed after 20 steps of 0.1 s is 0.9^20 of that at the start."""
+"""A campaign of a loop of two small FMUs whose answer is known: the speed after 20 steps of 0.1 s is 0.9^20 of that at
+the start.
+"""
 
 from __future__ import annotations
 

@@ -15,6 +15,8 @@ from orchestration import load
 from orchestration.scenario import schema
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 ROOT = Path(__file__).parents[3]
 
 

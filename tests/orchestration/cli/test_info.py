@@ -13,6 +13,8 @@ from tests.commands import orchestrate
 
 from .. import fmus
 
+pytestmark = pytest.mark.isolate
+
 EVIL = "\x1b[2Jgone [bold]x[/bold]"
 
 

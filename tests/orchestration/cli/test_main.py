@@ -12,6 +12,8 @@ import pytest
 from hatch_build import entry_point
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 ROOT = Path(__file__).parents[3]
 MODULE = """
 import click

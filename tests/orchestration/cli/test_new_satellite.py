@@ -10,6 +10,8 @@ import orchestration
 from orchestration.scenario import template
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 GIVEN = {
     "inertia": {"diagonal": [0.0419, 0.0419, 0.0067]},
     "dipole_max": "0.3 A.m2",

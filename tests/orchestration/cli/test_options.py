@@ -17,6 +17,8 @@ from orchestration import InputError, run
 from orchestration.cli.main import COMMANDS, main, outside
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 ROOT = Path(__file__).parents[3]
 
 

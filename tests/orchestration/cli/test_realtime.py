@@ -15,6 +15,8 @@ import pytest
 from orchestration import run
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 
 def manifest(folder: str = "results/loop") -> dict:
     return json.loads((Path(folder) / "manifest.json").read_text("utf-8"))

@@ -10,6 +10,8 @@ import pytest
 from orchestration.instances.slave import Slave
 from tests.commands import orchestrate
 
+pytestmark = pytest.mark.isolate
+
 
 @pytest.fixture
 def unrun(loop, monkeypatch):

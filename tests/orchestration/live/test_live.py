@@ -23,6 +23,8 @@ from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab
 from tests.orchestration.results.test_place import full
 
+pytestmark = pytest.mark.compile
+
 ROOT = Path(__file__).parents[3]
 SETS = {
     "as the scenario has it": ({}, ()),

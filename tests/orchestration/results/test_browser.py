@@ -12,6 +12,8 @@ from .browser import Tab, box, pixels, values
 from .flown import flown
 from .swing import EVIL, swing
 
+pytestmark = pytest.mark.isolate
+
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:

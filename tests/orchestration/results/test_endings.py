@@ -21,6 +21,8 @@ from ..cli.test_cli import ROOT
 from ..mocks import law
 from ..mocks import run as run_mocks
 
+pytestmark = pytest.mark.isolate
+
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and devices differ")
 COMMAND = [sys.executable, "-m", "orchestration"]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}

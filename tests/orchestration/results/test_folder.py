@@ -1,4 +1,6 @@
-"""The folder of a run: earlier results stand until new ones do, one run at a time writes, names come back from every format."""
+"""The folder of a run: earlier results stand until new ones do, one run at a time writes, names come back from every
+format.
+"""
 
 from __future__ import annotations
 

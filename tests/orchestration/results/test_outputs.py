@@ -15,6 +15,8 @@ from tests.commands import orchestrate
 
 from .test_endings import ENVIRONMENT, POSIX
 
+pytestmark = pytest.mark.isolate
+
 
 def shell(command):
     return subprocess.run(["bash", "-c", command], env=ENVIRONMENT, capture_output=True, text=True)

@@ -88,6 +88,8 @@ def test_the_goal_is_what_is_connected_to_the_controller_and_a_plan_or_an_estima
 
 
 def test_the_earth_is_turned_by_the_sidereal_time_of_the_almanac():
-    """Greenwich mean sidereal time at 0h UT1 on 10 April 1987, 13h 10m 46.3668s: Meeus, Astronomical Algorithms, example 12.a."""
+    """Greenwich mean sidereal time at 0h UT1 on 10 April 1987, 13h 10m 46.3668s: Meeus, Astronomical Algorithms,
+    example 12.a.
+    """
     turned = view._earth_angle("1987-04-10T00:00:00Z")
     assert turned == pytest.approx(np.radians(15.0 * (13 + 10 / 60 + 46.3668 / 3600)), abs=1e-5)

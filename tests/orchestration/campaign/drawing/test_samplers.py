@@ -113,7 +113,8 @@ def test_rotations_are_uniform_over_all_attitudes():
     q = np.array([samplers.Rotation().value(point) for point in POINTS])
     assert np.linalg.norm(q, axis=1) == pytest.approx(np.ones(len(q)), abs=1e-12)
     assert (q[:, 0] >= 0.0).all()
-    # The angle of a uniform rotation has the distribution (x - sin x)/pi, whatever the attitude from which it is counted.
+    # The angle of a uniform rotation has the distribution (x - sin x)/pi, whatever the attitude from which it is
+    # counted.
     away = ScipyRotation.from_rotvec([0.3, -2.0, 0.7])
     for turned in (ScipyRotation.from_quat(q, scalar_first=True), ScipyRotation.from_quat(q, scalar_first=True) * away):
         angles = turned.magnitude()

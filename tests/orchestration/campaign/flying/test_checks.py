@@ -1,4 +1,6 @@
-"""FMUs whose reset leaves something behind from their sixth flight on: no such row stays, and a replay shows one that did."""
+"""FMUs whose reset leaves something behind from their sixth flight on: no such row stays, and a replay shows one that
+did.
+"""
 
 from __future__ import annotations
 

@@ -25,6 +25,8 @@ from orchestration.errors import InputError
 
 from ..toy import changed, command, rows
 
+pytestmark = pytest.mark.isolate
+
 ROOT = Path(__file__).parents[4]
 KILLER = """\
 import os, signal
