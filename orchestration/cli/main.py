@@ -39,6 +39,7 @@ COMMANDS = {
     "fmus": "orchestration.cli.fmus",
     "info": "orchestration.cli.info",
     "live": "orchestration.cli.live",
+    "margins": "orchestration.cli.margins",
     "new": "orchestration.cli.new",
     "polarity": "orchestration.cli.polarity",
     "reference": "orchestration.cli.reference",
