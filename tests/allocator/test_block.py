@@ -1,11 +1,10 @@
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import allocator
-from fmus.interface import load
 from tests.blocks import inputs, parameters
 
 P = parameters("allocator")
@@ -30,23 +29,6 @@ def achieved(y, u, p=P):
     """Torque on the body of unclipped commands, by hand."""
     e1 = np.array([1.0, 0.0, 0.0])
     return np.cross(y.dipole_cmd @ p.rod_axes, u.b_B) - y.wheel_torque_cmd * e1 - u.h_w * np.cross(u.omega_B, e1)
-
-
-@pytest.mark.parametrize(
-    ("record", "causality"),
-    [(allocator.Parameters, "parameter"), (allocator.Inputs, "input"), (allocator.Outputs, "output")],
-)
-def test_fields_are_those_of_the_interface(record, causality):
-    assert [f.name for f in fields(record)] == [v.name for v in load("allocator").of(causality)]
-
-
-def test_outputs_have_the_shapes_of_the_interface():
-    for u in (inputs("allocator"), SMALL, LARGE):
-        y = allocator.outputs(allocator.start(P, u), u, P)
-        for variable in load("allocator").of("output"):
-            assert np.shape(getattr(y, variable.name)) == variable.shape
-            assert np.isfinite(getattr(y, variable.name)).all()
-        assert isinstance(y.holding, bool)
 
 
 def test_a_moderate_demand_is_met_without_residual():
@@ -206,18 +188,6 @@ def test_zero_demand_of_a_still_wheel_commands_zero():
     np.testing.assert_array_equal(commands(y), 0.0)
     assert not y.holding
     assert y.demand_fraction == 0.0
-
-
-@pytest.mark.parametrize("name", ["tau_cmd_B", "b_B", "omega_B", "h_w"])
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_inputs_that_are_not_finite_are_refused_by_name(name, bad):
-    for index in np.ndindex(np.shape(getattr(SMALL, name))):
-        value = np.array(getattr(SMALL, name))
-        value[index] = bad
-        with pytest.raises(ValueError, match=f"^{name}: expected"):
-            allocator.outputs(
-                allocator.start(P, SMALL), replace(SMALL, **{name: value if value.shape else float(value)}), P
-            )
 
 
 def test_rod_axes_are_normalised_on_use():

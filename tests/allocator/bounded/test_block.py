@@ -1,7 +1,7 @@
 """The bounded allocator as a block: its interface, what it refuses, its start and its steps."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,14 +24,6 @@ def test_the_first_command_is_that_of_the_inputs_at_the_start_and_steps_remember
     assert x == bounded.State(1.0)
 
 
-@pytest.mark.parametrize(
-    ("record", "causality"),
-    [(bounded.Parameters, "parameter"), (bounded.Inputs, "input"), (bounded.Outputs, "output")],
-)
-def test_fields_are_those_of_the_interface(record, causality):
-    assert [f.name for f in fields(record)] == [v.name for v in load(BLOCK).of(causality)]
-
-
 def test_it_takes_the_place_of_the_papers_allocator():
     """The same outputs, and every input of the paper's; what it has beyond them is optional."""
     ours, theirs = load(BLOCK), load("allocator")
@@ -48,9 +40,9 @@ def test_it_takes_the_place_of_the_papers_allocator():
     assert all(v.optional for v in ours.of("input") if v.name not in theirs.variables)
 
 
-@pytest.mark.parametrize("name", ["tau_cmd_B", "b_B", "omega_B", "h_w", "dipole_ff", "wheel_torque_ff", "rod_gains"])
+@pytest.mark.parametrize("name", ["dipole_ff", "wheel_torque_ff", "rod_gains"])
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_inputs_that_are_not_finite_are_refused_by_name(name, bad):
+def test_optional_inputs_that_are_not_finite_are_refused_by_name(name, bad):
     u = inputs(BLOCK)
     for index in np.ndindex(np.shape(getattr(u, name))):
         value = np.array(getattr(u, name))
