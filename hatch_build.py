@@ -54,7 +54,8 @@ def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) 
 
 
 class Layout(BuildHookInterface):
-    """Lays the wheel out in out/wheel: `orchestration`, the other packages in `attitude_cosim`, and what is ready-made."""
+    """Lays the wheel out in out/wheel: `orchestration`, the other packages in `attitude_cosim`, and what is
+    ready-made."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if version == "editable":

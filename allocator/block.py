@@ -21,7 +21,8 @@ INDEPENDENT_MIN = 1e-6
 
 @dataclass(frozen=True)
 class Parameters:
-    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of fmus/interfaces/allocator.toml."""
+    """rod_axes (3, 3) by rows, wheel_axis (3,). Units, frames and limits are those of
+    fmus/interfaces/allocator.toml."""
 
     rod_axes: Array
     dipole_max: float

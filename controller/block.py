@@ -26,7 +26,8 @@ ABSENT_MIN = 0.999e9
 
 @dataclass(frozen=True)
 class Parameters:
-    """J_B, L0, R_d0 (3, 3), K0, Omega_d0 (3,). Units, frames and limits are those of fmus/interfaces/controller.toml."""
+    """J_B, L0, R_d0 (3, 3), K0, Omega_d0 (3,). Units, frames and limits are those of
+    fmus/interfaces/controller.toml."""
 
     J_B: Array
     K0: Array

@@ -75,7 +75,8 @@ class Outputs:
 
 @dataclass(frozen=True)
 class State:
-    """The estimate before the last step and after it, packed; of that step its length, s, and what doStep alone takes."""
+    """The estimate before the last step and after it, packed; of that step its length, s, and what doStep alone
+    takes."""
 
     before: Array
     now: Array

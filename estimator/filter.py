@@ -20,7 +20,8 @@ ATTITUDE, RATE, BIAS = slice(0, 3), slice(3, 6), slice(6, 9)
 
 @dataclass(frozen=True)
 class Innovation:
-    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,), independent."""
+    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,),
+    independent."""
 
     y: Array
     H_attitude: Array

@@ -60,7 +60,8 @@ def sidereal_angle(days: float) -> float:
 
 
 def sun_direction(days: float) -> Array:
-    """Unit vector (3,) from the Earth to the Sun in N: the low-precision formula of the Astronomical Almanac, 0.01 deg."""
+    """Unit vector (3,) from the Earth to the Sun in N: the low-precision formula of the Astronomical Almanac, 0.01
+    deg."""
     mean_longitude = math.radians(280.460) + math.radians(0.9856474) * days
     anomaly = math.radians(357.528) + math.radians(0.9856003) * days
     longitude = mean_longitude + math.radians(1.915) * math.sin(anomaly) + math.radians(0.020) * math.sin(2.0 * anomaly)

@@ -100,7 +100,8 @@ def in_parts(
     found: list[Any],
     save: Callable[[list[Any]], None],
 ) -> Iterator[str]:
-    """Appends the results of a function to those found, in their order, saves them after each AT_ONCE, and tells of it."""
+    """Appends the results of a function to those found, in their order, saves them after each AT_ONCE, and tells of
+    it."""
     save(found)
     if not wanted:
         return

@@ -1,4 +1,5 @@
-"""The figures of docs/use/sensors.md: sunlight over an orbit, and the Allan deviation of the gyros of two sensor sets."""
+"""The figures of docs/use/sensors.md: sunlight over an orbit, and the Allan deviation of the gyros of two sensor
+sets."""
 
 from __future__ import annotations
 
@@ -123,7 +124,8 @@ def _deviation(rates: Array, tau: Array, T: float) -> Array:
 
 
 def _expected(start: dict[str, Any], tau: Array) -> Array:
-    """Angle random walk N/sqrt(tau), rate random walk K sqrt(tau/3) and Markov noise, as a root of the sum of squares."""
+    """Angle random walk N/sqrt(tau), rate random walk K sqrt(tau/3) and Markov noise, as a root of the sum of
+    squares."""
     N = value_in(start.get("angle_random_walk", 0.0), parse_unit("rad"))
     K = value_in(start.get("rate_random_walk", 0.0), parse_unit("rad/s"))
     sigma = value_in(start["rate_instability"], parse_unit("rad/s"))

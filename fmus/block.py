@@ -68,7 +68,8 @@ def is_block(names: Collection[str]) -> bool:
 
 @contextlib.contextmanager
 def module_of(folder: Path, name: str) -> Iterator[ModuleType]:
-    """A module of the package in this folder, such as `native.tables`, even if another of its name is imported already."""
+    """A module of the package in this folder, such as `native.tables`, even if another of its name is imported
+    already."""
     package = package_name(folder)
     with importing_from(folder.parents[package.count(".")], package.partition(".")[0]):
         yield importlib.import_module(f"{package}.{name}")

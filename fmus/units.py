@@ -36,7 +36,8 @@ class Unit:
     offset: float = 0.0
 
     def fits(self, other: Unit) -> bool:
-        """Whether values convert into the other unit. A unit of which only the name is known fits units of that name."""
+        """Whether values convert into the other unit. A unit of which only the name is known fits units of that
+        name."""
         if self.exponents is None or other.exponents is None:
             return self.name == other.name
         return self.exponents == other.exponents
@@ -79,7 +80,8 @@ _TOKEN = re.compile(
 
 
 def _is_written_as_usual(text: str) -> bool:
-    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9, without end."""
+    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9, without
+    end."""
     position, powers = 0, 0
     while match := _TOKEN.match(text, position):
         position = match.end()

@@ -1,7 +1,7 @@
 """Reads CCSDS AEM 1.0 and 2.0, as KVN or XML: the attitude, by quaternions.
 
-In version 1 ATTITUDE_DIR says which frame is turned into which, and QUATERNION_TYPE where the scalar stands; in version 2
-REF_FRAME_A is turned into REF_FRAME_B and the scalar is last.
+In version 1 ATTITUDE_DIR says which frame is turned into which, and QUATERNION_TYPE where the scalar stands; in version
+2 REF_FRAME_A is turned into REF_FRAME_B and the scalar is last.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Writes CCSDS AEM 2.0 (504.0-B-2) and OEM 2.0 (502.0-B-2), as KVN or as XML.
 
-The quaternion of an AEM is that of the rotation of the axes of REF_FRAME_A into those of REF_FRAME_B, so that of x_A = q x_B q*,
-with the scalar last; rates are in deg/s, in REF_FRAME_B. An OEM has km and km/s.
+The quaternion of an AEM is that of the rotation of the axes of REF_FRAME_A into those of REF_FRAME_B, so that of x_A =
+q x_B q*, with the scalar last; rates are in deg/s, in REF_FRAME_B. An OEM has km and km/s.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""From a run to a file of another format, from an attitude ephemeris to a scenario's timeline, and from both to their difference."""
+"""From a run to a file of another format, from an attitude ephemeris to a scenario's timeline, and from both to their
+difference."""
 
 from __future__ import annotations
 
@@ -38,9 +39,10 @@ def convert(
 ) -> list[Path]:
     """Writes a run in one of `FORMATS` and returns the files.
 
-    `out` is a file, for ck a folder; by default a file of the scenario's name in the working folder. AEM and OEM are XML
-    where it ends in .xml, else KVN. `frame` (EME2000, GCRF, N) is that of AEM, OEM and CK; MCAP has N, HDF5 what was
-    recorded. Raises InputError where a signal or a package is missing, and ResultsError where a file cannot be written.
+    `out` is a file, for ck a folder; by default a file of the scenario's name in the working folder. AEM and OEM are
+    XML where it ends in .xml, else KVN. `frame` (EME2000, GCRF, N) is that of AEM, OEM and CK; MCAP has N, HDF5 what
+    was recorded. Raises InputError where a signal or a package is missing, and ResultsError where a file cannot be
+    written.
     """
     if to not in FORMATS:
         raise InputError(Problem(expected=f"one of {', '.join(FORMATS)}", found=repr(to), place=Place("to")))

@@ -1,4 +1,5 @@
-"""Writes a run as MCAP with the Protobuf schemas of Foxglove: frames, pose, a body to look at, and all signals to plot."""
+"""Writes a run as MCAP with the Protobuf schemas of Foxglove: frames, pose, a body to look at, and all signals to
+plot."""
 
 from __future__ import annotations
 
@@ -76,7 +77,8 @@ def _message(block: str, names: list[str]) -> Any:
 
 
 def _plain(name: str) -> str:
-    """A name of Protobuf: letters, digits and `_`; any other character by its number, so that no two become the same."""
+    """A name of Protobuf: letters, digits and `_`; any other character by its number, so that no two become the
+    same."""
     return "".join(c if c.isascii() and (c.isalnum() or c == "_") else f"_x{ord(c):04X}_" for c in name)
 
 

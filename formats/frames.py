@@ -1,7 +1,8 @@
 """The inertial frames of the formats, and how the frame N of a run is turned into them.
 
 N is the mean equator and equinox of the run's epoch, Greenwich being turned by GMST of IAU 1982. The precession that
-belongs to it is that of IAU 1976 (Lieske), so x_EME2000 = P^T x_N; x_GCRF = B^T x_EME2000 with the frame bias of IAU 2000.
+belongs to it is that of IAU 1976 (Lieske), so x_EME2000 = P^T x_N; x_GCRF = B^T x_EME2000 with the frame bias of IAU
+2000.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Writes attitude as a SPICE CK of type 3, with leap-second, clock and frame kernels and a meta-kernel that loads all.
 
-The clock counts microseconds of TT from the epoch of the run, so a sample's ticks are exact. The C matrix of SPICE takes
-components in the base frame to the body's, and angular velocities are in the base frame. SPICE has one frame J2000 for
-EME2000 and GCRF, which it takes for the same. N is a frame with a fixed turn from J2000.
+The clock counts microseconds of TT from the epoch of the run, so a sample's ticks are exact. The C matrix of SPICE
+takes components in the base frame to the body's, and angular velocities are in the base frame. SPICE has one frame
+J2000 for EME2000 and GCRF, which it takes for the same. N is a frame with a fixed turn from J2000.
 """
 
 from __future__ import annotations

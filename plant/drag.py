@@ -24,7 +24,8 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class Plates:
-    """Outward unit normals (n,3), areas (n,) m2 and pressure centres (n,3) m, in body axes from the geometric centre."""
+    """Outward unit normals (n,3), areas (n,) m2 and pressure centres (n,3) m, in body axes from the geometric
+    centre."""
 
     normals: Array
     areas: Array

@@ -43,7 +43,8 @@ class FieldModel:
         return self.epochs[0] <= year <= self.valid_until
 
     def at(self, year: float, extrapolate: bool = False) -> tuple[Array, Array]:
-        """g and h at a decimal year. Raises ValueError where the model does not cover it, unless told to extrapolate."""
+        """g and h at a decimal year. Raises ValueError where the model does not cover it, unless told to
+        extrapolate."""
         first = self.epochs[0]
         if not (self.covers(year) or extrapolate):
             raise ValueError(

@@ -64,5 +64,6 @@ class Turns:
 
 
 def dipoles(command: Array, limit: Array, gain: Array, on: bool) -> Array:
-    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit (3,); none while they are off."""
+    """The dipoles (3,) A m2 along the rods: gain (3,) times the command within +-limit (3,); none while they are
+    off."""
     return gain * np.minimum(np.maximum(command, -limit), limit) if on else np.zeros(3)

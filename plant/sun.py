@@ -75,7 +75,8 @@ class Sun:
         self._start = self._change = (0.0, 0.0, 0.0)
 
     def at(self, t: float) -> tuple[float, float, float]:
-        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two is no memory."""
+        """Position from the Earth's centre in N, m. The nodes follow from the epoch alone, so keeping two is no
+        memory."""
         s = t / NODE_INTERVAL
         k = math.floor(s)
         if k != self._number:

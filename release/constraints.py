@@ -62,7 +62,8 @@ def pinned() -> dict[str, str]:
 
 
 def differing() -> list[str]:
-    """Returns a sentence for each package that determines the FMUs' bytes and is not installed in the pinned version."""
+    """Returns a sentence for each package that determines the FMUs' bytes and is not installed in the pinned
+    version."""
     here, wanted = installed(), pinned()
     return [
         f"{name}: expected {wanted.get(name)}, as in constraints.txt, found {here.get(name)}"

@@ -63,7 +63,8 @@ def machine(runs: int) -> None:
 
 
 def loops(runs: int) -> None:
-    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of it."""
+    """Wall time and steps a second of the orbit, for each flavour and each loop; of Python FMUs from a quarter of
+    it."""
     for flavour, order, compiled, repeats, parts in (
         ("native", 4, True, runs, 1),
         ("native", 4, False, runs, 1),

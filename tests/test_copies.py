@@ -28,7 +28,8 @@ PIECES = {
         *("REFERENCES", "REFERENCE_TOLERANCE", "Parameters.desired_attitude_0"),
     ),
 }
-"""Constants, functions and methods that two FMUs have, each of which carries its own folder alone: a nested block too."""
+"""Constants, functions and methods that two FMUs have, each of which carries its own folder alone: a nested block
+too."""
 OTHERS = {"lvlh", "sidereal_angle"}
 """Of the same name and another content: the judge's and the supervisor's LVLH, onboard and reference models of the
 Earth's turn."""

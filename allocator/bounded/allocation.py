@@ -26,7 +26,8 @@ class Limits(NamedTuple):
 
 
 class Preference(NamedTuple):
-    """The commands that are preferred where the demand leaves a choice, with weights that bound their cost in torque."""
+    """The commands that are preferred where the demand leaves a choice, with weights that bound their cost in
+    torque."""
 
     dipole: Array
     """(3,) A m2 along the rods."""

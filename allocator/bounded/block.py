@@ -156,7 +156,8 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 
 def _preference(u: Inputs, p: Parameters, field: bool) -> Preference:
-    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole without a field."""
+    """Feed-forward where it is connected; else no dipole, and the wheel on its way to rest. No dipole without a
+    field."""
     rods = field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
     wheel = abs(u.wheel_torque_ff) < ABSENT_MIN
     return Preference(

@@ -50,7 +50,8 @@ def reduced(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:
 
 
 def lane(x: float, u: float, boxes: list[float], taken: list[float]) -> float:
-    """The abscissa at which a line from `x` to `u` passes between the boxes at `boxes` and beside the lines at `taken`."""
+    """The abscissa at which a line from `x` to `u` passes between the boxes at `boxes` and beside the lines at
+    `taken`."""
     free = [
         at
         for at in np.arange(APART, WIDTH, APART / 2)

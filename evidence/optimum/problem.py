@@ -11,7 +11,8 @@ MARGIN = 0.97
 HOLD = 60.0
 """How long the tolerance is kept after T, s."""
 REST, UNLOADED = 0.2, 0.87
-"""At its end: the rate error is below this share of the tolerance, the wheel's momentum below this share of its limit."""
+"""At its end: the rate error is below this share of the tolerance, the wheel's momentum below this share of its
+limit."""
 DEGREE = 14
 """Of the Chebyshev series of the field."""
 INTERVAL, FINE = 5.0, 2.5

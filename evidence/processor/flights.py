@@ -1,4 +1,5 @@
-"""The loop with one block on the emulated processor, in lock-step, held against the native FMU's run sample by sample."""
+"""The loop with one block on the emulated processor, in lock-step, held against the native FMU's run sample by
+sample."""
 
 from __future__ import annotations
 

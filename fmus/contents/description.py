@@ -90,7 +90,8 @@ def guid_from(digest: str) -> str:
 
 
 def about(variable: Variable) -> str:
-    """The description with the frame of its components, and which value means that an optional input is not connected."""
+    """The description with the frame of its components, and which value means that an optional input is not
+    connected."""
     more = [f"frame: {variable.frame}"] if variable.frame else []
     if variable.frame and "N" in variable.frame.split():
         more.append(FRAME_N)

@@ -106,7 +106,8 @@ def start(p: Parameters, u: Inputs) -> State:
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The measurements that hold: those of the last sample or, where there is no period, of the inputs as they stand."""
+    """The measurements that hold: those of the last sample or, where there is no period, of the inputs as they
+    stand."""
     return _measured(vars(x), u, p, [i for i in CLOCKS if p.periods[i] == 0.0])
 
 

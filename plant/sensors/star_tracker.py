@@ -34,7 +34,8 @@ def sees(R_NB: Array, omega_B: Array, r_N: Array, sun_N: Array | None, sunlight:
 
 
 def measured(R_NB: Array, p: Parameters, sample: int) -> Array:
-    """R_NB exp(delta^) (3,3): delta is the bias, and noise of one sigma across the boresight and of another about it."""
+    """R_NB exp(delta^) (3,3): delta is the bias, and noise of one sigma across the boresight and of another about
+    it."""
     if not p.turns_attitude:
         return R_NB
     across, about = p.attitude_noise, p.attitude_noise_about

@@ -1,4 +1,5 @@
-"""The integrator's order and accuracy under forcing, against SciPy's DOP853 on the paper's equations in the body rate."""
+"""The integrator's order and accuracy under forcing, against SciPy's DOP853 on the paper's equations in the body
+rate."""
 
 from __future__ import annotations
 

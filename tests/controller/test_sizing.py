@@ -1,4 +1,5 @@
-"""The gain sizing: its bounds against random states and motions that SciPy integrates, its promises against the loop."""
+"""The gain sizing: its bounds against random states and motions that SciPy integrates, its promises against the
+loop."""
 
 import math
 from dataclasses import replace

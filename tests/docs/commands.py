@@ -57,7 +57,8 @@ def commands(page: str) -> Iterator[Command]:
 
 
 def workspace(folder: Path) -> dict[str, str]:
-    """Copies into `folder` what a clone has and the pages' commands need; returns the environment of a reader's shell."""
+    """Copies into `folder` what a clone has and the pages' commands need; returns the environment of a reader's
+    shell."""
     ignored = shutil.ignore_patterns("build", "results", "*.fmu", "__pycache__")
     for name in _COPIED:
         target = folder / name

@@ -61,7 +61,8 @@ def low():
 @pytest.mark.parametrize("l_max", [1e-9, 1e-3], ids=["no wheel", "a wheel along pitch"])
 def test_along_a_steady_field_the_torque_that_is_missing_is_that_of_the_closed_form(low, l_max):
     """A sphere of 1 kg m2 with the field along pitch. Under a steady torque tau it stays within an angle for T at most
-    along a parabola, whose height tau T^2/(8 J) is twice the angle; a wheel along pitch takes up 2 l_max of momentum."""
+    along a parabola, whose height tau T^2/(8 J) is twice the angle; a wheel along pitch takes up 2 l_max of
+    momentum."""
     r, v = low.orbit.position_velocity(0.0)
     normal = np.cross(r, v) / np.linalg.norm(np.cross(r, v))
     p = like(low, lambda t: 3e-5 * normal, np.eye(3), np.array([0.0, 1e-5, 0.0]), np.array([0.0, 1.0, 0.0]), l_max)
@@ -200,7 +201,8 @@ def test_the_moment_of_drag_is_what_the_rows_take_it_for_to_the_bound_of_the_res
 
 
 def test_what_is_left_of_the_flow_on_a_plate_is_within_its_bound_and_reaches_both_ends():
-    """max(x + y, 0) of a plate that stands at x to the flow, |y| <= a, less its linear part: from 0 to (a^2 - x^2)/2a."""
+    """max(x + y, 0) of a plate that stands at x to the flow, |y| <= a, less its linear part: from 0 to (a^2 -
+    x^2)/2a."""
     a = ANGLE
     for x in np.linspace(-1.5 * a, 1.5 * a, 13):
         y = np.linspace(-a, a, 2001)

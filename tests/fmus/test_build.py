@@ -70,7 +70,8 @@ def test_an_fmu_unpacked_again_reads_its_own_data_after_the_first_copy_is_delete
 
 
 def test_a_running_fmu_needs_python_and_numpy_only(built_fmus: dict[str, Path], tmp_path: Path) -> None:
-    """fmpy drives here, in a process in which this repository and all packages but numpy are out of reach for the FMU."""
+    """fmpy drives here, in a process in which this repository and all packages but numpy are out of reach for the
+    FMU."""
     drive = f"""
 import sys
 import fmpy, fmpy.fmi2, lxml.etree, numpy

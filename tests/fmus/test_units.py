@@ -113,7 +113,8 @@ def test_a_unit_that_is_unknown_or_does_not_fit_is_refused_by_name() -> None:
 
 GAUSS = {name for name, (exponents, _, _) in UNITS.items() if name.endswith(("G", "gauss"))}
 NOT_PINTS = {"1", "%", "rev", "mcd"} | GAUSS
-"""What Pint does not know, or reads as something else: mcd is no millicandela to it, and a gauss is of the CGS system."""
+"""What Pint does not know, or reads as something else: mcd is no millicandela to it, and a gauss is of the CGS
+system."""
 
 
 @pytest.mark.parametrize("name", sorted(set(UNITS) - NOT_PINTS))

@@ -1,4 +1,5 @@
-"""AEM and OEM, read back by brahe, which this project did not write. Orekit reads them in tests/authorities/orekit.py."""
+"""AEM and OEM, read back by brahe, which this project did not write. Orekit reads them in
+tests/authorities/orekit.py."""
 
 import re
 

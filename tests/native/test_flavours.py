@@ -1,4 +1,5 @@
-"""The C and the Python of each block give the same outputs: 1e-9 relative in every port, on random inputs and options."""
+"""The C and the Python of each block give the same outputs: 1e-9 relative in every port, on random inputs and
+options."""
 
 from __future__ import annotations
 

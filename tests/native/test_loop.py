@@ -107,7 +107,8 @@ def native_run(blocks: dict[str, str], chosen: dict[str, Any], steps: int, h: fl
 @pytest.mark.parametrize("seed", some(range(20), *range(5)))
 @pytest.mark.parametrize("blocks", LOOPS.values(), ids=LOOPS)
 def test_twenty_random_loops_agree_in_every_port(blocks: dict[str, str], seed: int) -> None:
-    """Over 30 s: the options and wires of twenty satellites. How rounding grows over thousands of steps is told below."""
+    """Over 30 s: the options and wires of twenty satellites. How rounding grows over thousands of steps is told
+    below."""
     chosen = scenario(np.random.default_rng(1000 + seed), blocks)
     steps, h = 150, 0.2
     python, c = python_run(blocks, chosen, steps, h), native_run(blocks, chosen, steps, h)

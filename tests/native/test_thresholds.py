@@ -27,7 +27,8 @@ def stretched(error: float) -> np.ndarray:
 
 
 def flat_rods(share: float) -> dict[str, Any]:
-    """det A^T A of [22] is share times 1e-12: rods next to a plane through the field, which still count as independent."""
+    """det A^T A of [22] is share times 1e-12: rods next to a plane through the field, which still count as
+    independent."""
     lift = np.sqrt(share * 1e-12 / (2.0 * np.sin(0.5) ** 2))
     rods = np.array([[np.sin(0.5), 0.0, np.cos(0.5)], [-np.sin(0.5), 0.0, np.cos(0.5)], [0.0, lift, 1.0]])
     return {

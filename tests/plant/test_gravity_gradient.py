@@ -31,7 +31,8 @@ def closed_form(R, r_N):
 
 
 def test_the_moment_is_the_papers_form_of_the_potential(pose):
-    """[2]: M_g = sum r_i x v_ri, r_i and v_ri the rows of R and of dU/dR, the latter by complex steps of each element."""
+    """[2]: M_g = sum r_i x v_ri, r_i and v_ri the rows of R and of dU/dR, the latter by complex steps of each
+    element."""
     R, r_N = pose
     r = np.linalg.norm(r_N)
 

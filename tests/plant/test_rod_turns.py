@@ -149,7 +149,8 @@ def test_the_integrators_order_holds_across_the_switching_instants(order):
 
 @pytest.mark.parametrize("turns", [TURNS, {"rod_period": 1.0, "rod_duty": 0.0}], ids=["in turns", "always off"])
 def test_the_satellites_own_dipole_turns_it_while_the_rods_are_off_too(turns):
-    """Both flavours against DOP853; without the dipole's torque in the time that the rods are off the end is elsewhere."""
+    """Both flavours against DOP853; without the dipole's torque in the time that the rods are off the end is
+    elsewhere."""
     p = manoeuvre.parameters(6, 0.25, **turns, residual_dipole_B=[120.0, -160.0, 200.0])
     y = true_end(p)
     assert manoeuvre.error(manoeuvre.flown(p), p, y) < 1e-9

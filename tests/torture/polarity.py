@@ -31,7 +31,8 @@ MENDED = {"b_B": "+y -x +z", "dipole_cmd": "+z +x +y", "wheel_torque_cmd": "oppo
 
 @click.command("polarity")
 def command() -> None:
-    """Wrong wirings of the scenarios and of other teams' FMUs; exit status 1 where one is neither found nor explained."""
+    """Wrong wirings of the scenarios and of other teams' FMUs; exit status 1 where one is neither found nor
+    explained."""
     bad: list[str] = []
     for name in FLOWN:
         begun = perf_counter()

@@ -36,7 +36,8 @@ def test_a_reversed_rod_gets_the_opposite_dipole_and_a_dead_one_what_is_preferre
 
 
 def test_a_weak_rod_gives_all_that_it_has():
-    """Of a demand along what the rod gives, the command of one at 0.9 is 1/0.9 of that of a sound one, up to the limit."""
+    """Of a demand along what the rod gives, the command of one at 0.9 is 1/0.9 of that of a sound one, up to the
+    limit."""
     b = np.array([0.0, 0.0, 3e-5])
     along = np.cross(P.U[0], b)
     u = inputs(BLOCK, tau_cmd_B=20.0 * along, b_B=b, dipole_ff=[20.0, 0.0, 0.0], wheel_torque_ff=0.0)

@@ -191,7 +191,8 @@ def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> fl
 
 
 def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
-    """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from `expected`."""
+    """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from
+    `expected`."""
     store, costs = room_for(2)
     library().probe_followed(m.c(), expected.c(), x.c(), store)
     alone, following = costs()

@@ -25,7 +25,8 @@ def flown(satellite, run, errors, duration, signals):
 
 
 def fly(group, run, duration, signals, **start):
-    """A tumble of a group with other start values of the controller: times, s, attitude error, deg, and more signals."""
+    """A tumble of a group with other start values of the controller: times, s, attitude error, deg, and more
+    signals."""
     data = change(json.loads(json.dumps(group.scenario)), group.drawn()[run])
     data = change(data, {f"controller.{name}": value for name, value in start.items()})
     record = {"interval": 2.0, "signals": ["judge.attitude_error", *signals]}

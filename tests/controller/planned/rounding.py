@@ -33,7 +33,8 @@ class Apart:
 
 
 def flight(scenario: dict[str, Any], step: float, steps: int) -> Result:
-    """Blocks and connections of a scenario, flown in other steps, s; a sample of the controller each fifth is recorded."""
+    """Blocks and connections of a scenario, flown in other steps, s; a sample of the controller each fifth is
+    recorded."""
     kept: dict[str, Any] = {name: scenario[name] for name in _KEPT if name in scenario}
     return orchestration.run({**kept, "step": step, "duration": steps * step, "record": {"interval": 5 * step}})
 

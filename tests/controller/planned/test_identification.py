@@ -265,7 +265,8 @@ def held(d_B, own, samples, **changes):
 
 
 def test_a_torque_of_the_satellites_own_is_found_whatever_it_is_of():
-    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does not."""
+    """Steady torque and dipole together: which is which takes longer than this third of an orbit, their sum does
+    not."""
     d_B, own = np.array([6e-6, -8e-6, 5e-6]), np.array([0.10, -0.15, 0.2])
     y, B = held(d_B, own, 4000)
     torque = d_B + np.cross(own, B)

@@ -65,7 +65,8 @@ def test_without_h_w_the_wheel_is_reckoned_from_what_was_given():
 
 
 def test_without_a_measured_field_the_controller_goes_on_with_the_difference_that_it_has_seen():
-    """The rods' commands of the steering follow the field: with the sign of the difference wrong they would turn away."""
+    """The rods' commands of the steering follow the field: with the sign of the difference wrong they would turn
+    away."""
     starts = {v.name: v.start for v in load(BLOCK).of("input")}
     with Instance(BLOCK) as it:
         it.set("omega_B", [0.06, -0.05, 0.08])

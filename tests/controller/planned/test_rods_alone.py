@@ -83,7 +83,8 @@ def test_far_angles_count_more_after_a_plan_that_stays_close_and_not_without_one
 
 
 def test_six_degrees_for_half_of_the_time_cost_more_than_four_and_a_half_all_the_time():
-    """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are close."""
+    """Of two holds with the same rms the one with the lesser largest angle is to be found, as long as both are
+    close."""
     four, six = (away(math.radians(angle))[0] for angle in (6.36 / math.sqrt(2.0), 6.36))
     assert 0.5 * six > 1.3 * four
 

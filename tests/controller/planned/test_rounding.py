@@ -1,4 +1,5 @@
-"""Rounding of the master's time: a sample acts at the same step however times and steps are rounded, and what it moves."""
+"""Rounding of the master's time: a sample acts at the same step however times and steps are rounded, and what it
+moves."""
 
 import math
 from itertools import accumulate, pairwise

@@ -127,7 +127,8 @@ def test_near_the_end_rods_act_at_full_strength_across_the_field_along_the_costa
 
 
 def test_the_part_along_the_field_makes_the_most_of_the_rods():
-    """The torque's size is the largest that any commands within the limits give in its direction: a linear programme."""
+    """The torque's size is the largest that any commands within the limits give in its direction: a linear
+    programme."""
     rods = 25.0 * flat.RODS
     for lam, R, B in tasks(60):
         torque = np.cross(core.steering_rods(lam, 50.0, R, B, rods) @ rods, B)
@@ -186,7 +187,8 @@ def test_the_commands_turn_with_the_satellite():
 
 
 def test_where_two_rods_give_alike_along_the_field_the_direction_is_kept_and_no_command_exceeds_its_limit():
-    """Rods on the body axes in a field with two equal components: their line of equal shares is parallel to the field."""
+    """Rods on the body axes in a field with two equal components: their line of equal shares is parallel to the
+    field."""
     lam, R = np.array([0.3, -0.5, 0.81]), np.eye(3)
     B = np.array([2e-5, 2e-5, 1e-5])
     u = core.steering_rods(lam, 50.0, R, B, 25.0 * np.eye(3))

@@ -33,7 +33,8 @@ ORBIT = 2.0 * math.pi * math.sqrt(RADIUS**3 / core.MU)
     ],
 )
 def test_a_hold_is_strained_where_an_error_or_a_loaded_wheel_lasts_and_a_larger_error_sooner(off, wheel, lasts, phase):
-    """A strained hold goes on 50 deg off, where another one is left; a twentieth of an orbit is 290 s, 2 T are 100 s."""
+    """A strained hold goes on 50 deg off, where another one is left; a twentieth of an orbit is 290 s, 2 T are 100
+    s."""
     with holding() as (it, step):
         it.set("R_NB", turned(off))
         it.set("h_w", wheel * load(BLOCK).variables["wheel_momentum_max"].start)

@@ -87,7 +87,8 @@ def allan_variance(rates: np.ndarray, m: int) -> tuple[float, int]:
 
 
 def markov_variance(sigma: float, time: float, tau: float) -> float:
-    """IEEE Std 952, C.1.5: (q T_c)^2/tau (1 - T_c/(2 tau) (3 - 4 e^(-tau/T_c) + e^(-2 tau/T_c))), sigma^2 = q^2 T_c/2."""
+    """IEEE Std 952, C.1.5: (q T_c)^2/tau (1 - T_c/(2 tau) (3 - 4 e^(-tau/T_c) + e^(-2 tau/T_c))), sigma^2 = q^2
+    T_c/2."""
     x = tau / time
     return 2.0 * sigma**2 / x * (1.0 - (3.0 - 4.0 * math.exp(-x) + math.exp(-2.0 * x)) / (2.0 * x))
 
