@@ -6,9 +6,7 @@ The outputs are what the FMU gives for these. Tests: tests/orchestration/accepta
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,7 +25,7 @@ from ..scenario.references import Name
 from ..system.values import values_of
 from .experiments import EXPERIMENTS, PARAMETERS, Table
 from .references import run
-from .tables import columns_of, parameters_of, read_table
+from .tables import columns_of, csv_text, parameters_of, read_table
 
 NAME = "smoke-test"
 VERSION = "1.0.0-beta.1"
@@ -120,12 +118,12 @@ def _tolerance(values: Floats, others: Sequence[Floats]) -> float:
 
 
 def _csv(model: Model, time: Floats, columns: Mapping[Element, Floats], digits: int) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["time", *(model.variables[e.variable].label(e.position) for e in columns)])
-    for i, instant in enumerate(time.tolist()):
-        writer.writerow([f"{instant:.12g}", *(f"{float(values[i]):.{digits}g}" for values in columns.values())])
-    return text.getvalue().encode()
+    header = ["time", *(model.variables[e.variable].label(e.position) for e in columns)]
+    rows = [
+        [f"{instant:.12g}", *(f"{float(values[i]):.{digits}g}" for values in columns.values())]
+        for i, instant in enumerate(time.tolist())
+    ]
+    return csv_text([header, *rows]).encode()
 
 
 def _values(opened: Fmu, start: Mapping[str, Any]) -> list[Value]:

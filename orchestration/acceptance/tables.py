@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,13 @@ def read_table(path: Path) -> tuple[list[str], Floats]:
         expected = f"{table[i, 0] + step:.10g} s, after {table[i, 0]:.10g} s" if step > 0.0 else "times that rise"
         raise InputError(f"{path}:{rows[i + 1][0]}: time: expected {expected}, found {table[i + 1, 0]:.10g}")
     return header, table
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    """Returns rows as CSV."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def columns_of(model: Model, header: list[str], folder: Path) -> dict[str, list[int]]:

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from ..system.values import values_of
 from ..system.wiring import fed
 from . import playback
 from .difference import difference
-from .tables import columns_of, parameters_of, read_table
+from .tables import columns_of, csv_text, parameters_of, read_table
 from .tolerances import Bound, both
 
 ROWS_MAX = 400
@@ -54,20 +53,17 @@ def record(scenario: Path, block: str, folder: Path) -> int:
         raise InputError(f"{shown(scenario)}: {result.failure}")
     ours = [i for i, node in enumerate(result.columns) if node.block == name]  # flags of the others are recorded, too
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "vector.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time", *(result.labels[i].partition(".")[2] for i in ours)])
-        for time, row in zip(result.time.tolist(), result.samples[:, ours].tolist(), strict=True):
-            writer.writerow([repr(time), *map(repr, row)])
-    model = result.models[name]
-    with (folder / "parameters.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["name", "value"])
-        for key, value in result.manifest["scenario"]["blocks"][name].get("start", {}).items():
-            for element, number in values_of(name, model, Name(key), value).items():
-                if model.variables[element.variable].causality == "parameter":
-                    text = int(number) if isinstance(number, bool) else number
-                    writer.writerow([model.variables[element.variable].label(element.position), text])
+    header = ["time", *(result.labels[i].partition(".")[2] for i in ours)]
+    pairs = zip(result.time.tolist(), result.samples[:, ours].tolist(), strict=True)
+    rows = [[repr(time), *map(repr, row)] for time, row in pairs]
+    (folder / "vector.csv").write_text(csv_text([header, *rows]), "utf-8", newline="")
+    model, parameters = result.models[name], []
+    for key, value in result.manifest["scenario"]["blocks"][name].get("start", {}).items():
+        for element, number in values_of(name, model, Name(key), value).items():
+            if model.variables[element.variable].causality == "parameter":
+                text = int(number) if isinstance(number, bool) else number
+                parameters.append([model.variables[element.variable].label(element.position), text])
+    (folder / "parameters.csv").write_text(csv_text([["name", "value"], *parameters]), "utf-8", newline="")
     return len(result.time)
 
 

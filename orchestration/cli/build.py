@@ -13,7 +13,7 @@ from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
 from .console import say
 from .help import examples
-from .options import out_folder
+from .options import FLAVOUR, out_folder
 
 
 @click.command(
@@ -23,13 +23,7 @@ from .options import out_folder
     ),
 )
 @click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
-@click.option(
-    "--flavour",
-    type=click.Choice(["native", "python"]),
-    default="native",
-    show_default=True,
-    help="Compiled C, which runs in any tool, or the Python reference.",
-)
+@FLAVOUR
 @out_folder("Folder for the FMUs; default: out/fmus/FLAVOUR.")
 def command(blocks: tuple[str, ...], flavour: str, out: Path | None) -> None:
     """Build the project's own blocks as FMUs."""

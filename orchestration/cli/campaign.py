@@ -23,7 +23,7 @@ from ..results.place import check_writable
 from .campaign_summary import summary
 from .console import Progress, complain, notes, open_page, say, say_table
 from .help import examples
-from .options import OPEN, SET, out_folder
+from .options import OPEN, QUIET, SET, out_folder
 from .overrides import settings
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
@@ -61,7 +61,7 @@ from .summary import summary as run_summary
     help="Only write the scenario of this run, or of the worst case that a search found, and fly it.",
 )
 @OPEN
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@QUIET
 @click.pass_context
 def command(
     ctx: click.Context,

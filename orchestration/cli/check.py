@@ -20,6 +20,7 @@ from ..session.read import load, read
 from ..swap.findings import Finding
 from .console import folded, say, say_json, say_table
 from .help import examples
+from .options import as_json
 from .paths import PATH
 from .status import DOES_NOT_FIT
 
@@ -68,7 +69,7 @@ from .status import DOES_NOT_FIT
 @click.option(
     "--suggest", is_flag=True, help="Print a mapping to edit, proposed from names, units, shapes and descriptions."
 )
-@click.option("--json", "json_", is_flag=True, help="Print the findings as JSON.")
+@as_json("the findings")
 @click.pass_context
 def command(
     ctx: click.Context,

@@ -19,7 +19,7 @@ from ..session.read import load
 from ..swap.option import swapped
 from .console import complain, folded, notes, open_page, say, say_json
 from .help import examples
-from .options import OPEN, changes, out_folder
+from .options import OPEN, as_json, changes, out_folder
 from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
@@ -49,7 +49,7 @@ FILES = ("ours", "theirs", "comparison.html", "comparison.json")
 )
 @out_folder("Folder of the report; default: results/NAME-BLOCK.")
 @OPEN
-@click.option("--json", "json_", is_flag=True, help="Print the comparison as JSON.")
+@as_json("the comparison")
 @click.pass_context
 def command(
     ctx: click.Context,

@@ -15,6 +15,7 @@ from ..fmu.archive import shown
 from ..results.place import putting
 from .console import say
 from .help import examples
+from .options import FLAVOUR
 from .paths import PATH
 
 
@@ -23,13 +24,7 @@ from .paths import PATH
     epilog=examples("orchestrate fmus", "orchestrate fmus --copy .", "orchestrate fmus --copy python --flavour python"),
 )
 @click.option("--copy", type=PATH, metavar="DIR", help="Copy them into this folder.")
-@click.option(
-    "--flavour",
-    type=click.Choice(["native", "python"]),
-    default="native",
-    show_default=True,
-    help="Compiled C, which runs in any tool, or the Python reference, which needs a host that holds Python.",
-)
+@FLAVOUR
 def command(copy: Path | None, flavour: str) -> None:
     """List the project's own FMUs, or copy them.
 

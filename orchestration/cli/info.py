@@ -14,6 +14,7 @@ from ..errors import InputError, hint
 from ..fmu.interfaces import own
 from .console import folded, say, say_json, say_table, table
 from .help import examples
+from .options import as_json
 from .paths import PATH
 
 _TABLES = {
@@ -48,7 +49,7 @@ class _BlockOrFile(click.ParamType):
 @click.argument("block", type=_BlockOrFile(), metavar="BLOCK|FILE.fmu")
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--lenient", is_flag=True, help="Show an FMU whose description is not valid as far as it can be read.")
-@click.option("--json", "json_", is_flag=True, help="Print all of it as JSON.")
+@as_json("all of it")
 def command(block: str, names: tuple[str, ...], lenient: bool, json_: bool) -> None:
     """Show a block's equations, ports and parameters with units.
 

@@ -26,6 +26,14 @@ FORMAT = click.option(
 )
 FIGURES = click.option("--figures", is_flag=True, help="Draw the scenario's figures into DIR/figures.")
 OPEN = click.option("--open", "open_", is_flag=True, help="Open the page in the browser.")
+QUIET = click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+FLAVOUR = click.option(
+    "--flavour",
+    type=click.Choice(["native", "python"]),
+    default="native",
+    show_default=True,
+    help="Compiled C, which runs in any tool, or the Python reference, which needs a host that holds Python.",
+)
 
 
 class _Factor(click.ParamType):
@@ -100,6 +108,11 @@ def changes(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
         return called
 
     return with_options
+
+
+def as_json(what: str) -> Callable[[Any], Any]:
+    """Returns the option `--json`."""
+    return click.option("--json", "json_", is_flag=True, help=f"Print {what} as JSON.")
 
 
 def out_folder(help: str) -> Callable[[Any], Any]:

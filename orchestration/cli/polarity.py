@@ -22,7 +22,7 @@ from ..session.read import load
 from ..swap.option import swapped
 from .console import Progress, complain, folded, notes, say, say_json, say_table
 from .help import examples
-from .options import changes, out_folder
+from .options import as_json, changes, out_folder
 from .overrides import Changes
 from .paths import PATH
 from .status import EXPECTATION_FAILED
@@ -41,7 +41,7 @@ from .status import EXPECTATION_FAILED
 @click.option("--port", "chosen", multiple=True, metavar="BLOCK.PORT", help="Only this port; may be repeated.")
 @click.option("--workers", type=click.IntRange(1, 64), help="Processes that fly; default: one a core.")
 @out_folder("Folder for the tables; default: results/NAME-polarity.")
-@click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
+@as_json("the result")
 @click.pass_context
 def command(
     ctx: click.Context,

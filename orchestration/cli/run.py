@@ -23,7 +23,7 @@ from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
-from .options import FIGURES, FORMAT, OPEN, changes, out_folder
+from .options import FIGURES, FORMAT, OPEN, QUIET, changes, out_folder
 from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
@@ -56,7 +56,7 @@ from .summary import save, summary
     help="The step loop: compiled C where possible (the default), or Python; the results are the same.",
 )
 @click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@QUIET
 @click.pass_context
 def command(
     ctx: click.Context,

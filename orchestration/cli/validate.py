@@ -22,7 +22,7 @@ from ..swap.own_claims import own_claims
 from ..system import acting
 from .console import folded, notes, say, say_table
 from .help import examples
-from .options import FIGURES, FORMAT, changes
+from .options import FIGURES, FORMAT, QUIET, changes
 from .overrides import Changes, settings
 from .paths import PATH
 
@@ -41,7 +41,7 @@ from .paths import PATH
 @changes()
 @FORMAT
 @FIGURES
-@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+@QUIET
 @click.pass_context
 def command(
     ctx: click.Context,

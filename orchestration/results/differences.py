@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from ..quantities import ONE, QuantityError
 from .data import RunData, unit_text
+from .html import rows
 
 _COLUMNS = ("signal", "largest", "rms", "at, s", "unit")
 
@@ -32,16 +33,12 @@ class Differences(dict[str, Difference]):
         return [(name, f"{d.largest:.4g}", f"{d.rms:.4g}", f"{d.time:.6g}", d.unit) for name, d in self.items()]
 
     def __repr__(self) -> str:
-        rows = [_COLUMNS, *self._rows()]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        return "\n".join("  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows)
+        lines = [_COLUMNS, *self._rows()]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        return "\n".join("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip() for line in lines)
 
     def _repr_html_(self) -> str:
-        cells = Markup("").join(
-            Markup("<tr>{}</tr>").format(Markup("").join(Markup("<td>{}</td>").format(cell) for cell in row))
-            for row in [_COLUMNS, *self._rows()]
-        )
-        return Markup("<table>{}</table>").format(cells)
+        return Markup("<table>{}</table>").format(rows([_COLUMNS, *self._rows()]))
 
 
 def compare(a: RunData, b: RunData) -> Differences:

@@ -21,7 +21,8 @@ def to_pandas(result: RunData) -> Any:
         raise _missing("pandas") from None
 
     frame = pandas.DataFrame(
-        {label: _typed(result, label) for label in result.labels}, index=pandas.Index(result.time, name="time")
+        {label: result[label].reshape(len(result.time)) for label in result.labels},
+        index=pandas.Index(result.time, name="time"),
     )
     units = {label: result.unit_of_column(node) for label, node in zip(result.labels, result.columns, strict=True)}
     frame.attrs["units"] = {"time": "s", **units}
@@ -50,11 +51,6 @@ def to_xarray(result: RunData) -> Any:
         attributes = {"units": result.units[name], "long_name": variable.description}
         variables[name] = (("time", *axes), values, {key: text for key, text in attributes.items() if text})
     return xarray.Dataset(variables, coordinates, {"scenario": result.scenario.name})
-
-
-def _typed(result: RunData, label: str) -> Any:
-    """Returns the column with the type of its variable."""
-    return result[label].reshape(len(result.time))
 
 
 def _missing(package: str) -> InputError:

@@ -142,7 +142,7 @@ class Loop:
         def misread(blocks: Blocks) -> Blocks:
             if port is None or wrong is None or wrong.turn is None:
                 return blocks
-            fed = _readers(port, self.plan.wiring)
+            fed = readers(port, self.plan.wiring)
             return blocks | {name: Misread(blocks[name], variable, wrong.turn) for name, variable in fed}
 
         return self.session.fly(
@@ -177,7 +177,7 @@ class Loop:
         return {**columns, **{node: values[:, i] for i, node in enumerate(port.nodes)}}
 
 
-def _readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:
+def readers(port: Port, wiring: Wiring) -> list[tuple[str, str]]:
     """Returns the inputs that a port is, or feeds, by block and variable."""
     if port.causality == "input":
         return [(port.block, port.variable)]

@@ -5,8 +5,6 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +14,7 @@ from typing import Any
 
 from ...errors import writing
 from ...results.place import put
+from ..tables import csv_text
 from .card import Card
 from .mend import as_yaml
 from .mend import summary as of_mended
@@ -132,10 +131,8 @@ def card_markdown(card: Card, title: str) -> str:
 
 def card_csv(card: Card) -> str:
     """Returns the test card as CSV."""
-    return _rows(
-        ("block", "port", "stimulus", "after_s", "output", "expected_change"),
-        [(s.block, s.port, s.stimulus, s.hold, s.output, s.expected) for s in card.steps],
-    )
+    header = ("block", "port", "stimulus", "after_s", "output", "expected_change")
+    return csv_text([header, *((s.block, s.port, s.stimulus, s.hold, s.output, s.expected) for s in card.steps)])
 
 
 def _csv(trials: Trials) -> str:
@@ -156,7 +153,7 @@ def _csv(trials: Trials) -> str:
             )
         )
     header = ("port", "direction", "wrong_wiring", "kind", "shown_by", "name", "after_s", "reason", "remedy")
-    return _rows(header, lines)
+    return csv_text([header, *lines])
 
 
 def summary(trials: Trials, looked: Looked | None = None) -> dict[str, Any]:
@@ -189,9 +186,3 @@ def summary(trials: Trials, looked: Looked | None = None) -> dict[str, Any]:
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     escaped = [[cell.replace("|", "\\|") for cell in row] for row in rows]
     return [f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *escaped]]
-
-
-def _rows(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([header, *rows])
-    return text.getvalue()

@@ -14,7 +14,7 @@ from ...fmu.model import Floats
 from ...quantities import suffix
 from ...system.signals import label
 from ...system.wiring import Node
-from .fly import Loop
+from .fly import Loop, readers
 from .ports import Port
 from .wrongs import Wrong
 
@@ -56,11 +56,11 @@ class Nominal:
         _, values = loop.record(self.nodes, port, wrong)
         n = min(len(self.time), *(len(v) for v in values.values())) if values else 0
         changes = {node: self._change(node, values[node], n) for node in self.nodes}
-        readers = {port.block} if port.causality == "input" else _readers(port, loop)
-        own = {node: change for node, change in changes.items() if node.block in readers}
+        blocks = {block for block, _ in readers(port, loop.plan.wiring)}
+        own = {node: change for node, change in changes.items() if node.block in blocks}
         largest = max(own, key=own.__getitem__, default=None)
         if largest is None or own[largest] <= SAME:
-            names = " and ".join(sorted(readers))
+            names = " and ".join(sorted(blocks))
             text = f"no output of {names} changes: "
             text += f"{names} uses no part of {port.label} that this wiring alters in this run"
             return Unobservable(text, f"none, if {names} is not meant to use it; or a stimulus in which it does")
@@ -92,15 +92,6 @@ def _peaks(values: Mapping[Node, Floats]) -> dict[Node, float]:
         key = node.block, node.element.variable
         whole[key] = max(whole.get(key, 0.0), float(np.abs(column).max()))
     return {node: whole[node.block, node.element.variable] for node in values}
-
-
-def _readers(port: Port, loop: Loop) -> set[str]:
-    return {
-        target.block
-        for link in loop.plan.wiring.links
-        for source, target in zip(link.source, link.target, strict=True)
-        if source in port.nodes
-    }
 
 
 def _alike(port: Port, signal: Floats) -> str:
