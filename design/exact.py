@@ -106,15 +106,7 @@ class Flown:
     """Largest |dV/dt + omega.L omega|, W, over the largest omega.L omega, for constant gains; central differences."""
 
 
-def fly(
-    p: Parameters,
-    J: Array,
-    Q: Array,
-    Omega: Array,
-    duration: float,
-    step: float,
-    n: float,
-) -> Flown:
+def fly(p: Parameters, J: Array, Q: Array, Omega: Array, duration: float, step: float, n: float) -> Flown:
     """The closed loop of each case with exact torque on a circular orbit, by RK4 on [1] and [2].
 
     J (3, 3) or (cases, 3, 3), kg m2, is the body's inertia; the law has its own. The gravity gradient acts. In LVLH the

@@ -26,17 +26,7 @@ from .block import Block, BuildError
 from .fingerprint import fingerprint
 from .interface import BLOCKS, FLAVOURS, Interface, load
 
-__all__ = [
-    "BLOCKS",
-    "FLAVOURS",
-    "Block",
-    "BuildError",
-    "blocks_of",
-    "build",
-    "ensure",
-    "ensure_all",
-    "is_current",
-]
+__all__ = ["BLOCKS", "FLAVOURS", "Block", "BuildError", "blocks_of", "build", "ensure", "ensure_all", "is_current"]
 
 ROOT = places.PACKAGES
 

@@ -23,17 +23,7 @@ from .ports import (
     connected,
     require,
 )
-from .reference import (
-    EARTH_RATE,
-    Direction,
-    Reference,
-    free,
-    inertial,
-    line_of_sight,
-    lvlh,
-    point_on_earth,
-    steered,
-)
+from .reference import EARTH_RATE, Direction, Reference, free, inertial, line_of_sight, lvlh, point_on_earth, steered
 from .so3 import Array, norm, principal_angle, require_rotation
 
 SUNLIT = 0.5

@@ -44,10 +44,7 @@ MARKERS = {
         "orchestration/master/test_compiled.py",
         "packaging",
     ),
-    "isolate": (
-        "orchestration/instances",
-        "orchestration/system/test_optional.py",
-    ),
+    "isolate": ("orchestration/instances", "orchestration/system/test_optional.py"),
     "fly": (
         "authorities",
         "design",
@@ -57,12 +54,7 @@ MARKERS = {
         "plant/test_invariants.py",
         "evidence",
     ),
-    "thorough": (
-        "docs/test_site.py",
-        "native/test_linking.py",
-        "native/test_sanitizers.py",
-        "packaging/test_wheel.py",
-    ),
+    "thorough": ("docs/test_site.py", "native/test_linking.py", "native/test_sanitizers.py", "packaging/test_wheel.py"),
 }
 """What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""
 

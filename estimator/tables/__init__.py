@@ -23,12 +23,7 @@ TERMS = [(n, m) for n in range(1, DEGREE + 1) for m in range(n + 1)]
 NAMES = ("igrf14", "wmm2010", "wmm2015", "wmm2020", "wmm2025")
 """In the order of the parameter field_model."""
 
-_WMM = {
-    "wmm2010": "WMM_2010.COF",
-    "wmm2015": "WMM_2015v2.COF",
-    "wmm2020": "WMM_2020.COF",
-    "wmm2025": "WMM_2025.COF",
-}
+_WMM = {"wmm2010": "WMM_2010.COF", "wmm2015": "WMM_2015v2.COF", "wmm2020": "WMM_2020.COF", "wmm2025": "WMM_2025.COF"}
 _FIRST_YEAR = 2000.0
 _HERE = Path(__file__).parent
 

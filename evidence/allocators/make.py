@@ -19,18 +19,7 @@ from rich.table import Table
 from orchestration.session.read import read
 
 from .. import crew as campaigns
-from ..paper import (
-    ATTITUDE_TOLERANCE,
-    FOLDER,
-    LIMITS,
-    ORBIT,
-    RATE_TOLERANCE,
-    READINGS,
-    ROOT,
-    SCENARIOS,
-    STEP,
-    Array,
-)
+from ..paper import ATTITUDE_TOLERANCE, FOLDER, LIMITS, ORBIT, RATE_TOLERANCE, READINGS, ROOT, SCENARIOS, STEP, Array
 from .metrics import END
 
 NODES = np.arange(0.0, 360.0, 10.0)

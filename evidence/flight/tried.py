@@ -186,11 +186,7 @@ TRIED = (
     ),
     Tried("low orbit", "400 km, F10.7 of 230", _start(**LOW)),
     Tried("low orbit errors", "400 km, F10.7 of 230, all errors together", _start(**LOW), errors=True),
-    Tried(
-        "drag",
-        "400 km, F10.7 of 230, ten times the drag (0.06 mN m)",
-        _start(plant__drag_factor=10.0, **LOW),
-    ),
+    Tried("drag", "400 km, F10.7 of 230, ten times the drag (0.06 mN m)", _start(plant__drag_factor=10.0, **LOW)),
     Tried(
         "drag unsearched",
         "the same with ten times the drag, no search for failures (`find_failures` false)",
@@ -203,11 +199,7 @@ TRIED = (
         )
         for i in (1, 2, 3)
     ),
-    Tried(
-        "rod 1 known",
-        "rod 1 gives nothing, known before the flight (`rod_gains0`)",
-        _dead_and_known,
-    ),
+    Tried("rod 1 known", "rod 1 gives nothing, known before the flight (`rod_gains0`)", _dead_and_known),
     Tried(
         "rod 3 limited",
         "rod 3 gives 10 A m² at most, known (`rod_limits`)",
@@ -224,12 +216,7 @@ TRIED = (
     Tried("no b_B", "`b_B` of the controller not connected", _lost("controller.b_B")),
     Tried("dipole on board", "a dipole as onboard field model", _start(controller__field_degree=1)),
     Tried("dipole no b_B", "a dipole as onboard field model, `b_B` not connected", _dipole_alone),
-    Tried(
-        "no feed-forward errors",
-        "all errors, no feed-forward to the allocator",
-        _lost(*FEED_FORWARD),
-        errors=True,
-    ),
+    Tried("no feed-forward errors", "all errors, no feed-forward to the allocator", _lost(*FEED_FORWARD), errors=True),
     Tried(
         "no feed-forward by demand errors",
         "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, "

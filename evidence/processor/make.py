@@ -15,10 +15,7 @@ from ..paper import FOLDER, ROOT
 from .flights import Flight, fly
 
 FOLDER_OF = FOLDER / "processor"
-FLOWN = {
-    "paper_no_singularity": ("controller", "allocator"),
-    "flight_tumble": ("controller", "allocator"),
-}
+FLOWN = {"paper_no_singularity": ("controller", "allocator"), "flight_tumble": ("controller", "allocator")}
 """Scenarios, and in each the places of the blocks that fly on the processor, one at a time."""
 BOUNDS = {"controller_planned": 18_000_000}
 """The most instructions of a call, by construction."""

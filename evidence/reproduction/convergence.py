@@ -31,11 +31,7 @@ def start(rng: np.random.Generator, n: int) -> tuple[Array, Array]:
 
 
 def random_cases(
-    law: controller.Parameters,
-    schedule: str,
-    n: int = 600,
-    duration: float = 600.0,
-    J: Array | None = None,
+    law: controller.Parameters, schedule: str, n: int = 600, duration: float = 600.0, J: Array | None = None
 ) -> Flown:
     """n random starts under one law with the gain schedule "error" [10] or "constant".
 

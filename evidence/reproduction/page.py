@@ -144,7 +144,4 @@ def _open(done: dict[str, Any]) -> dict[str, Any]:
     for key, of in (("node and K0", "node longitude and K₀'s scale"), ("K0 and L0", "K₀'s and L₀'s scale")):
         b, c = (all_hold(w, done[f"{w}: {key}"]) for w in CLAIMS)
         shares.append({"of": of} | {k: f"{100.0 * m.mean():.1f}%" for k, m in (("vb", b), ("vc", c), ("both", b & c))})
-    return {
-        "open": rows,
-        "shares": shares,
-    }
+    return {"open": rows, "shares": shares}

@@ -22,13 +22,7 @@ FRAME_N = "N is the mean equator and equinox of date"
 DIMENSIONLESS = "1"
 """The unit of every Real without one, so that a master can tell dimensionless from not declared."""
 
-_TAGS = {
-    "real": "Real",
-    "integer": "Integer",
-    "boolean": "Boolean",
-    "string": "String",
-    "enumeration": "Enumeration",
-}
+_TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
 
 
 @dataclass(frozen=True)
@@ -47,11 +41,7 @@ class Capabilities:
 
 
 def model_description(
-    interface: Interface,
-    guid: str,
-    capabilities: Capabilities,
-    generation_tool: str,
-    remark: str = "",
+    interface: Interface, guid: str, capabilities: Capabilities, generation_tool: str, remark: str = ""
 ) -> bytes:
     """The XML file; `remark` follows the description. No date stands in it, so the same arguments give
     the same bytes. Raises QuantityError."""

@@ -63,10 +63,7 @@ class Platform:
 
 PLATFORMS: Mapping[str, Platform] = {
     "linux64": Platform(
-        ".so",
-        ("x86_64-linux-gnu.2.17",),
-        ("-Wl,--build-id=none", "-Wl,-z,noexecstack"),
-        blocks=("-flto",),
+        ".so", ("x86_64-linux-gnu.2.17",), ("-Wl,--build-id=none", "-Wl,-z,noexecstack"), blocks=("-flto",)
     ),
     "win64": Platform(".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32")),
     "darwin64": Platform(

@@ -16,12 +16,7 @@ from ..geomagnetic import FieldModel
 
 FILE = "field_models.json"
 
-_WMM = {
-    "wmm2010": "WMM_2010.COF",
-    "wmm2015": "WMM_2015v2.COF",
-    "wmm2020": "WMM_2020.COF",
-    "wmm2025": "WMM_2025.COF",
-}
+_WMM = {"wmm2010": "WMM_2010.COF", "wmm2015": "WMM_2015v2.COF", "wmm2020": "WMM_2020.COF", "wmm2025": "WMM_2025.COF"}
 NAMES = ("igrf14", *_WMM)
 
 _DEGREE = 13

@@ -67,21 +67,14 @@ RODS: dict[str, Callable[[float], dict[str, Any]]] = {
 REFUSED: dict[str, dict[str, Callable[[float], dict[str, Any]]]] = {
     "controller": {
         **ORBIT,
-        "position, for gravity": lambda s: {
-            "r_N": [s, 0.0, 0.0],
-            "reference": "inertial",
-            "compensate_gravity": True,
-        },
+        "position, for gravity": lambda s: {"r_N": [s, 0.0, 0.0], "reference": "inertial", "compensate_gravity": True},
         "order of the gains, first": lambda s: {"K0": [0.5 * s, 0.5, 0.7]},
         "order of the gains, last": lambda s: {"K0": [0.4, 0.7 * s, 0.7]},
         "symmetry of a gain": lambda s: {"L0": np.eye(3) + s * 1e-9 * np.eye(3, k=1)},
         "definiteness of a gain": lambda s: {"L0": [[1.0, 0.0, 0.0], [0.0, 1.0, s], [0.0, s, 1.0]]},
         "inertia of a body": lambda s: {"J_B": np.diag([1.0, 1.0, 2.0 * (1.0 + s * 1e-9)])},
     },
-    "plant_judge": {
-        **ORBIT,
-        "given reference": lambda s: {"R_d": stretched(s * 1e-4), "Omega_d": [0.0, 0.0, 0.0]},
-    },
+    "plant_judge": {**ORBIT, "given reference": lambda s: {"R_d": stretched(s * 1e-4), "Omega_d": [0.0, 0.0, 0.0]}},
     "allocator": {name: RODS[name] for name in RODS if name != "demand over limit"},
     "allocator_bounded": {
         **{name: RODS[name] for name in RODS if name != "demand over limit"},
@@ -93,10 +86,7 @@ REFUSED: dict[str, dict[str, Callable[[float], dict[str, Any]]]] = {
 SEEN: dict[str, dict[str, tuple[str, Callable[[float], dict[str, Any]]]]] = {
     "allocator": {
         "field": ("holding", lambda s: {"b_B": s * 1e-12 * np.array([0.6, 0.0, 0.8]), "tau_cmd_B": [0.0, 0.0, 0.0]}),
-        "field along the wheel": (
-            "holding",
-            lambda s: {"b_B": [s * 3e-14, 3e-5, 0.0], "tau_cmd_B": [0.0, 1e-14, 0.0]},
-        ),
+        "field along the wheel": ("holding", lambda s: {"b_B": [s * 3e-14, 3e-5, 0.0], "tau_cmd_B": [0.0, 1e-14, 0.0]}),
         "plane of the rods": ("holding", flat_rods),
         "hold": ("holding", held),
         "wheel momentum": (
@@ -106,10 +96,7 @@ SEEN: dict[str, dict[str, tuple[str, Callable[[float], dict[str, Any]]]]] = {
         "demand over limit": ("demand_fraction", RODS["demand over limit"]),
     },
     "allocator_bounded": {
-        "field": (
-            "dipole_cmd",
-            lambda s: {"b_B": s * 1e-12 * np.array([0.6, 0.0, 0.8]), "dipole_ff": [1.0, 2.0, 3.0]},
-        ),
+        "field": ("dipole_cmd", lambda s: {"b_B": s * 1e-12 * np.array([0.6, 0.0, 0.8]), "dipole_ff": [1.0, 2.0, 3.0]}),
         "demand over limit": ("demand_fraction", RODS["demand over limit"]),
         "wheel momentum": (
             "wheel_torque_cmd",

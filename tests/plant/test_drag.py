@@ -167,12 +167,7 @@ def test_without_drag_moment_and_density_are_zero():
 def test_the_bodys_inertial_momentum_changes_by_the_impulse_of_the_reported_moment():
     # Order 2: its impulse over a step is the trapezium of the reported moment.
     p = parameters(
-        "plant",
-        gravity_gradient=False,
-        drag_factor=1e4,
-        omega_B0=[0.02, -0.03, 0.01],
-        h_w0=0.002,
-        integrator_order=2,
+        "plant", gravity_gradient=False, drag_factor=1e4, omega_B0=[0.02, -0.03, 0.01], h_w0=0.002, integrator_order=2
     )
     u = inputs("plant")
     x, h = plant.start(p, u), 0.1

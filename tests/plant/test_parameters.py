@@ -55,12 +55,7 @@ REFUSED = {
         "0.1",
         "unit length",
     ),
-    "a quaternion of zeros": (
-        {"initial_attitude": "q_NB0", "q_NB0": [0.0] * 4},
-        "q_NB0",
-        "found 0",
-        "unit length",
-    ),
+    "a quaternion of zeros": ({"initial_attitude": "q_NB0", "q_NB0": [0.0] * 4}, "q_NB0", "found 0", "unit length"),
     "an epoch that is no date": ({"epoch": "yesterday"}, "epoch", "ISO 8601", "'yesterday'"),
     "an epoch that is not UTC": ({"epoch": "2009-08-10T00:00:00+02:00"}, "epoch", "UTC", "+02:00"),
     "an epoch that the field's model does not cover": (

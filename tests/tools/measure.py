@@ -55,25 +55,9 @@ ONES = (
     Recipe("ecos_one.py", "ecos", "ecospy", "one FMU, its Python API"),
 )
 LOOPS = (
-    Recipe(
-        "fmpy_ssp.py",
-        "FMPy",
-        "FMPy",
-        "the loop from `adcs.ssp`",
-    ),
-    Recipe(
-        "libcosim_ssp.py",
-        "libcosim",
-        "libcosimpy",
-        "the loop from `adcs.ssp`",
-    ),
-    Recipe(
-        "ecos_ssp.py",
-        "ecos",
-        "ecospy",
-        "the loop from `adcs.ssp`",
-        ahead=1,
-    ),
+    Recipe("fmpy_ssp.py", "FMPy", "FMPy", "the loop from `adcs.ssp`"),
+    Recipe("libcosim_ssp.py", "libcosim", "libcosimpy", "the loop from `adcs.ssp`"),
+    Recipe("ecos_ssp.py", "ecos", "ecospy", "the loop from `adcs.ssp`", ahead=1),
     Recipe(
         "fmpy_container.py",
         "fmu-manipulation-toolbox",

@@ -66,13 +66,7 @@ WRONG = [
     ({"wheel_weight_ff": math.inf}, "wheel_weight_ff: expected"),
     *(
         ({name: bad}, f"{name}: expected a finite number above 0, found")
-        for name in (
-            "dipole_max",
-            "wheel_torque_max",
-            "wheel_momentum_max",
-            "command_period",
-            "desaturation_time",
-        )
+        for name in ("dipole_max", "wheel_torque_max", "wheel_momentum_max", "command_period", "desaturation_time")
         for bad in (0.0, -1.0, math.inf, math.nan)
     ),
 ]

@@ -13,10 +13,7 @@ from evidence.flight.schemes import change
 from evidence.satellites.classes import tumbles
 from tests.native.driver import Instance
 
-from .block import (
-    AS_MEASURED,
-    BLOCK,
-)
+from .block import AS_MEASURED, BLOCK
 
 
 def flown(satellite, run, errors, duration, signals):

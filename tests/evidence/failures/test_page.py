@@ -36,7 +36,7 @@ def test_a_flight_that_is_not_found_and_one_that_is_lost_are_counted_as_such():
     lost = flight(rod, run=1, found_s=math.inf, settled_s=math.inf, hold_rms_deg=90.0, hold_max_deg=170.0)
     text = page.text([flight(rod), lost])
     assert cells(text, "a rod dead, from the start")[1:] == [
-        *("1 µN m", "1 of 2", "50 s", "50 s", "1 of 2", "0.100", "not settled", "45°", "170°"),
+        *("1 µN m", "1 of 2", "50 s", "50 s", "1 of 2", "0.100", "not settled", "45°", "170°")
     ]
     assert "| a rod reversed" not in text
 

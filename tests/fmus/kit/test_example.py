@@ -30,10 +30,7 @@ def fmu(tmp_path_factory) -> Path:
     shutil.copytree(EXAMPLE, folder / "it", ignore=shutil.ignore_patterns("build", "*.fmu"))
     native = ROOT / "fmus" / "native"
     built = make(
-        folder / "it",
-        f"FMI_SHELL={native / 'shell'}",
-        f"COMMON={native / 'common'}",
-        f"TOOLS={ROOT / 'fmus' / 'kit'}",
+        folder / "it", f"FMI_SHELL={native / 'shell'}", f"COMMON={native / 'common'}", f"TOOLS={ROOT / 'fmus' / 'kit'}"
     )
     assert built.returncode == 0, built.stderr
     return folder / "it" / "actuators.fmu"
