@@ -232,6 +232,11 @@ def file_hint(file: str, files: Iterable[str]) -> str:
     return suggestion(by_stem[match]) if match else hint("", by_stem.values())
 
 
+def in_kind(value: Any) -> str:
+    """A value's kind, for "found ..." of a whole file: it may be none that messages should print."""
+    return "text" if isinstance(value, str) else as_written(value)
+
+
 def as_written(value: Any) -> str:
     """A value as the user wrote it, for "found ..."."""
     if value is None:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from .errors import InputError, reason
+from .errors import InputError, Problem, reason
+
+
+def here() -> Path:
+    """Returns the working folder. Raises InputError where it has been deleted."""
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        raise InputError(Problem("the working folder has been deleted", remedy="cd to one that is there")) from None
 
 
 def located(text: str, folder: Path | None = None) -> Path:

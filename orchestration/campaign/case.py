@@ -89,14 +89,17 @@ def _hash(data: Any) -> str:
 
 
 def read_campaign(
-    campaign: Path | str | Source, overrides: Mapping[str, Any] | None = None, sets: Mapping[str, Any] | None = None
+    campaign: Path | str | Source,
+    overrides: Mapping[str, Any] | None = None,
+    sets: Mapping[str, Any] | None = None,
+    loads: bool = True,
 ) -> Case:
     """Returns a campaign file, or the same as data, held against its scenario and FMUs.
 
     Raises InputError with what is wrong.
 
     `overrides` take the places of top entries: `runs`, `seed`, `sampling`; `sets` are start values for all runs, by
-    name.
+    name. `loads`: whether modules of metrics are run, as is needed to fly.
     """
     source = extends.extended(campaign) if isinstance(campaign, Source) else extends.read(Path(campaign))
     if isinstance(source.data, dict):
@@ -112,7 +115,7 @@ def read_campaign(
         Campaign, source, flown.data if flown is not None and isinstance(flown.data, dict) else {}
     )
     assert flown is not None
-    return prepare(checked, source, load(_changed(checked, source, flown)))
+    return prepare(checked, source, load(_changed(checked, source, flown)), loads)
 
 
 def _scenario(source: Source) -> Source | None:
@@ -152,7 +155,7 @@ def _swap(campaign: Campaign, source: Source, block: str) -> Swap:
     return replace(swap, mapping=mapping, mapping_place=source.where(("map", block)))
 
 
-def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
+def prepare(campaign: Campaign, source: Source, scenario: Scenario, loads: bool = True) -> Case:
     """Returns a campaign held against its scenario. Raises InputError."""
     opened = open_scenario(scenario)
     plan = opened.plan
@@ -165,7 +168,8 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario) -> Case:
             try:
                 measures.append(metrics.prepare(source, key, metric, plan.models, plan.scenario))
                 if metric.python and metric.python.partition(":")[0] not in broken:
-                    codes[metric.python] = find(metric.python, source.folder, source.where((*key, "python")))
+                    place = source.where((*key, "python"))
+                    codes[metric.python] = find(metric.python, source.folder, place, loads)
             except InputError as error:
                 problems += error.problems
                 if isinstance(error, NotLoaded):  # of a module that several metrics name, once

@@ -17,6 +17,7 @@ import click
 
 from ..errors import BlockError, InputError, ResultsError, reason
 from ..interrupt import stoppable
+from ..paths import here
 from .console import complain, lost, open_streams, silence
 
 EXPECTATION_FAILED = DOES_NOT_FIT = NOT_EQUIVALENT = 1
@@ -58,6 +59,7 @@ class Commands(click.Group):
 def _told() -> Iterator[None]:
     """Prints why a command cannot go on, and ends it with the status of that."""
     try:
+        here()
         yield
     except InputError as error:
         for message in error.messages:

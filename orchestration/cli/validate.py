@@ -104,7 +104,7 @@ def _campaign(ctx: click.Context, path: Path, sets: Sequence[str]) -> Case:
             raise InputError(
                 f"{option.opts[-1]}: {path.name} is a campaign; remedy: give it in the campaign's scenario"
             )
-    return read_campaign(path, None, settings(sets))
+    return read_campaign(path, None, settings(sets), loads=False)
 
 
 def _print_campaign(case: Case) -> None:

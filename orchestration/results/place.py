@@ -199,8 +199,8 @@ def _finish(folder: Path) -> None:
     if ready.is_symlink() or not ready.is_dir():
         ready.unlink(missing_ok=True)
         return
-    if (ready / MANIFEST).exists():
-        stays = json.loads((ready / MANIFEST).read_text("utf-8"))["files"]
+    stays = _manifest(ready).get("files")
+    if isinstance(stays, (dict, list)):  # else it is none that a run has made ready
         for name in FILES:
             if name not in stays and name != MANIFEST:
                 (folder / name).unlink(missing_ok=True)

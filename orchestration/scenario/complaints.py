@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import InputError, Problem, as_written, nearest, suggestion
+from ..errors import InputError, Problem, as_written, in_kind, nearest, suggestion
 from .descriptions import descriptions
 from .source import Key, Source
 
@@ -21,7 +21,7 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
     """
     if not isinstance(source.data, dict):
         keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
-        raise InputError(source.error((), f"expected keys such as {keys}, found {as_written(source.data)}"))
+        raise InputError(source.error((), expected=f"keys such as {keys}", found=in_kind(source.data)))
     try:
         return model.model_validate(source.data, context=source.data if context is None else context)
     except ValidationError as error:

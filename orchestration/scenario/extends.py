@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, as_written, hint
+from ..errors import InputError, as_written, hint, in_kind
 from ..paths import located
 from .references import Connection
 from .source import PLACES, Key, Source, copied
@@ -24,11 +24,16 @@ def read(path: Path) -> Source:
     return extended(read_text(path), (path.resolve(),))
 
 
-def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
+_FILES_MAX = 100
+"""Files that are laid together; each is counted as often as it is extended."""
+
+
+def extended(source: Source, within: tuple[Path, ...] = (), left: Iterator[int] | None = None) -> Source:
     """Returns the source laid over the files that it extends, in their order; `within` are the files that lead to it.
 
-    Raises InputError.
+    Of the files that may still be laid under it, each takes one of `left`. Raises InputError.
     """
+    left = iter(range(_FILES_MAX)) if left is None else left
     if not isinstance(source.data, dict) or "extends" not in source.data:
         return source
     given = source.data["extends"]
@@ -38,24 +43,28 @@ def extended(source: Source, within: tuple[Path, ...] = ()) -> Source:
     merged = Source({}, source.file, source.folder, {(): source.lines.get((), 1)} if source.file else {})
     for number, name in enumerate(names):
         key = ("extends", number) if given is names else ("extends",)
-        _lay(merged, _part(source, key, name, within))
+        _lay(merged, _part(source, key, name, within, left))
     _lay(merged, source)
     _forget(merged, ("extends",), merged.data.pop("extends"))
     merged.options = dict(source.options)
     return merged
 
 
-def _part(source: Source, key: Key, name: str, within: tuple[Path, ...]) -> Source:
+def _part(source: Source, key: Key, name: str, within: tuple[Path, ...], left: Iterator[int]) -> Source:
     with source.naming(key):
         path = located(name, Path(source.file).parent if source.file else source.folder)
     if path.resolve() in within:
         through = " -> ".join(p.name for p in (*within[within.index(path.resolve()) :], path))
         raise InputError(source.error(key, f"the files extend each other in a circle: {through}"))
+    if next(left, None) is None:
+        raise InputError(
+            source.error(key, f"more than {_FILES_MAX} files are extended, the most that are laid together")
+        )
     with source.naming(key):
         part = read_text(path)
     if not isinstance(part.data, dict):
-        raise InputError(part.error((), f"expected keys such as 'shared' or 'blocks', found {as_written(part.data)}"))
-    part = extended(part, (*within, path.resolve()))
+        raise InputError(part.error((), expected="keys such as 'shared' or 'blocks'", found=in_kind(part.data)))
+    part = extended(part, (*within, path.resolve()), left)
     _anchor(part, source.folder)
     return part
 

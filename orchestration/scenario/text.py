@@ -13,16 +13,21 @@ from ..errors import InputError, Place, Problem, file_hint, reason
 from .source import Key, Source
 
 _NODES_MAX, _DEPTH_MAX = 100_000, 50
+SIZE_MAX = 16 * 10**6
+"""Bytes of a file of YAML."""
 
 
 def read(path: Path) -> Source:
     """The data of a YAML file with their lines. Raises InputError."""
     try:
         regular = path.is_file() or path.is_dir() or not path.exists()
+        size = path.stat().st_size if path.is_file() else 0
     except (OSError, ValueError):
-        regular = True  # reading it tells why it is no path
+        regular, size = True, 0  # reading it tells why it is no path
     if not regular:
         raise InputError(f"{path} is no regular file; expected a file of YAML")
+    if size > SIZE_MAX:
+        raise InputError(f"{path} holds {size / 1e6:.3g} MB; expected a file of YAML, of at most {SIZE_MAX / 1e6:g} MB")
     try:
         text = path.read_text("utf-8")
     except FileNotFoundError:
@@ -58,7 +63,8 @@ def _parsed(text: str, file: str | None) -> Source:
         what = " ".join(filter(None, (error.context, error.problem)))
         if error.context_mark and mark and error.context_mark.line != mark.line:
             what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
-        raise InputError(Problem(f"no valid YAML: {what}", place=Place(file or "text", line))) from None
+        remedy = "quote a text that holds a colon with a space behind it" if error.problem == _COLON else ""
+        raise InputError(Problem(f"no valid YAML: {what}", remedy=remedy, place=Place(file or "text", line))) from None
     except (yaml.YAMLError, RecursionError) as error:
         raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None
     if node is None:
@@ -66,6 +72,10 @@ def _parsed(text: str, file: str | None) -> Source:
     _Reader(source).read(node, ())
     source.data = source.data[0]
     return source
+
+
+_COLON = "mapping values are not allowed here"
+"""What PyYAML calls a second colon in a line."""
 
 
 class _Plain(yaml.SafeLoader):
@@ -96,9 +106,9 @@ def _composed(text: str, source: Source) -> Any:
     """
     depth = 0
     try:
-        for event in yaml.parse(text, _Fast):
+        for count, event in enumerate(yaml.parse(text, _Fast)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > _DEPTH_MAX:
+            if depth > _DEPTH_MAX or count > 2 * _NODES_MAX:  # a list or dictionary has an event at either end
                 raise InputError(_too_much(source))
         return yaml.compose(text, _Fast)
     except (yaml.YAMLError, UnicodeEncodeError):

@@ -56,11 +56,18 @@ def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[Problem]:
     """Errors: shared values that no block takes."""
     known = {v.quantity or v.name for model in models.values() for v in model.of("parameter")}
     known |= {name for model in models.values() for name in model.helpers}
-    return [
-        scenario.error(("shared", name), f"no block has a parameter {name.variable!r}{hint(name.variable, known)}")
-        for name in scenario.shared
-        if not any(taken(model, name) or name.variable in model.lacks for model in models.values())
-    ]
+    errors = []
+    for name, value in scenario.shared.items():
+        if not any(taken(model, name) or name.variable in model.lacks for model in models.values()):
+            text, remedy = f"no block has a parameter {name.variable!r}{hint(name.variable, known)}", ""
+            if name.variable in TIMES:
+                text, remedy = f"{name} is no parameter but a key of the scenario", f"--{name} '{value}'"
+            errors.append(scenario.error(("shared", name), text, remedy=remedy))
+    return errors
+
+
+TIMES = ("duration", "step")
+"""Keys of a scenario that have an option of their own, and are no start values."""
 
 
 _Values = Callable[[Name, Any], dict[Element, Scalar]]

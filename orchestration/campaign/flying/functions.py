@@ -10,9 +10,10 @@ import sys
 import threading
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from symtable import symtable
 from types import ModuleType
-from typing import Any
 
 from ...errors import InputError, hint
 from ...expectations.metrics import Function
@@ -59,20 +60,24 @@ class NotLoaded(InputError):
         self.module = module
 
 
-def find(reference: str, folder: Path, place: str) -> Code:
+def find(reference: str, folder: Path, place: str, loads: bool = True) -> Code:
     """Returns the code of `module:function`: `module.py` beside the campaign file, else an installed module.
 
-    Raises InputError.
+    `loads`: whether the module is run, as campaigns do that fly; else its text is looked at. Raises InputError.
     """
     name, _, function = reference.partition(":")
     path = folder.joinpath(*name.split(".")).with_suffix(".py")
     try:
         if path.is_file():
             code = Code(name, str(path), path.read_text("utf-8"))
-            module: Any = code.imported()
-        else:
-            module = import_module(name)
+            names = _callables(code.imported()) if loads else _stated(code)
+        elif loads:
+            names = _callables(import_module(name))
             code = Code(name, getattr(sys.modules[name], "__file__", None) or "", None)
+        elif find_spec(name.partition(".")[0]) is None:
+            raise ModuleNotFoundError(name=name)
+        else:
+            return Code(name, "", None)
     except ModuleNotFoundError as error:
         missing = error.name or name
         if not path.is_file() and (name == missing or name.startswith(f"{missing}.")):
@@ -87,12 +92,19 @@ def find(reference: str, folder: Path, place: str) -> Code:
     except (Exception, SystemExit) as error:
         why = f"{type(error).__name__}: {error}"
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}, in {path}") from None
-    if not callable(getattr(module, function, None)):
-        names = [n for n in dir(module) if callable(getattr(module, n)) and not n.startswith("_")]
-        raise InputError(
-            f"{place}: {path.name if code.text else name} has no function {function!r}{hint(function, names)}"
-        )
+    if function not in names:
+        known = hint(function, (n for n in names if not n.startswith("_")))
+        raise InputError(f"{place}: {path.name if code.text else name} has no function {function!r}{known}")
     return code
+
+
+def _callables(module: ModuleType) -> list[str]:
+    return [name for name in dir(module) if callable(getattr(module, name))]
+
+
+def _stated(code: Code) -> list[str]:
+    """Returns the names that a module's text gives a value, without running it."""
+    return [symbol.get_name() for symbol in symtable(code.text or "", code.file, "exec").get_symbols()]
 
 
 def functions(codes: dict[str, Code]) -> dict[str, Function]:

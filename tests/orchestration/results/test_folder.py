@@ -175,6 +175,16 @@ def test_what_a_killed_run_left_is_removed_or_completed_by_the_next(tmp_path):
         assert_whole(out, 2.0)
 
 
+@pytest.mark.parametrize("manifest", ["{", "[]", "{}", '{"files": 1}', '{"files": null}'])
+def test_what_is_ready_with_a_damaged_manifest_is_removed(tmp_path, manifest):
+    out = result(1.0).save(tmp_path / "out")
+    ready = result(2.0).save(tmp_path / "other")
+    ready.rename(out / ".orchestrate-ready")
+    (out / ".orchestrate-ready" / "manifest.json").write_text(manifest)
+    with place.reserved(out):
+        assert_whole(out, 1.0)
+
+
 def test_a_later_run_replaces_the_files_of_an_earlier_one_and_no_others(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     result().save(tmp_path, "csv")

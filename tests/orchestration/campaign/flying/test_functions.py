@@ -9,6 +9,7 @@ import pytest
 
 from orchestration.campaign.case import read_campaign
 from orchestration.errors import InputError
+from tests.commands import orchestrate
 
 from ..toy import SHRINKS, changed, fly, rows
 
@@ -35,6 +36,21 @@ def test_a_metric_in_python_that_ends_the_process_is_a_failed_run_or_an_error_wi
         InputError, match=r"toy.yaml:8: .*the module 'mine' cannot be loaded: SystemExit: 7, in .*mine.py"
     ):
         read_campaign(toy)
+
+
+def test_validate_looks_at_the_text_of_a_module_and_runs_none_of_it(toy):
+    Path("mine.py").write_text("open('ran', 'w')\ndef fall(time, signals):\n    return 1.0\n")
+    changed(toy, ("metrics:", "metrics:\n  - {name: fall, python: 'mine:fall', signals: [motor.speed]}"))
+    assert orchestrate("validate", toy).exit_code == 0
+    changed(toy, ("mine:fall", "mine:fal"))
+    told = orchestrate("validate", toy)
+    assert "mine.py has no function 'fal'; did you mean 'fall'?" in told.stderr
+    changed(toy, ("mine:fal", "mime:fall"))
+    assert "there is no file" in orchestrate("validate", toy).stderr
+    changed(toy, ("mime:fall", "mine:fall"))
+    assert not Path("ran").exists()
+    read_campaign(toy)
+    assert Path("ran").exists()
 
 
 def test_a_module_of_metrics_may_hold_a_dataclass_with_annotations_as_text(toy):
