@@ -222,8 +222,7 @@ def local(workers: int | None = None, dashboard: bool = False) -> Iterator[Any]:
 
 def _started(workers: int, dashboard: bool) -> LocalCluster:
     """Starts so many workers; once more where one of them dies before it has started. Raises CrewLost."""
-    # Else Python would put the working folder first on their path, and import what is called `signal.py` there.
-    os.environ["PYTHONSAFEPATH"] = "1"
+    os.environ["PYTHONSAFEPATH"] = "1"  # else they would import a `signal.py` of the working folder
     for left in reversed(range(_TRIES)):
         try:
             return LocalCluster(
