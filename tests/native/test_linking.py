@@ -38,6 +38,13 @@ def _archive(block: str, made: Path) -> Path:
     return archive
 
 
+def test_headers_of_a_block_that_there_is_not_are_refused_by_name(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "fmus.native", str(tmp_path), "alocator"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, list(tmp_path.iterdir())) == (1, [])
+    assert done.stderr.startswith("python -m fmus.native: there is no block 'alocator'; expected one of plant, ")
+
+
 def exported(archive: Path) -> dict[str, str]:
     """Symbols with external linkage that an archive defines, with nm's letter for each."""
     require("nm")
