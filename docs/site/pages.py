@@ -21,6 +21,7 @@ SHOWN = (
     "docs/evidence/*.csv",
     "docs/*.json",
     "docs/figures/*",
+    "docs/use/notebooks/*.ipynb",
     "docs/site/*.css",
     "docs/site/*.js",
     "docs/site/*.LICENSE",

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import BlockError, hint
+from ..errors import BlockError, InputError, hint
 from ..expectations.flags import Flag
 from ..expectations.holds import Hold
 from ..expectations.outcomes import Highlight, NotEvaluated, Outcome
 from ..fmu.model import Element, Floats, Model, Variable
 from ..master.deadlines import Pace
-from ..quantities import Unit
+from ..quantities import ONE, QuantityError, Unit, parse_unit
 from ..scenario.references import Reference
 from ..scenario.scenario import Scenario
 from ..system import signals
@@ -132,7 +132,9 @@ class RunData(Mapping[str, NDArray[Any]]):
         variable, positions = self._find(reference)
         return [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
+    def __getitem__(self, key: str | tuple[str, str]) -> NDArray[Any]:
+        """Returns a signal; of `result["plant.h_w", "mN.m.s"]` in that unit. Raises KeyError, and InputError for the unit."""
+        name, unit = (key, None) if isinstance(key, str) else key
         try:
             reference = Reference(name)
             variable, positions = self._find(reference)
@@ -140,7 +142,19 @@ class RunData(Mapping[str, NDArray[Any]]):
         except (KeyError, ValueError):
             raise KeyError(f"{name!r} was not recorded{hint(name, self)}") from None
         shape = variable.shape if len(positions) == variable.size and not reference.indices else ()
-        return self.samples[:, places].astype(variable.dtype).reshape(len(self.time), *shape)
+        values = self.samples[:, places].astype(variable.dtype).reshape(len(self.time), *shape)
+        return values if unit is None else self._converted(values, name, unit)
+
+    def _converted(self, values: NDArray[Any], name: str, unit: str) -> NDArray[Any]:
+        own = self.variable(name).unit
+        try:
+            wanted = parse_unit(unit)
+            if own is None or not own.fits(wanted):
+                raise QuantityError(f"expected a unit of {name}, which is in {str(own or ONE)!r}, found {unit!r}")
+            factor, offset = own.conversion(wanted)
+        except QuantityError as error:
+            raise InputError(f"{name}: {error}") from None
+        return factor * values + offset
 
     def __iter__(self) -> Iterator[str]:
         """Returns names of the variables of which every element was recorded, and of single elements of the others."""

@@ -12,7 +12,7 @@ import textwrap
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from .data import RunData
 from .keys import Keys, below
 from .lettering import plain, undrawn
 from .phases import bands
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _PANEL_SIZE = (5.2, 3.4)
 """inches"""
@@ -103,7 +106,7 @@ def _draw(entry: FigureEntry, result: RunData, file: Path) -> Path:
     return file
 
 
-def plot(result: RunData, names: Sequence[str] = ()) -> Any:
+def plot(result: RunData, names: Sequence[str] = ()) -> Figure:
     """Returns a figure of these signals over time, a panel for each, which a notebook shows.
 
     By default they are those that expectations look at, or all, at most `_PANELS_MAX`. Raises KeyError for a signal

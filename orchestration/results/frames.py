@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InputError
 from .data import RunData
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
-def to_pandas(result: RunData) -> Any:
+
+def to_pandas(result: RunData) -> DataFrame:
     """Returns a DataFrame: a row for each instant, a column for each recorded element, units in `attrs["units"]`.
 
     Raises InputError where pandas is missing.
@@ -29,10 +33,10 @@ def to_pandas(result: RunData) -> Any:
     return frame
 
 
-def to_xarray(result: RunData) -> Any:
-    """Returns a Dataset: each signal with its own dimensions besides `time`, counted as the FMU counts; `units` among
-    its attributes.
+def to_xarray(result: RunData) -> Dataset:
+    """Returns a Dataset: `time`, and `axis` for vectors of three, counted as the FMU counts; `units` among the attributes.
 
+    A matrix (3, 3) has `row` and `axis`. Another length is named: `axis_4` of a quaternion; another first index, too.
     Raises InputError where xarray is missing.
     """
     try:
@@ -44,13 +48,22 @@ def to_xarray(result: RunData) -> Any:
     coordinates: dict[str, Any] = {"time": ("time", result.time, {"units": "s"})}
     for name in result:
         variable, values = result.variable(name), result[name]
-        axes = [f"{name}_{axis}" for axis in range(1, values.ndim)]
         first = variable.first_index or (1,) * len(variable.shape)
-        for axis, one, length in zip(axes, first, values.shape[1:], strict=False):
-            coordinates[axis] = np.arange(one, one + length)
+        shape = values.shape[1:]
+        axes = [
+            _axis(len(shape) - place, length, one)
+            for place, (length, one) in enumerate(zip(shape, first, strict=False), 1)
+        ]
+        coordinates |= {a: np.arange(one, one + n) for a, one, n in zip(axes, first, shape, strict=False)}
         attributes = {"units": result.units[name], "long_name": variable.description}
         variables[name] = (("time", *axes), values, {key: text for key, text in attributes.items() if text})
     return xarray.Dataset(variables, coordinates, {"scenario": result.scenario.name})
+
+
+def _axis(before: int, length: int, first: int) -> str:
+    """Returns the name of a dimension that so many others follow: one for all signals that have it."""
+    name = ("axis", "row")[before] if before < 2 else f"row_{before}"
+    return name + (f"_{length}" if length != 3 else "") + (f"_from_{first}" if first != 1 else "")
 
 
 def _missing(package: str) -> InputError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
@@ -14,6 +14,11 @@ from .data import RunData
 from .differences import Differences, compare
 from .folder import write
 from .html import rows
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
 
 
 def target(folder: str | Path | None, scenario: Scenario) -> Path:
@@ -30,7 +35,7 @@ class Result(RunData):
     """What a run recorded.
 
     `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
-    `result["plant.omega_B[2]"]` (n,); `result.time` (n,). Booleans and whole numbers come as such.
+    `result["plant.omega_B[2]"]` (n,); `result["plant.h_w", "mN.m.s"]` is in that unit; `result.time` (n,). Booleans and whole numbers come as such.
     `result.units["plant.omega_B"]` is the unit.
     """
 
@@ -54,7 +59,7 @@ class Result(RunData):
         """Returns the names of the recorded signals, each of which is a key."""
         return list(self)
 
-    def plot(self, *names: str) -> Any:
+    def plot(self, *names: str) -> Figure:
         """Returns a Matplotlib figure of these signals over time, a panel for each; of those that expectations look at
         by default.
 
@@ -69,12 +74,15 @@ class Result(RunData):
         """
         return compare(self, other)
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> DataFrame:
         """Returns a pandas DataFrame: the index is time in s, a column for each element, units in `attrs["units"]`."""
         return frames.to_pandas(self)
 
-    def to_xarray(self) -> Any:
-        """Returns an xarray Dataset: vectors and matrices with their dimensions, units among the attributes."""
+    def to_xarray(self) -> Dataset:
+        """Returns an xarray Dataset: vectors on the shared dimension `axis`, matrices on `row` and `axis`.
+
+        Units are among the attributes.
+        """
         return frames.to_xarray(self)
 
     def _ipython_key_completions_(self) -> list[str]:

@@ -81,9 +81,32 @@ def test_pandas_has_a_column_for_each_element_with_its_type_and_unit():
 
 def test_xarray_has_whole_vectors_with_indices_as_the_fmu_counts():
     data = spinning().to_xarray()
-    assert data["a.w"].dims == ("time", "a.w_1")
-    assert float(data["a.w"].sel({"time": 1.0, "a.w_1": 2})) == 2.0
+    assert data["a.w"].dims == ("time", "axis_2")
+    assert float(data["a.w"].sel({"time": 1.0, "axis_2": 2})) == 2.0
     assert data["a.w"].attrs == {"units": "rad/s", "long_name": "rate"}
+
+
+def test_vectors_in_xarray_share_an_axis_so_that_arithmetic_pairs_their_elements():
+    result = run("scenarios/minimal.yaml", duration="1 s")
+    data = result.to_xarray()
+    apart = data["plant.omega_B"] - data["plant.b_B"]
+    assert apart.dims == ("time", "axis")
+    assert apart.values == pytest.approx(result["plant.omega_B"] - result["plant.b_B"])
+    rate_N = (data["plant.R_NB"] * data["plant.omega_B"]).sum("axis")
+    assert rate_N.values == pytest.approx(np.einsum("nij,nj->ni", result["plant.R_NB"], result["plant.omega_B"]))
+    assert data["plant.q_NB"].dims == ("time", "axis_4")
+
+
+def test_a_signal_is_asked_for_in_a_unit_that_fits():
+    result = spinning()
+    assert result["a.w", "deg/s"] == pytest.approx(np.degrees(result["a.w"]))
+    assert result["a.w[2]", "rpm"] == pytest.approx(result["a.w[2]"] * 60 / (2 * np.pi))
+    with pytest.raises(InputError, match=r"a.w: expected a unit of a.w, which is in 'rad/s', found 'N.m'"):
+        result["a.w", "N.m"]
+    with pytest.raises(InputError, match=r"a.on: expected a unit of a.on"):
+        result["a.on", "s"]
+    with pytest.raises(KeyError, match="'a.v' was not recorded"):
+        result["a.v", "rad/s"]
 
 
 @pytest.mark.parametrize("package", ["pandas", "xarray"])
