@@ -1,7 +1,7 @@
 """Reads CCSDS AEM 1.0 and 2.0, as KVN or XML: the attitude, by quaternions.
 
-In version 1 ATTITUDE_DIR says which frame is turned into which, and QUATERNION_TYPE where the scalar stands; in version
-2 REF_FRAME_A is turned into REF_FRAME_B and the scalar is last.
+In version 1 ATTITUDE_DIR says which frame is turned into which, and QUATERNION_TYPE where the scalar stands.
+In version 2 REF_FRAME_A is turned into REF_FRAME_B and the scalar is last.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _KEPT = ("QUATERNION", "QUATERNION/ANGVEL", "QUATERNION/DERIVATIVE", "QUATERNION
 
 
 def is_aem(path: Path) -> bool:
-    """Whether a file begins as an AEM does."""
+    """Returns whether a file begins as an AEM does."""
     try:
         with path.open("rb") as file:
             head = file.read(2000)
@@ -34,7 +34,7 @@ def is_aem(path: Path) -> bool:
 
 
 def read(path: Path, epoch: str | None = None) -> Motion:
-    """The attitude of a file in the frame that it names, at times from a UTC: by default that of its first row.
+    """Returns the attitude of a file in the frame that it names, at times from a UTC: by default that of its first row.
 
     Raises InputError where it is no AEM, has no quaternions, or has no body frame.
     """
@@ -70,7 +70,7 @@ def read(path: Path, epoch: str | None = None) -> Motion:
 
 
 def _attitude(version: float, segment: Segment, place: str) -> tuple[str, list[str], np.ndarray]:
-    """The inertial frame, the times, and the quaternions of its turn into the body's, scalar first."""
+    """Returns the inertial frame, the times, and the quaternions of its turn into the body's, scalar first."""
     about, rows = segment
     kind = about.get("ATTITUDE_TYPE", "").upper().replace(" ", "_")
     if kind not in _KEPT:

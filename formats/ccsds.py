@@ -1,7 +1,7 @@
 """Writes CCSDS AEM 2.0 (504.0-B-2) and OEM 2.0 (502.0-B-2), as KVN or as XML.
 
-The quaternion of an AEM is that of the rotation of the axes of REF_FRAME_A into those of REF_FRAME_B, so that of x_A =
-q x_B q*, with the scalar last; rates are in deg/s, in REF_FRAME_B. An OEM has km and km/s.
+The quaternion of an AEM is that of the rotation of the axes of REF_FRAME_A into those of REF_FRAME_B, so that of
+x_A = q x_B q*, with the scalar last; rates are in deg/s, in REF_FRAME_B. An OEM has km and km/s.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class _Message:
 
 
 def aem(motion: Motion, labels: Labels, xml: bool) -> str:
-    """The attitude as an AEM. With rates its type is QUATERNION/ANGVEL, else QUATERNION."""
+    """Returns the attitude as an AEM. With rates its type is QUATERNION/ANGVEL, else QUATERNION."""
     q = np.roll(motion.q, -1, axis=1)
     rates = motion.rate
     times = motion.instants.utc()
@@ -59,13 +59,14 @@ def aem(motion: Motion, labels: Labels, xml: bool) -> str:
         ("ATTITUDE_TYPE", "QUATERNION" if rates is None else "QUATERNION/ANGVEL"),
         *([] if rates is None else [("ANGVEL_FRAME", BODY)]),
     ]
-    order = "COMMENT OBJECT_NAME OBJECT_ID CENTER_NAME REF_FRAME_A REF_FRAME_B TIME_SYSTEM START_TIME STOP_TIME ATTITUDE_TYPE ANGVEL_FRAME"
+    order = "COMMENT OBJECT_NAME OBJECT_ID REF_FRAME_A REF_FRAME_B TIME_SYSTEM START_TIME STOP_TIME"
+    order += " ATTITUDE_TYPE ANGVEL_FRAME"
     rows = q if rates is None else np.column_stack([q, np.degrees(rates)])
     return _text(_message("aem", "2.0", labels, _sorted(metadata, motion, order), times, rows, _attitude), xml)
 
 
 def oem(motion: Motion, labels: Labels, xml: bool) -> str:
-    """The orbit as an OEM. Raises InputError where position or velocity were not recorded."""
+    """Returns the orbit as an OEM. Raises InputError where position or velocity were not recorded."""
     if motion.position is None or motion.velocity is None:
         place = Place("--velocity" if motion.velocity is None else "--position")
         raise InputError(Problem("an OEM needs position and velocity", remedy="record both", place=place))

@@ -1,5 +1,4 @@
-"""From a run to a file of another format, from an attitude ephemeris to a scenario's timeline, and from both to their
-difference."""
+"""Takes a run to a file of another format, an attitude ephemeris to a timeline, and both to their difference."""
 
 from __future__ import annotations
 
@@ -97,7 +96,7 @@ def difference(
     ephemeris: Path,
     ports: Ports = Ports(),  # noqa: B008  (it is frozen)
 ) -> Difference:
-    """The angle between the attitude of a run and that of an AEM, which is interpolated by SLERP.
+    """Returns the angle between the attitude of a run and that of an AEM, which is interpolated by SLERP.
 
     Raises InputError where they have no instant in common.
     """
@@ -133,9 +132,8 @@ def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) 
     course: Motion = in_frame(read(ephemeris, zero), "N")
     last = loaded.duration - loaded.step
     times = course.instants.time
-    steps = np.ceil(
-        times / loaded.step - 1e-9
-    )  # a value acts from the next step on; of several for one the first counts
+    # A value acts from the next step on; of several for one step the first counts.
+    steps = np.ceil(times / loaded.step - 1e-9)
     kept = np.unique(steps, return_index=True)[1]
     kept = kept[(steps[kept] >= 0) & (steps[kept] * loaded.step <= last)]
     if not len(kept):

@@ -1,5 +1,4 @@
-"""Writes a run as MCAP with the Protobuf schemas of Foxglove: frames, pose, a body to look at, and all signals to
-plot."""
+"""Writes a run as MCAP with Foxglove's Protobuf schemas: frames, pose, a body to look at, all signals to plot."""
 
 from __future__ import annotations
 
@@ -62,7 +61,7 @@ def write(data: Recorded, motion: Motion, path: Path) -> None:
 
 
 def _message(block: str, names: list[str]) -> Any:
-    """A Protobuf class with a list of doubles for each signal of a block."""
+    """Returns a Protobuf class with a list of doubles for each signal of a block."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory  # optional  # noqa: PLC0415
 
     file = descriptor_pb2.FileDescriptorProto(name=f"{block}.proto", package="run", syntax="proto3")
@@ -77,8 +76,7 @@ def _message(block: str, names: list[str]) -> Any:
 
 
 def _plain(name: str) -> str:
-    """A name of Protobuf: letters, digits and `_`; any other character by its number, so that no two become the
-    same."""
+    """Returns a name of Protobuf: letters, digits and `_`, any other character by its number."""
     return "".join(c if c.isascii() and (c.isalnum() or c == "_") else f"_x{ord(c):04X}_" for c in name)
 
 
@@ -95,7 +93,7 @@ def _set(place: Any, turn: Any, position: Any, q: Any) -> None:
 
 
 def _lvlh(motion: Motion) -> Any:
-    """(n, 4), x_N = q x_LVLH q*; None without orbit."""
+    """Returns (n, 4), x_N = q x_LVLH q*; None without orbit."""
     if motion.position is None or motion.velocity is None:
         return None
     nadir = -motion.position / np.linalg.norm(motion.position, axis=1, keepdims=True)
@@ -105,7 +103,7 @@ def _lvlh(motion: Motion) -> Any:
 
 
 def _scene(at: int) -> Any:
-    """A cube with the three body axes, of 1 m."""
+    """Returns a cube with the three body axes, of 1 m."""
     from foxglove_schemas_protobuf import SceneUpdate_pb2  # optional  # noqa: PLC0415
 
     update = SceneUpdate_pb2.SceneUpdate()

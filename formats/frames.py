@@ -1,8 +1,7 @@
 """The inertial frames of the formats, and how the frame N of a run is turned into them.
 
-N is the mean equator and equinox of the run's epoch, Greenwich being turned by GMST of IAU 1982. The precession that
-belongs to it is that of IAU 1976 (Lieske), so x_EME2000 = P^T x_N; x_GCRF = B^T x_EME2000 with the frame bias of IAU
-2000.
+N is the mean equator and equinox of the epoch of the run, Greenwich being turned by GMST of IAU 1982. To it belongs
+the precession of IAU 1976 (Lieske), so x_EME2000 = P^T x_N; x_GCRF = B^T x_EME2000 with the frame bias of IAU 2000.
 """
 
 from __future__ import annotations
@@ -21,7 +20,10 @@ _READ = {"J2000": "EME2000", "ICRF": "GCRF", "MOE_EARTH": "N", "MOD_EARTH": "N",
 
 
 def from_N(frame: str, tt: tuple[float, float]) -> NDArray[np.float64]:
-    """The matrix (3, 3) that takes components in N of an epoch (TT, a Julian date in two parts) to those of a frame."""
+    """Returns the matrix (3, 3) that takes components in N of an epoch to those of a frame.
+
+    The epoch is a Julian date of TT in two parts.
+    """
     if frame == "N":
         return np.eye(3)
     to_eme2000 = erfa().pmat76(*tt).T
@@ -32,7 +34,7 @@ def from_N(frame: str, tt: tuple[float, float]) -> NDArray[np.float64]:
 
 
 def named(name: str, place: str) -> str:
-    """Which of `FRAMES` a name of another tool means. Raises InputError for any other."""
+    """Returns which of `FRAMES` a name of another tool means. Raises InputError for any other."""
     known = _READ.get(name.upper(), "GCRF" if name.upper().startswith("GCRF") else None)
     if known is None:
         expected = f"one of {', '.join(sorted({*_READ, 'GCRF'}))}"

@@ -25,7 +25,7 @@ _AHEAD = {"UTC": 0.0, "TAI": 0.0, "TT": 32.184, "TDT": 32.184, "GPS": -19.0}
 
 
 def erfa() -> Any:
-    """The library. Raises InputError where it is missing."""
+    """Returns the library. Raises InputError where it is missing."""
     try:
         import erfa  # optional  # noqa: PLC0415
     except ModuleNotFoundError:
@@ -34,7 +34,7 @@ def erfa() -> Any:
 
 
 def missing(package: str) -> InputError:
-    """What is raised where a package of the extra `formats` is not installed."""
+    """Returns what is raised where a package of the extra `formats` is not installed."""
     return InputError(Problem(f"the package {package} is missing", remedy="pip install 'attitude-cosim[formats]'"))
 
 
@@ -46,7 +46,7 @@ class Instants:
         self._tai0 = tai(epoch, "UTC", place)
 
     def utc(self) -> list[str]:
-        """UTC as `2009-08-10T00:00:00.100000000`, to 1e-9 s."""
+        """Returns UTC as `2009-08-10T00:00:00.100000000`, to 1e-9 s."""
         with _quiet():
             utc = self._erfa.taiutc(self._tai0[0], self._tai0[1] + self.time / DAY)
             y, m, d, part = self._erfa.d2dtf("UTC", 9, *utc)
@@ -54,7 +54,7 @@ class Instants:
         return [f"{y:04d}-{m:02d}-{d:02d}T{h:02d}:{mi:02d}:{s:02d}.{ns:09d}" for y, m, d, h, mi, s, ns in rows]
 
     def unix_ns(self) -> NDArray[np.int64]:
-        """Unix time in ns: that of the epoch plus t, so without the leap seconds of the run."""
+        """Returns Unix time in ns: that of the epoch plus t, so without the leap seconds of the run."""
         with _quiet():
             y, m, d, part = self._erfa.d2dtf("UTC", 9, *self._erfa.taiutc(*self._tai0))
         hour, minute, second, ns = (int(part[name]) for name in "hmsf")
@@ -63,17 +63,20 @@ class Instants:
 
     @property
     def tt0(self) -> tuple[float, float]:
-        """TT of the epoch as a Julian date in two parts."""
+        """Returns TT of the epoch as a Julian date in two parts."""
         return self._erfa.taitt(*self._tai0)
 
     @property
     def tt0_seconds(self) -> float:
-        """TT of the epoch, s since 2000-01-01 12:00 TT."""
+        """Returns TT of the epoch, s since 2000-01-01 12:00 TT."""
         return float((self.tt0[0] - J2000) * DAY + self.tt0[1] * DAY)
 
 
 def tai(text: str, scale: str, place: str) -> tuple[float, float]:
-    """The TAI of a date of ISO 8601 (calendar or day of the year) as a Julian date in two parts. Raises InputError."""
+    """Returns the TAI of a date of ISO 8601 (calendar or day of the year) as a Julian date in two parts.
+
+    Raises InputError.
+    """
     found = _UTC.fullmatch(text.strip())
     if found is None or scale not in _AHEAD:
         expected = f"a date such as 2009-08-10T00:00:00, in {', '.join(_AHEAD)}"
@@ -93,7 +96,7 @@ def tai(text: str, scale: str, place: str) -> tuple[float, float]:
 
 
 def seconds_after(epoch: str, texts: Sequence[str], scale: str, place: str) -> NDArray[np.float64]:
-    """Elapsed seconds (n,) from a UTC to dates in a time scale. Raises InputError."""
+    """Returns elapsed seconds (n,) from a UTC to dates in a time scale. Raises InputError."""
     zero = tai(epoch, "UTC", "epoch")
     others = np.array([tai(text, scale, place) for text in texts])
     return ((others[:, 0] - zero[0]) + (others[:, 1] - zero[1])) * DAY

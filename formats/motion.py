@@ -59,7 +59,7 @@ class Motion:
 
 
 def epoch_of(data: Recorded, name: str) -> str:
-    """The UTC of t = 0: a date, or that of a parameter. Raises InputError."""
+    """Returns the UTC of t = 0: a date, or that of a parameter. Raises InputError."""
     if name[:1].isdigit():
         return name
     block, _, parameter = name.partition(".")
@@ -76,7 +76,7 @@ def epoch_of(data: Recorded, name: str) -> str:
 
 
 def motion(data: Recorded, frame: str, ports: Ports) -> Motion:
-    """The motion of a run in a frame. Raises InputError where a port is missing or is no attitude."""
+    """Returns the motion of a run in a frame. Raises InputError where a port is missing or is no attitude."""
     values = data.signal(ports.attitude, "--attitude")
     if values.shape[1:] == (4,):
         values = rotations(values / np.maximum(np.linalg.norm(values, axis=1, keepdims=True), 1e-300))
@@ -116,7 +116,7 @@ def motion(data: Recorded, frame: str, ports: Ports) -> Motion:
 
 
 def rotations(q: Floats) -> Floats:
-    """The matrices (n, 3, 3) of unit quaternions (n, 4), scalar first."""
+    """Returns the matrices (n, 3, 3) of unit quaternions (n, 4), scalar first."""
     w, x, y, z = q.T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -127,13 +127,13 @@ def rotations(q: Floats) -> Floats:
 
 
 def angles(a: Floats, b: Floats) -> Floats:
-    """The angles (n,) rad between two courses of unit quaternions; exact also where they are small."""
+    """Returns the angles (n,) rad between two courses of unit quaternions; exact also where they are small."""
     apart = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
     return 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
 
 
 def resampled(at: Floats, time: Floats, q: Floats) -> Floats:
-    """The quaternions (m, 4) at instants within those of a course, by SLERP between neighbours."""
+    """Returns the quaternions (m, 4) at instants within those of a course, by SLERP between neighbours."""
     right = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     left = right - 1
     share = ((at - time[left]) / (time[right] - time[left]))[:, None]
@@ -149,7 +149,7 @@ def resampled(at: Floats, time: Floats, q: Floats) -> Floats:
 
 
 def in_frame(reference: Motion, frame: str) -> Motion:
-    """The same attitude in another frame; rates in B stay."""
+    """Returns the same attitude in another frame; rates in B stay."""
     turn = from_N(frame, reference.instants.tt0) @ from_N(reference.frame, reference.instants.tt0).T
     return replace(
         reference, frame=frame, q=quaternions((turn @ reference.R).reshape(-1, 9)), position=None, velocity=None

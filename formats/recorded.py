@@ -48,7 +48,7 @@ class Recorded:
 
 
 def recorded(result: RunData | Path) -> Recorded:
-    """The signals of a result, or of the folder of one. Raises InputError where there is none."""
+    """Returns the signals of a result, or of the folder of one. Raises InputError where there is none."""
     if isinstance(result, Path):
         return _of_folder(result)
     signals = {name: np.asarray(values, float) for name, values in result.items()}
@@ -81,7 +81,7 @@ def _of_folder(folder: Path) -> Recorded:
 
 
 def _table(folder: Path) -> tuple[list[str], NDArray[np.float64]]:
-    """The header and the rows of the signals."""
+    """Returns the header and the rows of the signals."""
     path = folder / "signals.parquet"
     if path.exists():
         import pyarrow.parquet  # optional, and slow to import  # noqa: PLC0415

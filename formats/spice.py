@@ -72,7 +72,7 @@ def _pointing(spice: Any, motion: Motion, path: Path, body: str, spacecraft: int
 
 
 def leap_seconds() -> str:
-    """A leap-second kernel: the table of ERFA, and the series by which SPICE makes TDB of TT."""
+    """Returns a leap-second kernel: the table of ERFA, and the series by which SPICE makes TDB of TT."""
     table = erfa().leap_seconds.get()
     rows = [
         f"{row['tai_utc']:.0f}, @{row['year']}-{_MONTHS[row['month'] - 1]}-1" for row in table if row["year"] >= 1972

@@ -68,8 +68,9 @@ def run_campaign(
 ) -> Finished:
     """Flies a campaign's file and returns its verdicts; the rows stand in its folder, `<out>/runs` (Parquet).
 
-    `out` is by default `results/<name>`; what an earlier start flew there is not flown again. `runs` and `seed` take the
-    place of the file's, `overrides` are start values by name. `workers` 0 flies in this process, None in one for each core.
+    `out` is by default `results/<name>`; what an earlier start flew there is not flown again. `runs` and `seed` take
+    the place of the file's, `overrides` are start values by name. `workers` 0 flies in this process, None in one for
+    each core.
     """
     entries = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
     case = read_campaign(Path(campaign), entries, dict(overrides or {}))

@@ -133,7 +133,10 @@ class RunData(Mapping[str, NDArray[Any]]):
         return [self._place[Node(reference.block, Element(variable.name, p))] for p in positions]
 
     def __getitem__(self, key: str | tuple[str, str]) -> NDArray[Any]:
-        """Returns a signal; of `result["plant.h_w", "mN.m.s"]` in that unit. Raises KeyError, and InputError for the unit."""
+        """Returns a signal, of `result["plant.h_w", "mN.m.s"]` in that unit.
+
+        Raises KeyError where it was not recorded, and InputError where the unit does not fit.
+        """
         name, unit = (key, None) if isinstance(key, str) else key
         try:
             reference = Reference(name)

@@ -34,7 +34,7 @@ def to_pandas(result: RunData) -> DataFrame:
 
 
 def to_xarray(result: RunData) -> Dataset:
-    """Returns a Dataset: `time`, and `axis` for vectors of three, counted as the FMU counts; `units` among the attributes.
+    """Returns a Dataset with `time`, `axis` for vectors of three, counted as the FMU counts, and `units` as attributes.
 
     A matrix (3, 3) has `row` and `axis`. Another length is named: `axis_4` of a quaternion; another first index, too.
     Raises InputError where xarray is missing.

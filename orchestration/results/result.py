@@ -35,7 +35,8 @@ class Result(RunData):
     """What a run recorded.
 
     `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
-    `result["plant.omega_B[2]"]` (n,); `result["plant.h_w", "mN.m.s"]` is in that unit; `result.time` (n,). Booleans and whole numbers come as such.
+    `result["plant.omega_B[2]"]` (n,); `result["plant.h_w", "mN.m.s"]` is in that unit; `result.time` (n,).
+    Booleans and whole numbers come as such.
     `result.units["plant.omega_B"]` is the unit.
     """
 

@@ -3,10 +3,18 @@ Java runtime."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import erfa
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.verification.rk4 import angle_between
+from formats.convert import convert
+from formats.frames import from_N
+from formats.instants import Instants
+from formats.recorded import Recorded
 from tests.authorities.registry import authority
 from tests.plant.motion import FULL_INERTIA, checked, command, fly
 
@@ -61,3 +69,50 @@ def orekit_torque_free() -> float:
 
 def _matrix(rotation) -> np.ndarray:
     return np.array([list(row) for row in rotation.getMatrix()])
+
+
+@authority(
+    "Formats",
+    "Attitude of an AEM in GCRF, as Orekit reads it and turns it to its mean equator and equinox of date (IAU 1976)",
+    source="Orekit",
+    unit="rad",
+    tolerance=1e-9,
+    needs="orekit-jpype:orekit_jpype",
+)
+def orekit_aem() -> float:
+    import orekit_jpype
+
+    orekit_jpype.initVM()
+    from java.io import File
+    from org.orekit.data import DataContext, DataSource, DirectoryCrawler
+    from org.orekit.files.ccsds.ndm import ParserBuilder
+    from org.orekit.frames import FramesFactory
+    from org.orekit.time import AbsoluteDate, TimeScalesFactory
+
+    epoch = "2009-08-10T00:00:00"
+    R = Rotation.random(20, random_state=12).as_matrix()
+    data = Recorded("aem", np.arange(20.0), {"plant.R_NB": R}, {}, {"plant": {"epoch": epoch}})
+    with TemporaryDirectory() as folder:
+        (path,) = convert(data, "aem", Path(folder, "a.xml"), frame="GCRF")
+        Path(folder, "tai-utc.dat").write_text("".join(_leap_seconds()), "ascii")
+        DataContext.getDefault().getDataProvidersManager().addProvider(DirectoryCrawler(File(folder)))
+        date = AbsoluteDate(epoch, TimeScalesFactory.getUTC())
+        message = ParserBuilder().buildAemParser().parseMessage(DataSource(str(path)))
+        states = list(message.getSegments().get(0).getData().getAngularCoordinates())
+        to_N = _matrix(FramesFactory.getGCRF().getTransformTo(FramesFactory.getMOD(False), date).getRotation())
+    ours = from_N("GCRF", Instants(epoch, np.zeros(1)).tt0)
+    assert np.allclose(to_N @ ours, np.eye(3), atol=1e-10)
+    assert [state.getDate().durationFrom(date) for state in states] == data.time.tolist()
+    turned = [to_N @ _matrix(state.getRotation()).T for state in states]
+    return max(angle_between(a, b) for a, b in zip(R, turned, strict=True))
+
+
+def _leap_seconds() -> list[str]:
+    """The lines of the US Naval Observatory's tai-utc.dat, which Orekit reads."""
+    months = "JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC".split()
+    return [
+        f" {year} {months[month - 1]}  1 =JD {sum(erfa.cal2jd(year, month, 1)):.1f}  TAI-UTC=  {ahead:.7f} S "
+        "+ (MJD - 41317.) X 0.0      S\n"
+        for year, month, ahead in erfa.leap_seconds.get().tolist()
+        if year >= 1972
+    ]

@@ -1,5 +1,4 @@
-"""AEM and OEM, read back by brahe, which this project did not write. Orekit reads them in
-tests/authorities/orekit.py."""
+"""AEM and OEM, read back by brahe, which this project did not write; tests/authorities/orekit.py has Orekit."""
 
 import re
 
