@@ -33,7 +33,7 @@ __all__ = [
 
 ROOT = Path(__file__).parent
 NAME = "attitude_cosim"
-INSIDE = ("allocator", "controller", "design", "estimator", "fmus", "formats", "plant", "supervisor")
+INSIDE = ("allocator", "controller", "design", "estimator", "fmus", "formats", "inflight", "plant", "supervisor")
 """The packages that stand inside it in a wheel."""
 BUILT = "ATTITUDE_COSIM_FMUS"
 """This variable of the environment names a folder of FMUs, by flavour. One that is made of these very sources is not

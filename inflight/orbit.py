@@ -1,0 +1,145 @@
+"""Position by element sets (SGP4), in N, with the geomagnetic field there and the Earth's shadow.
+
+SGP4 gives TEME: the true equator, the mean equinox. From it to the Earth turns GMST about Z, which is how N turns to the
+Earth in this project, so TEME is taken as N; read as the mean equator and equinox of date, N is off by nutation, 0.005 deg.
+UT1 is taken as UTC (0.9 s at most: 0.4 km along the equator). Tests: tests/inflight/test_orbit.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from sgp4.api import SGP4_ERRORS, Satrec, SatrecArray
+
+from orchestration.errors import InputError, Place, Problem, reason
+from plant import sun
+from plant.geomagnetic import Field
+from plant.orbit import WGS84_FLATTENING, WGS84_RADIUS
+from plant.tables.field_models import from_package
+from plant.time_scales import EARTH_RATE, days_since_j2000, decimal_year, gmst
+
+Floats = NDArray[np.float64]
+
+AGE_MAX = 7.0
+"""Days from the nearest element set beyond which a position is refused."""
+_J2000_JD = 2451545.0
+FIELD_STEP = 10.0
+"""Of the nodes between which the field is interpolated, s; the error is below 1 nT."""
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Where a satellite was, at some instants."""
+
+    epoch: datetime
+    """UTC of t = 0."""
+    t: Floats
+    """(n,) s"""
+    r_N: Floats
+    v_N: Floats
+    """(n, 3) m, m/s"""
+    age: float
+    """Days between the element set and the middle of the instants."""
+
+    @property
+    def gmst(self) -> Floats:
+        """(n,) rad"""
+        return gmst(self.epoch) + EARTH_RATE * self.t
+
+    def sun_N(self) -> Floats:
+        """(n, 3) unit vectors to the Sun, by the plant's model."""
+        days = days_since_j2000(self.epoch) + (self.t + sun.TT_UTC) / 86400.0
+        return _unit(np.array([sun.position(day / 36525.0) for day in days]) - self.r_N)
+
+    def field_N(self, degree: int = 13, model: str = "igrf14") -> Floats:
+        """(n, 3) T: the field along the orbit, by cubic interpolation between nodes."""
+        from scipy.interpolate import CubicSpline  # takes long, and not every command needs it  # noqa: PLC0415
+
+        if np.ptp(self.t) > 4 * FIELD_STEP and len(self.t) > 5:
+            nodes = np.arange(self.t.min(), self.t.max() + FIELD_STEP, FIELD_STEP)
+            at = CubicSpline(self.t, self.r_N)(nodes) if np.all(np.diff(self.t) > 0) else self.r_N
+            return np.asarray(CubicSpline(nodes, self._fields(nodes, at, degree, model))(self.t))
+        return self._fields(self.t, self.r_N, degree, model)
+
+    def _fields(self, t: Floats, r_N: Floats, degree: int, model: str) -> Floats:
+        field = Field(*from_package(model).at(decimal_year(self.epoch)), degree)
+        turn = _about_z(gmst(self.epoch) + EARTH_RATE * t)
+        fixed = np.einsum("nij,nj->ni", turn, r_N)
+        return np.einsum("nji,nj->ni", turn, np.array([field.at(r) for r in fixed]))
+
+    def sunlight(self, air: float = 0.0) -> Floats:
+        """(n,) the part of the Sun that the Earth leaves uncovered: a conical shadow of the ellipsoid, `air` m larger.
+
+        Along Z the space is stretched by 1/(1 - f), which makes a sphere of the ellipsoid.
+        """
+        stretch = np.array((1.0, 1.0, 1.0 / (1.0 - WGS84_FLATTENING)))
+        r, s = self.r_N * stretch, _unit(self.sun_N() * stretch)
+        size = np.linalg.norm(r, axis=1)
+        from_nadir = np.arccos(np.clip(-np.einsum("ni,ni->n", r, s) / size, -1.0, 1.0))
+        edge = np.arcsin((WGS84_RADIUS + air) / size)
+        half = 4.65e-3
+        return np.clip(0.5 + (from_nadir - edge) / (2.0 * half), 0.0, 1.0)
+
+
+def read_elements(path: Path) -> list[Satrec]:
+    """Returns the element sets of a file of two-line elements, names between them or not. Raises InputError."""
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read: {reason(error)}") from None
+    sets = []
+    for number, line in enumerate(lines, start=1):
+        if not line.startswith("1 "):
+            continue
+        second = lines[number].rstrip() if number < len(lines) else ""
+        for at, text in ((number, line.rstrip()), (number + 1, second)):
+            if len(text) != 69 or not _sum_is_right(text):
+                text = "expected a line of 69 characters with its check sum, as NORAD's elements have"
+                raise InputError(Problem(text, place=Place(str(path), at)))
+        sets.append(Satrec.twoline2rv(line, second))
+    if not sets:
+        raise InputError(f"{path}: expected two-line element sets, found none")
+    return sets
+
+
+def _sum_is_right(line: str) -> bool:
+    return line[68].isdigit() and sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10 == int(line[68])
+
+
+def orbit_at(sets: Sequence[Satrec], epoch: datetime, t: Floats) -> Orbit:
+    """Returns the orbit at times t (n,), s from an epoch in UTC, by the nearest element set. Raises InputError."""
+    jd = _J2000_JD + days_since_j2000(epoch)
+    middle = jd + float(np.median(t)) / 86400.0
+    nearest = min(sets, key=lambda s: abs(s.jdsatepoch + s.jdsatepochF - middle))
+    age = middle - nearest.jdsatepoch - nearest.jdsatepochF
+    if not abs(age) <= AGE_MAX:
+        raise InputError(
+            f"the nearest element set is {abs(age):.1f} days from {epoch:%Y-%m-%dT%H:%M:%SZ}; expected at most {AGE_MAX:g}"
+        )
+    whole = np.floor(jd)
+    e, r, v = SatrecArray([nearest]).sgp4(np.full(len(t), whole), jd - whole + t / 86400.0)
+    if e.any():
+        raise InputError(f"SGP4 refuses the element set: {SGP4_ERRORS[int(e[e > 0][0])]}")
+    return Orbit(epoch, t, 1e3 * r[0], 1e3 * v[0], age)
+
+
+def instant(tai: float) -> datetime:
+    """Returns the UTC of seconds of TAI since 1970-01-01, as a record counts them."""
+    from orchestration.telemetry.times import unix  # noqa: PLC0415
+
+    return datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=unix(tai))
+
+
+def _about_z(angle: Floats) -> Floats:
+    """(n, 3, 3): from N to the Earth."""
+    c, s, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+    return np.array([[c, s, zero], [-s, c, zero], [zero, zero, zero + 1.0]]).transpose(2, 0, 1)
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -1,0 +1,52 @@
+"""The bank finds the attitude from any start and gyro scale, and reports what fits as well."""
+
+import numpy as np
+import pytest
+
+from evidence.flight_data.synthetic import FACES, angle, spinning
+from inflight.attitude import attitudes
+from inflight.bank import Noise, exp, right_jacobian
+from inflight.gyro import spin
+
+NOISE = Noise(field=5e-7)
+
+
+def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias():
+    flight, R, B, omega = spinning(5, 1000, scale=0.012, bias=(0.02, 0.0, -0.01))
+    found = attitudes(flight, flight.m, B, NOISE)
+    assert found.unique.any(), found.verdict()
+    assert np.degrees(angle(R, found.R)[-300:]).max() < 5.0
+    seen = spin(flight, found, NOISE)
+    axis = omega / np.linalg.norm(omega)
+    true = (flight.omega.mean(axis=0) - omega) @ axis
+    assert abs(seen.along - true) < 1e-3  # rad/s, of 0.013
+    assert seen.along_sigma < 5e-4
+
+
+def test_an_attitude_that_is_called_unique_is_right_and_one_that_is_wrong_is_reported():
+    wrong = 0
+    for seed in range(4):
+        flight, R, B, _ = spinning(seed, 300, scale=0.01 * (-1) ** seed)
+        found = attitudes(flight, flight.m, B, NOISE)
+        off = np.degrees(angle(R, found.R)[-1])
+        assert off < 10.0 or not found.unique[-1]
+        wrong += off > 10.0
+    assert wrong  # five minutes do not tell a spin from its mirror image every time
+
+
+def test_currents_end_the_ambiguity():
+    flight, R, B, _ = spinning(1, 200, scale=0.01)
+    by_field = attitudes(flight, flight.m, B, NOISE)
+    with_light = attitudes(flight, flight.m, B, NOISE, FACES)
+    assert np.degrees(by_field.ambiguity[-1]) > 20.0
+    assert np.degrees(with_light.ambiguity[-1]) < 10.0
+    assert np.degrees(angle(R, with_light.R)[-1]) < 5.0
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-7, 0.7, np.pi - 1e-9])
+def test_the_right_jacobian_is_the_derivative_of_the_exponential(size):
+    v = size * np.array([[0.6, -0.48, 0.64]])
+    d = 1e-6 * np.array([[0.3, 0.5, -0.7]])
+    wanted = exp(v + d)[0]
+    got = exp(v)[0] @ exp((right_jacobian(v)[0] @ d[0])[None])[0]
+    np.testing.assert_allclose(got, wanted, atol=1e-11)

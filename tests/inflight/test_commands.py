@@ -1,0 +1,63 @@
+"""The commands read a log and say what it shows; wrong files are refused by name."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+import yaml
+from click.testing import CliRunner
+
+from evidence.flight_data.synthetic import spinning
+from inflight.commands import calibrate_, ephemeris, identify_
+
+from .test_orbit import TLE
+
+
+@pytest.fixture
+def log(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    flight, *_ = spinning(3, 700, calibrated=False)
+    (tmp_path / "tle.txt").write_text(TLE)
+    with (tmp_path / "log.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["unix", "wx", "wy", "wz", "mx", "my", "mz"])
+        table = np.column_stack((1693838903 + flight.t, np.degrees(flight.omega), 1e7 * flight.m))
+        writer.writerows(table.tolist())
+    columns = {
+        "omega_B_measured": {"of": ["wx", "wy", "wz"], "unit": "deg/s"},
+        "b_B_measured": {"of": ["mx", "my", "mz"], "unit": "mG"},
+    }
+    entry = {"file": "log.csv", "time": {"column": "unix", "scale": "UTC"}, "columns": columns}
+    path = tmp_path / "log.yaml"
+    path.write_text(yaml.safe_dump({"telemetry": entry, "orbit": {"tle": "tle.txt"}}))
+    return path
+
+
+def test_a_magnetometer_is_calibrated_and_its_result_is_taken_again(log):
+    done = CliRunner().invoke(calibrate_, ["magnetometer", str(log), "--out", "m.json"], catch_exceptions=False)
+    assert "|B| rms 0." in done.output
+    data = json.loads((log.parent / "m.json").read_text())
+    assert set(data) >= {"matrix", "offset", "gain", "covariance", "verdict", "estimator"}
+    again = CliRunner().invoke(calibrate_, ["magnetometer", str(log), "--known", "m.json"], catch_exceptions=False)
+    assert again.exit_code == 0
+
+
+def test_a_gyro_is_calibrated_by_a_spin(log):
+    done = CliRunner().invoke(calibrate_, ["gyro", str(log), "--out", "g.json"], catch_exceptions=False)
+    assert "along the spin" in done.output
+    data = json.loads((log.parent / "g.json").read_text())
+    assert data["verdict"]["bias across the spin and tilt of the magnetometer apart"] == "not shown"
+
+
+def test_a_record_without_nutation_does_not_show_the_inertia(log):
+    done = CliRunner().invoke(identify_, [str(log), "--fit", "30 s"], catch_exceptions=False)
+    assert done.exit_code == 1
+    assert "not shown" in done.output
+
+
+def test_an_ephemeris_is_a_record_for_a_scenario(log):
+    arguments = ["tle.txt", "--start", "2023-09-04T14:48:23Z", "--duration", "60 s", "--out", "orbit.csv"]
+    done = CliRunner().invoke(ephemeris, arguments, catch_exceptions=False)
+    assert "orbit_start: position_velocity" in done.output
+    assert (log.parent / "orbit.csv").read_text().startswith("t,r_N1 [m],r_N2 [m]")
