@@ -140,7 +140,7 @@ def _residual(x: Floats, m: Floats, size: Floats, H: Floats) -> tuple[Floats, Fl
     A[_UPPER] = x[:6]
     v = (H @ x[9:])[:, None] * m - x[6:9]
     b = v @ A.T
-    length = np.linalg.norm(b, axis=1)
+    length = np.maximum(np.linalg.norm(b, axis=1), 1e-9)
     u = b / length[:, None]
     by_A = (u[:, :, None] * v[:, None, :])[:, _UPPER[0], _UPPER[1]]
     back = u @ A
