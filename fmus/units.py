@@ -13,6 +13,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -174,8 +175,12 @@ def _registry() -> Any:
 
 
 def _meant(text: str) -> str:
-    """ "; did you mean 'N.m'?" of the names of two units that are run together, or of one in another case."""
+    """ "; did you mean 'N.m'?" of the names of two units that are run together, of one in another case, or misspelt."""
     found = [*_run_together(text), *(name for name in UNITS if name.casefold() == text.casefold() and name != text)]
+    for name in re.findall(r"[^\W\d_]{3,}", text) if not found else ():
+        turned = [known for known in UNITS if sorted(known) == sorted(name)]  # "dge" is no "dg"
+        if name not in UNITS and (near := turned or get_close_matches(name, UNITS, 1, 0.7)):
+            found.append(text.replace(name, near[0], 1))
     return f"; did you mean {' or '.join(map(repr, found[:3]))}?" if found else ""
 
 

@@ -25,15 +25,15 @@ def _seconds(value: Any, info: ValidationInfo) -> float:
     try:
         return value_in(value, SECOND)
     except QuantityError as error:
-        if (cycles := _cycles(value, info.context)) is not None:
-            return cycles
+        if (counted := cycles(value, info.context)) is not None:
+            return counted
         raise ValueError(f"{error}; expected seconds, {_EXPECTED}") from None
 
 
 _EXPECTED = "text such as '10 min', or a count of what 'cycle' names"
 
 
-def _cycles(value: Any, scenario: Any) -> float | None:
+def cycles(value: Any, scenario: Any) -> float | None:
     """Seconds of "2 orbits", where the scenario's `cycle` is called so; None where it is not, or is not sound."""
     cycle = scenario.get("cycle") if isinstance(scenario, dict) else None
     match = re.fullmatch(r"\s*(\S+)\s*([^\W\d]\w*)\s*", value) if isinstance(value, str) else None
@@ -52,8 +52,8 @@ def _cycles(value: Any, scenario: Any) -> float | None:
 def _in_seconds(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, list):
         return [_in_seconds(item, info) for item in value]
-    cycles = _cycles(value, info.context)
-    return value if cycles is None else f"{cycles!r} s"
+    counted = cycles(value, info.context)
+    return value if counted is None else f"{counted!r} s"
 
 
 Counted = BeforeValidator(_in_seconds)

@@ -10,6 +10,7 @@ from typing import Any
 from ..errors import Problems, hint
 from ..fmu.model import Model, Variable
 from ..scenario.scenario import Scenario
+from ..scenario.source import Key
 from .starts import Start
 
 
@@ -23,19 +24,45 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
         if name.variable in model.lacks
     ]
     stated: dict[tuple[int, str], dict[str, list[_Stated]]] = {}
-    places = _places(scenario)
+    places, meant = _places(scenario), _meant(scenario, models)
     for block, model in models.items():
         values = {**model.starts, **{start.element: start.value for start in starts[block]}}
         for variable in model.of("parameter"):
             name = variable.quantity
             known = all(element in values for element in variable.elements)
-            if name is None or not known or {name, variable.name} & set(scenario.blocks[block].differs):
+            if name is None or not known or {name, variable.name} & meant[block]:
                 continue
             one = _Stated(block, variable, [values[element] for element in variable.elements])
             groups = stated.setdefault((places[block], name), {})
             alike = next((g for g in groups.values() if g[0].agrees(one)), None)
             groups.setdefault(one.label if alike is None else alike[0].label, []).append(one)
     return found + [_sentence(name, list(groups.values())) for (_, name), groups in stated.items() if len(groups) > 1]
+
+
+def _meant(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, set[str]]:
+    """Returns by block which names under its `differs` hold.
+
+    Those of a file that this one extends speak of the values there: they hold no more where one is given above it.
+    """
+    source = scenario.source
+
+    def stands_here(key: Key | None) -> bool:
+        return key is not None and (key in source.options or source.files.get(key) in (None, source.file))
+
+    above = set[str]()
+    for block, model in models.items():
+        given = scenario.given(block)
+        for variable in model.of("parameter"):
+            if variable.quantity and stands_here(given.get(variable.name) or given.get(variable.quantity)):
+                above |= {variable.quantity, variable.name}
+    return {
+        block: {
+            name
+            for number, name in enumerate(entry.differs)
+            if name not in above or stands_here(("blocks", block, "differs", number))
+        }
+        for block, entry in scenario.blocks.items()
+    }
 
 
 def _check(scenario: Scenario, models: Mapping[str, Model]) -> None:

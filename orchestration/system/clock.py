@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..fmu.model import Floats
 from ..scenario.scenario import Scenario
+from ..scenario.types import cycles
 
 EXACT = 2**53
 """Whole numbers below it are exact as doubles."""
@@ -61,12 +62,10 @@ def clock(scenario: Scenario) -> tuple[Clock, list[str]]:
     step = Fraction(repr(scenario.step))
     steps, exact = steps_to(scenario, scenario.duration)
     notes = []
-    if not exact:
-        end = float(steps * step)
-        notes.append(
-            f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; the run ends at "
-            f"{end:.10g} s"
-        )
+    # One that is counted in cycles seldom is a multiple, and is not meant to be.
+    if not exact and cycles(scenario.source.data["duration"], scenario.source.data) is None:
+        end = f"the run ends at {float(steps * step):.10g} s"
+        notes.append(f"{scenario.duration:.10g} s is no multiple of the step, {scenario.step:.10g} s; {end}")
     if steps >= EXACT:
         message = f"{scenario.duration:.10g} s are more than {EXACT:.1g} steps of {scenario.step:.6g} s"
         raise InputError(scenario.error(("duration",), message))

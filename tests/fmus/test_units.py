@@ -182,6 +182,8 @@ def test_a_power_of_a_power_is_not_computed(name: str) -> None:
     ("name", "told"),
     [
         ("KM", "unknown unit 'KM'; did you mean 'km'?"),
+        ("dge/s", "unknown unit 'dge/s'; did you mean 'deg/s'?"),
+        ("N.m/rda", "unknown unit 'N.m/rda'; did you mean 'N.m/rad'?"),
         ("NT", "unknown unit 'NT'; did you mean 'N.T' or 'nT'?"),
         ("gm", "unknown unit 'gm'; did you mean 'g.m' or 'Gm'?"),
         ("Pas", "the unit 'Pas' would be read as 'pascal'; did you mean 'Pa.s'?"),

@@ -89,6 +89,16 @@ def test_a_duration_that_is_no_multiple_of_the_step_runs_to_the_next_step_and_sa
     assert result.warnings == ["0.25 s is no multiple of the step, 0.1 s; the run ends at 0.3 s"]
 
 
+def test_a_duration_that_is_counted_in_cycles_runs_to_the_next_step_without_a_word():
+    result = run(
+        [ramp("plant")],
+        {"step": 0.1, "duration": "2 turns", "cycle": {"name": "turns", "period": 0.123}},
+        start={"plant": {"u": 0}},
+    )
+    assert result.time[-1] == 0.3
+    assert result.warnings == []
+
+
 def test_a_block_at_a_multiple_of_the_base_step_is_stepped_over_all_of_it_when_it_has_passed():
     blocks = [ramp("plant"), law("first"), law("second")]
     result = run(blocks, {"step": 0.1, "duration": 2.0, "connections": CHAIN}, every={"first": 5})

@@ -61,6 +61,23 @@ def test_a_shared_value_that_one_block_refuses_is_told_with_the_block():
     assert str(told).endswith(": shared.dipole_max: allocator refuses it: expected less than 1, found 25")
 
 
+def test_what_an_extended_file_means_to_differ_is_told_where_values_of_this_one_stand_apart(tmp_path):
+    lower = tmp_path / "lower.yaml"
+    lower.write_text(f"extends: {FLIGHT}\nblocks: {{allocator: {{differs: [dipole_max], start: {{dipole_max: 9}}}}}}\n")
+    assert notes(lower) == []
+    assert notes(lower, dipole_max=3) == []  # this file says so itself
+    upper = tmp_path / "upper.yaml"
+    upper.write_text("extends: lower.yaml\nname: upper\n")
+    assert notes(upper) == []
+    (told,) = notes(upper, dipole_max=3)
+    assert "allocator.dipole_max = 9 A.m2" in told
+    upper.write_text("extends: lower.yaml\nname: upper\nshared: {dipole_max: 3 A.m2}\n")
+    (told,) = notes(upper)
+    assert "allocator.dipole_max = 9 A.m2" in told
+    upper.write_text(upper.read_text() + "blocks: {allocator: {differs: [dipole_max]}}\n")
+    assert notes(upper) == []
+
+
 def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_and_manifest(tmp_path):
     done = CliRunner().invoke(
         main, [str(PAPER), "--set", "plant.dipole_max=10 A.m2", "--duration", "1", "--out", str(tmp_path)]
