@@ -24,6 +24,7 @@ try:
     from ..margins.inject import Rig
     from ..margins.measure import LONGEST, measure
     from ..margins.report import HEADER, Found
+    from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
     from ..margins.site import site
 except ModuleNotFoundError as missing:
     _MISSING = missing.name
@@ -36,6 +37,7 @@ else:
     epilog=examples(
         "orchestrate margins loop.yaml --at allocator.tau_cmd_B",
         "orchestrate margins loop.yaml --at plant.wheel_torque_cmd --when '3000 s' --out results/margins",
+        "orchestrate margins loop.yaml --at plant.wheel_torque_cmd --change delay=0..20 --change plant.J_B=1..5",
     ),
 )
 @click.argument("scenario", type=PATH)
@@ -43,6 +45,21 @@ else:
 @click.option("--at", "ports", multiple=True, required=True, metavar="BLOCK.PORT", help="Where the loop is opened.")
 @click.option("--when", metavar="T", help="When the injection begins; default: the scenario's duration.")
 @click.option("--window", metavar="T", help="Longest time that is looked at after a pulse.")
+@click.option(
+    "--change",
+    "changed",
+    multiple=True,
+    metavar="NAME=FROM..TO",
+    help="Seek the least change that loses the loop: gain, delay (s), or a factor on block.parameter; may be repeated.",
+)
+@click.option(
+    "--lost",
+    "criterion",
+    type=click.Choice(["pulse", "expectations"]),
+    default="pulse",
+    show_default=True,
+    help="Lost is a loop in which a pulse grows, or whose expectations fail.",
+)
 @out_folder("Folder for table, plot and data; default: results/NAME-margins.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
 @click.pass_context
@@ -53,6 +70,8 @@ def command(
     ports: tuple[str, ...],
     when: str | None,
     window: str | None,
+    changed: tuple[str, ...],
+    criterion: str,
     out: Path | None,
     json_: bool,
 ) -> None:
@@ -74,7 +93,12 @@ def command(
         begin = seconds("--when", when, loaded.duration)
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
         longest = seconds("--window", window, LONGEST * rig.period)
+        changes_ = [Change.of(text) for text in changed]
         found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
+        if not found.response.refused:
+            window_ = 3 * found.response.settling + 256
+            holds = pulse_dies_out(rig, window_) if criterion == "pulse" else expectations_are_met(rig)
+            found.searched.extend(lost(rig, one, holds) for one in changes_)
     if not found.response.refused:
         _write(found, target)
     if json_:
@@ -114,6 +138,8 @@ def _print(found: Found, folder: Path) -> None:
         return
     say(f"{found.name}: loop opened at {', '.join(response.labels)} from {found.when:g} s", bold=True)
     say_table(HEADER, found.rows())
+    for line in found.lines():
+        say(line)
     low, high, error = response.omega[0], response.omega[-1], 100 * response.error.max()
     say(
         f"{response.flights} flights, {low:.3g} to {high:.3g} rad/s, response within {error:.2g} %; written to {folder}"

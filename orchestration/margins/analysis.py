@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize
+from scipy.optimize import linear_sum_assignment, minimize
 
 from ..fmu.model import Floats
 from .excitation import Complex
@@ -99,6 +99,30 @@ def margins(omega: Floats, L: Complex) -> Margins:
         min(phases, key=_value, default=NONE),
         min(delays, key=_value, default=NONE),
         disk_margin(omega, (1.0 / (1.0 + L))[:, None, None]),
+    )
+
+
+def loci(L: Complex) -> Complex:
+    """Returns the eigenvalues of L (lines, channels, channels) as curves (lines, channels).
+
+    A gain or delay that is the same in all channels makes the loop unstable where it does so for one of them.
+    """
+    curves = np.linalg.eigvals(L)
+    for before, now in pairwise(curves):
+        _, order = linear_sum_assignment(np.abs(before[:, None] - now))
+        now[:] = now[order]
+    return np.asarray(curves)
+
+
+def alike(omega: Floats, L: Complex) -> Margins:
+    """Returns the margins for changes that are the same in all channels; the disk of independent ones."""
+    each = [margins(omega, curve) for curve in loci(L).T]
+    return Margins(
+        min((m.gain_up for m in each), key=_value),
+        max((m.gain_down for m in each), key=_value),
+        min((m.phase for m in each), key=_value),
+        min((m.delay for m in each), key=_value),
+        disk_margin(omega, np.asarray(np.linalg.inv(np.eye(L.shape[1]) + L))),
     )
 
 

@@ -48,6 +48,8 @@ class Response:
     """Peak of what was injected, in the unit of each channel."""
     step: float
     """Seconds from sample to sample."""
+    settling: int = 0
+    """Samples in which the answer to a pulse dies out."""
     flights: int = 0
     warnings: list[str] = field(default_factory=list)
     refused: str = ""
@@ -72,9 +74,9 @@ def measure(rig: Rig, longest: int = LONGEST) -> Response:
     """
     n = len(rig.site.channels)
     answer = Response(rig.site.labels, np.empty(0), np.empty((0, n, n), complex), np.zeros(n), np.zeros(n), rig.period)
-    settling = _settling(rig, answer, longest)
-    if settling:
-        _respond(rig, answer, settling)
+    answer.settling = _settling(rig, answer, longest)
+    if answer.settling:
+        _respond(rig, answer, answer.settling)
     answer.flights = rig.flights
     return answer
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +16,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..errors import writing
-from .analysis import Crossing, Margins, disk, disk_margin, margins
+from .analysis import Crossing, Margins, alike, disk, margins
 from .measure import Response
+from .search import Lost
 
 HEADER = ("channel", "gain up", "gain down", "phase", "delay", "disk margin", "gains for certain", "phases for certain")
+"""Of the last row, all channels at once: gain, phase and delay are the same in all, disk margins independent."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,9 @@ class Found:
     """s"""
     response: Response
     each: Sequence[Margins] = ()
-    together: Crossing | None = None
-    """The disk margin of all channels at once."""
+    together: Margins | None = None
+    """Those for changes that are the same in all channels, and the disk margin of independent ones."""
+    searched: list[Lost] = field(default_factory=list)
 
     @staticmethod
     def of(name: str, when: float, response: Response) -> Found:
@@ -40,24 +43,33 @@ class Found:
         if response.refused:
             return Found(name, when, response)
         loops = [margins(response.omega, response.loops[:, i]) for i in range(len(response.labels))]
-        return Found(name, when, response, loops, disk_margin(response.omega, response.S))
+        return Found(name, when, response, loops, alike(response.omega, response.L))
 
     def rows(self) -> list[tuple[str, ...]]:
         """Returns the lines of the table under HEADER."""
-        rows: list[tuple[str, ...]] = [
-            (
-                label,
-                _gain(m.gain_up),
-                _gain(m.gain_down),
-                _at(m.phase, math.degrees(m.phase.value), "deg"),
-                _at(m.delay, m.delay.value, "s"),
-                *_disk(m.disk),
-            )
-            for label, m in zip(self.response.labels, self.each, strict=False)
-        ]
-        if self.together is not None and len(rows) > 1:
-            rows.append(("all at once", "", "", "", "", *_disk(self.together)))
+        named = [*zip(self.response.labels, self.each, strict=False)]
+        if self.together is not None and len(named) > 1:
+            named.append(("all at once", self.together))
+        rows: list[tuple[str, ...]] = []
+        for label, m in named:
+            phase = _at(m.phase, math.degrees(m.phase.value), "deg")
+            row = label, _gain(m.gain_up), _gain(m.gain_down), phase, _at(m.delay, m.delay.value, "s")
+            rows.append((*row, *_disk(m.disk)))
         return rows
+
+    def lines(self) -> list[str]:
+        """Returns what the searches found, beside what the margins say of the same change."""
+        said = []
+        for one in self.searched:
+            change = one.change
+            text = f"{change.name}: holds at {one.holds:.4g}, "
+            text += f"lost at {one.lost:.4g}" if math.isfinite(one.lost) else "the end of the span"
+            if self.together is not None and change.name in ("gain", "delay"):
+                m, up = self.together, change.end > change.start
+                margin = m.delay if change.name == "delay" else m.gain_up if up else m.gain_down
+                text += f"; margin of all channels alike {margin.value:.4g}" if margin.omega == margin.omega else ""
+            said.append(f"{text} ({one.flights} flights)")
+        return said
 
     def data(self) -> dict[str, Any]:
         """Returns the same for JSON: gains as factors, phases in rad, delays in s, frequencies in rad/s."""
@@ -69,11 +81,14 @@ class Found:
             "warnings": response.warnings,
             "sample": response.step,
             "channels": {
-                label: {key: _pair(getattr(m, key)) for key in ("gain_up", "gain_down", "phase", "delay", "disk")}
-                | {"amplitude": float(response.amplitude[i]), "error": float(response.error[i])}
+                label: _pairs(m) | {"amplitude": float(response.amplitude[i]), "error": float(response.error[i])}
                 for i, (label, m) in enumerate(zip(response.labels, self.each, strict=False))
             },
-            "together": None if self.together is None else {"disk": _pair(self.together)},
+            "searched": [
+                {"name": s.change.name, "holds": s.holds, "lost": s.lost if math.isfinite(s.lost) else None}
+                for s in self.searched
+            ],
+            "together": None if self.together is None else _pairs(self.together),
         }
 
     def save_table(self, path: Path) -> None:
@@ -107,8 +122,8 @@ class Found:
         size.axhline(1.0, color="0.6", lw=0.8)
         phase.axhline(-180.0, color="0.6", lw=0.8)
         if self.together is not None:
-            label = f"least for all at once: {self.together.value:.3g}"
-            disks.axhline(self.together.value, color="k", ls="--", lw=0.8, label=label)
+            label = f"least for all at once: {self.together.disk.value:.3g}"
+            disks.axhline(self.together.disk.value, color="k", ls="--", lw=0.8, label=label)
             disks.legend(loc="upper left")
         size.legend(loc="lower left")
         size.set(
@@ -137,5 +152,9 @@ def _disk(c: Crossing) -> tuple[str, str, str]:
     return f"{c.value:.4g} at {c.omega:.3g} rad/s", f"+-{high}", f"+-{math.degrees(sure.phase):.3g} deg"
 
 
-def _pair(c: Crossing) -> dict[str, float | None]:
-    return {key: v if math.isfinite(v) else None for key, v in (("value", c.value), ("omega", c.omega))}
+def _pairs(m: Margins) -> dict[str, Any]:
+    crossings = ((key, getattr(m, key)) for key in ("gain_up", "gain_down", "phase", "delay", "disk"))
+    return {
+        name: {key: v if math.isfinite(v) else None for key, v in (("value", c.value), ("omega", c.omega))}
+        for name, c in crossings
+    }

@@ -1,0 +1,155 @@
+"""Seeks the least change that loses a loop, by bisection on flights.
+
+Either the answer to a pulse grows, or an expectation of the scenario fails that is met without the change. A change is a
+factor on the signal at the rig's site (`gain`), a delay of it, or a factor on a parameter.
+
+Tests: tests/orchestration/margins/test_search.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BlockError, InputError, Place, Problem
+from ..expectations.outcomes import ExpectationObserver
+from ..fmu.model import NameUnknown
+from ..scenario.references import Reference
+from ..system.starts import Start
+from .inject import Altered, Rig
+
+CLOSE = 0.02
+"""Where the bisection ends: the two ends beside their mean."""
+_PULSE = 1e-3
+"""Beside the channel's largest value."""
+Holds = Callable[[Altered, dict[str, list[Start]]], bool]
+
+
+@dataclass(frozen=True)
+class Change:
+    """What is changed, from the value at which the loop is known to hold."""
+
+    name: str
+    """`gain`, `delay` (s), or a parameter as `block.parameter`."""
+    start: float
+    end: float
+
+    @staticmethod
+    def of(text: str) -> Change:
+        """Reads `delay=0..20`, `gain=1..0.1` or `plant.J_B=1..10`. Raises InputError."""
+        name, _, span = (part.strip() for part in text.partition("="))
+        try:
+            start, end = (float(part) for part in span.split(".."))
+        except ValueError:
+            start = end = math.nan
+        least = 0.0 if name == "delay" else 1e-9
+        if not (name and least <= start < 1e9 and least <= end < 1e9 and start != end):
+            raise InputError(
+                Problem(expected="NAME=FROM..TO with two numbers", found=repr(text), place=Place(f"--change {text}"))
+            )
+        return Change(name, start, end)
+
+
+@dataclass(frozen=True)
+class Lost:
+    """The end of a search."""
+
+    change: Change
+    holds: float
+    """The largest change that was seen to hold."""
+    lost: float
+    """The least that was seen to lose it; infinite where the end of the span holds."""
+    flights: int
+
+
+def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
+    """Returns between which values of a change the loop is lost. Raises InputError where it does not hold at the start."""
+    before = rig.flights
+
+    def held(value: float) -> bool:
+        return holds(*_applied(rig, change, value))
+
+    place = Place(f"--change {change.name}")
+    if not held(change.start):
+        raise InputError(Problem(f"the loop does not hold at {change.start:g}, where it should", place=place))
+    good, bad = change.start, change.end
+    if held(bad):
+        return Lost(change, bad, math.inf, rig.flights - before)
+    step = rig.session.opened.plan.clock.step if change.name == "delay" else 0.0
+    while abs(bad - good) > max(CLOSE * 0.5 * (good + bad), 1.01 * step):
+        middle = math.sqrt(good * bad) if good > 0.0 and change.name != "delay" else 0.5 * (good + bad)
+        good, bad = (middle, bad) if held(middle) else (good, middle)
+    return Lost(change, good, bad, rig.flights - before)
+
+
+def pulse_dies_out(rig: Rig, samples: int) -> Holds:
+    """Returns whether a pulse at the site is answered by less at the end of the window than at its beginning."""
+
+    def holds(altered: Altered, starts: dict[str, list[Start]]) -> bool:
+        still = np.zeros((samples, len(rig.site.channels)))
+        pulse = still.copy()
+        pulse[0] = _PULSE * np.maximum(rig.peaks, 1e-12)
+        try:
+            answer = np.abs(rig.fly(pulse, altered, starts=starts) - rig.fly(still, altered, starts=starts)).max(axis=1)
+        except BlockError as error:
+            if error.time is None:
+                raise  # a value that the FMU refuses says nothing of the loop
+            return False
+        first, *_, last = (float(np.abs(part).mean()) for part in np.array_split(answer, 4))
+        return last < first
+
+    return holds
+
+
+def expectations_are_met(rig: Rig) -> Holds:
+    """Returns whether a flight of the scenario's length meets every expectation."""
+    plan = rig.session.opened.plan
+    nodes = list(dict.fromkeys(node for check in plan.checks for node in check.needed))
+    samples = max(plan.clock.steps - rig.first, 0) // rig.site.hold
+
+    def holds(altered: Altered, starts: dict[str, list[Start]]) -> bool:
+        observers = [ExpectationObserver(check) for check in plan.checks]
+        try:
+            rig.fly(np.zeros((samples, len(rig.site.channels))), altered, observers, nodes, starts)
+        except BlockError as error:
+            if error.time is None:
+                raise
+            return False
+        return all(observer.outcome(False).passed for observer in observers)
+
+    return holds
+
+
+def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, dict[str, list[Start]]]:
+    plan = rig.session.opened.plan
+    if change.name == "gain":
+        return Altered(gain=value), plan.starts
+    if change.name == "delay":
+        return Altered(delay=round(value / plan.clock.step)), plan.starts
+    return Altered(), {**plan.starts, **_scaled(rig, change.name, value)}
+
+
+def _scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
+    """Returns the start values of a block with one parameter, or an element of it, multiplied. Raises InputError."""
+    plan, place = rig.session.opened.plan, Place(f"--change {name}")
+    try:
+        reference = Reference(name)
+        model = plan.models.get(reference.block)
+        if model is None:
+            raise NameUnknown(f"there is no block {reference.block!r}; the blocks are {', '.join(plan.models)}")
+        variable, positions = model.find(reference.block, reference.variable, reference.indices, ("parameter",))
+        if variable.type != "real" or variable.causality != "parameter":
+            raise NameUnknown(f"{name} is {variable.kind}, {variable.causality}; expected a real parameter")
+    except (NameUnknown, InputError) as error:
+        raise InputError(Problem(str(error), place=place)) from None
+    given = {start.element: start.value for start in plan.starts[reference.block]}
+    for position in positions:
+        element = variable.elements[position]
+        value = given.get(element, model.starts.get(element))
+        if value is None:
+            raise InputError(Problem(f"the value of {name} is not known; remedy: state it under start", place=place))
+        given[element] = factor * float(value)
+    return {reference.block: [Start(element, value) for element, value in given.items()]}
