@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
+import numpy as np
 
 from ..errors import InputError, Place, Problem, writing
 from ..quantities import SECOND, QuantityError, value_in
@@ -21,7 +24,10 @@ from .paths import PATH
 from .status import EXPECTATION_FAILED
 
 try:
+    from ..margins.floquet import PULSE, coordinates, sensitivity
+    from ..margins.floquet import orbit as floquet
     from ..margins.inject import Rig
+    from ..margins.linear import realized
     from ..margins.measure import LONGEST, measure
     from ..margins.report import HEADER, Found
     from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
@@ -60,6 +66,17 @@ else:
     show_default=True,
     help="Lost is a loop in which a pulse grows, or whose expectations fail.",
 )
+@click.option("--orbit", metavar="T", help="Period of the motion: gives Floquet multipliers instead of margins.")
+@click.option(
+    "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit."
+)
+@click.option(
+    "--sensitivity",
+    "sensitive",
+    multiple=True,
+    metavar="BLOCK.PARAMETER",
+    help="How the largest multiplier depends on this; for --orbit.",
+)
 @out_folder("Folder for table, plot and data; default: results/NAME-margins.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
 @click.pass_context
@@ -72,10 +89,13 @@ def command(
     window: str | None,
     changed: tuple[str, ...],
     criterion: str,
+    orbit: str | None,
+    states: tuple[str, ...],
+    sensitive: tuple[str, ...],
     out: Path | None,
     json_: bool,
 ) -> None:
-    """Measure the stability margins of a loop.
+    """Measure the stability margins of a loop, or its Floquet multipliers.
 
     Small sines are added to the signal at BLOCK.PORT, an input (for it alone) or an output (for all that it feeds), and
     what comes back is compared with a flight without them. Gives gain, phase, delay and disk margins of each element
@@ -92,6 +112,8 @@ def command(
         plan = session.opened.plan
         begin = seconds("--when", when, loaded.duration)
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
+        if orbit is not None:
+            ctx.exit(_multipliers(rig, seconds("--orbit", orbit, 0.0), states, sensitive, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
         changes_ = [Change.of(text) for text in changed]
         found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
@@ -122,12 +144,40 @@ def seconds(option: str, text: str | None, default: float) -> float:
     return value
 
 
+def _multipliers(rig: Rig, period: float, states: Sequence[str], names: Sequence[str], json_: bool) -> int:
+    """Prints the Floquet multipliers; the status is 1 where the state is not seen."""
+    seen = coordinates(rig.session.opened.plan, states)
+    samples = round(period / rig.period)
+    if not states or samples < 2:
+        expected = "--state BLOCK.PORT with --orbit" if not states else "a period of some samples"
+        raise InputError(
+            Problem(expected=expected, found="none" if not states else f"{period:g} s", place=Place("--orbit"))
+        )
+    rig.fly(np.zeros((1, len(rig.site.channels))))  # shows the size of the signals
+    size = PULSE * rig.scales
+    found = floquet(rig, seen, samples, size)
+    slopes = {name: sensitivity(rig, seen, samples, size, name, found) for name in names}
+    if json_:
+        logs = [[log.real, log.imag] for log in found.logs]
+        say_json({"period": found.period, "logs": logs, "rest": found.rest, "sensitivity": slopes})
+    else:
+        say(f"Floquet multipliers over {found.period:g} s, of {', '.join(found.labels)}:", bold=True)
+        for line in found.lines():
+            say(line)
+        for name, slope in slopes.items():
+            say(f"{name} + 1 %: the largest multiplier times {math.exp(0.01 * slope):.4g}")
+    return EXPECTATION_FAILED if found.rest > 0.1 else 0
+
+
 def _write(found: Found, folder: Path) -> None:
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "margins.json").write_text(json.dumps(found.data(), indent=2) + "\n", "utf-8")
         found.figure().savefig(folder / "margins.png", dpi=120)
     found.save_table(folder / "response.csv")
+    model = realized(found.response)
+    for suffix in ("npz", "mat"):
+        model.save(folder / f"model.{suffix}")
 
 
 def _print(found: Found, folder: Path) -> None:

@@ -43,8 +43,11 @@ class Multisine:
         """Returns the frequencies of a response in rad/s, for samples each `step` seconds."""
         return np.asarray(np.geomspace(np.pi / (2 * self.samples), np.pi, POINTS) / step)
 
-    def between(self, response: Complex) -> Complex:
-        """Returns a response (lines, ...) at the frequencies of `frequencies`."""
-        pulse = np.fft.irfft(response, self.samples, axis=0)
+    def pulse(self, response: Complex) -> Floats:
+        """Returns the answer to a pulse of 1 (samples, ...) of a response (lines, ...)."""
+        return np.asarray(np.fft.irfft(response, self.samples, axis=0))
+
+    def between(self, pulse: Floats) -> Complex:
+        """Returns the response whose answer to a pulse this is at the frequencies of `frequencies`."""
         turns = np.outer(self.frequencies(1.0), np.arange(self.samples))
         return np.asarray(np.tensordot(np.exp(-1j * turns), pulse, 1))

@@ -44,6 +44,14 @@ class Rig:
         """Seconds from sample to sample."""
         return self.site.hold * self.session.opened.plan.clock.step
 
+    @property
+    def scales(self) -> Floats:
+        """The size of each channel: the largest value of its port in the first flight, or its nominal one."""
+        channels = self.site.channels
+        ports = [channel.port for channel in channels]
+        largest = {port: max(p for p, of in zip(self.peaks, ports, strict=True) if of == port) for port in ports}
+        return np.array([largest[channel.port] or channel.nominal for channel in channels])
+
     def fly(
         self,
         injected: Floats,

@@ -48,6 +48,8 @@ class Response:
     """Peak of what was injected, in the unit of each channel."""
     step: float
     """Seconds from sample to sample."""
+    pulse: Floats = field(default_factory=lambda: np.empty((0, 0, 0)))
+    """dv/dd: what comes back of a pulse of 1, (samples, channels, channels)."""
     settling: int = 0
     """Samples in which the answer to a pulse dies out."""
     flights: int = 0
@@ -81,20 +83,13 @@ def measure(rig: Rig, longest: int = LONGEST) -> Response:
     return answer
 
 
-def _scales(rig: Rig) -> Floats:
-    """Returns the size of each channel: the largest value so far of its port, or its nominal one."""
-    ports = [channel.port for channel in rig.site.channels]
-    largest = {port: max(p for p, of in zip(rig.peaks, ports, strict=True) if of == port) for port in ports}
-    return np.array([largest[c.port] or c.nominal for c in rig.site.channels])
-
-
 def _settling(rig: Rig, answer: Response, longest: int) -> int:
     """Returns the samples in which the answer to a pulse dies out; 0, with the reason, where it does not."""
     n, count = len(rig.site.channels), _PROBE
     while True:
         base = rig.fly(np.zeros((count, n)))
         pulse = np.zeros((count, n))
-        pulse[0] = 1e-3 * _scales(rig)
+        pulse[0] = 1e-3 * rig.scales
         size = np.abs((rig.fly(pulse) - base) / pulse[0]).max(axis=1)
         if not size.max() > 1e-9:
             answer.refused = "nothing comes back of what is injected: the loop is open here, saturated, or switches"
@@ -123,7 +118,7 @@ def _respond(rig: Rig, answer: Response, settling: int) -> None:
     signal = sine.signal(3 * settling // 2, PERIODS)
     shape = len(signal), n
     base = rig.fly(np.zeros(shape))
-    scales = _scales(rig)
+    scales = rig.scales
     noise = np.abs(rig.fly(np.zeros(shape)) - base).max(axis=0) / scales
     if noise.max() > 0.0:
         answer.warnings.append(
@@ -133,7 +128,8 @@ def _respond(rig: Rig, answer: Response, settling: int) -> None:
         sine.frequencies(rig.period),
         [_column(rig, sine, signal, base, j, scales[j]) for j in range(n)],
     )
-    answer.S = sine.between(np.stack([column.mean for column in columns], axis=2)) + np.eye(n)
+    answer.pulse = sine.pulse(np.stack([column.mean for column in columns], axis=2))
+    answer.S = sine.between(answer.pulse) + np.eye(n)
     answer.amplitude = scales * [column.share for column in columns]
     for j, column in enumerate(columns):
         answer.error[j] = max(column.unlike, column.change)

@@ -91,7 +91,7 @@ def pulse_dies_out(rig: Rig, samples: int) -> Holds:
     def holds(altered: Altered, starts: dict[str, list[Start]]) -> bool:
         still = np.zeros((samples, len(rig.site.channels)))
         pulse = still.copy()
-        pulse[0] = _PULSE * np.maximum(rig.peaks, 1e-12)
+        pulse[0] = _PULSE * rig.scales
         try:
             answer = np.abs(rig.fly(pulse, altered, starts=starts) - rig.fly(still, altered, starts=starts)).max(axis=1)
         except BlockError as error:
@@ -129,10 +129,10 @@ def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, dict[str,
         return Altered(gain=value), plan.starts
     if change.name == "delay":
         return Altered(delay=round(value / plan.clock.step)), plan.starts
-    return Altered(), {**plan.starts, **_scaled(rig, change.name, value)}
+    return Altered(), {**plan.starts, **scaled(rig, change.name, value)}
 
 
-def _scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
+def scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
     """Returns the start values of a block with one parameter, or an element of it, multiplied. Raises InputError."""
     plan, place = rig.session.opened.plan, Place(f"--change {name}")
     try:

@@ -70,3 +70,27 @@ def test_wrong_options_are_refused_with_their_place(loop):
         result = orchestrate("margins", loop, *options)
         assert result.exit_code == 2
         assert message in result.output
+
+
+def test_multipliers_of_the_loop_are_those_of_its_pole(loop):
+    options = ("--at", "motor.voltage", "--when", "1 s", "--orbit", "4 s", "--state", "motor.speed")
+    result = orchestrate("margins", loop, *options, "--sensitivity", "regulator.gain", "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    pole = 1 - GAIN * STEP
+    assert found["logs"] == [[pytest.approx(40 * np.log(pole), rel=1e-6), 0.0]]
+    assert found["rest"] < 1e-6
+    # d(40 log(1 - g h))/d log g
+    assert found["sensitivity"]["regulator.gain"] == pytest.approx(-40 * GAIN * STEP / pole, rel=0.01)
+    assert "of motor.speed" in orchestrate("margins", loop, *options).output
+    refused = orchestrate("margins", loop, *options[:6])
+    assert (refused.exit_code, "expected --state" in refused.output) == (2, True)
+
+
+def test_the_least_change_that_loses_the_loop_stands_beside_its_margin(loop):
+    out = loop.parent / "out"
+    result = orchestrate("margins", loop, "--at", "motor.voltage", "--change", "gain=1..40", "--out", out)
+    assert result.exit_code == 0, result.output
+    (found,) = json.loads((out / "margins.json").read_text())["searched"]
+    assert found["holds"] <= 1.01 * 2 / (GAIN * STEP) <= 1.01 * found["lost"] * 1.01
+    assert "margin of all channels alike 25" in result.output

@@ -21,6 +21,6 @@ def test_the_response_between_the_lines_is_that_of_the_pulse():
     sine, pole = Multisine(128), 0.8
     at = np.exp(2j * np.pi * np.arange(65) / 128)
     z = np.exp(1j * sine.frequencies(1.0))
-    found = sine.between((1 / (at - pole))[:, None])[:, 0]
+    found = sine.between(sine.pulse((1 / (at - pole))[:, None]))[:, 0]
     np.testing.assert_allclose(found, 1 / (z - pole), rtol=1e-9)
     assert sine.frequencies(0.5)[-1] == pytest.approx(2 * np.pi)

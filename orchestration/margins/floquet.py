@@ -1,0 +1,266 @@
+"""Floquet multipliers of a loop along a periodic motion, in coordinates of what is observed of its state.
+
+Flights with small random pulses at the rig's site are compared with each other. From one instant to the next the observed
+difference x moves by x+ = F x + G d, d the pulses of that segment; F and G are what fits all flights best. The multipliers
+are the eigenvalues of the product of all F, by the QR decomposition of each factor, since the product itself may vanish
+beneath the smallest number. Where the observed state is not the whole one, the fit leaves a rest.
+
+A difference of rotations (a 3 by 3 matrix) is the rotation vector of R_a^T R_b; of all else the difference itself.
+
+Tests: tests/orchestration/margins/test_floquet.py, tests/design/test_floquet.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, Place, Problem
+from ..fmu.model import Floats, NameUnknown, Variable
+from ..scenario.references import Reference
+from ..session.plan import Plan
+from ..system.starts import Start
+from ..system.wiring import Node
+from .excitation import Complex
+from .inject import Rig
+from .search import scaled
+
+SEGMENT = 200
+"""Samples from one instant to the next, about."""
+MORE = 4
+"""Flights beyond those that the fit needs."""
+PULSE = 1e-3
+"""Size of the pulses beside the largest value of their port so far."""
+LEAD = 3
+"""Segments with pulses before the first that counts, so that the motion has all directions."""
+CYCLES, FACTORS = 30, 6000
+"""Times that the period is gone through until the subspaces have settled, and factors, at least."""
+_CHANGE = 0.01
+"""Relative change of a parameter for the sensitivity."""
+_APART = 1e-6
+"""Turn of a subspace over a period beneath which it has settled."""
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """The ports that are observed, and their differences between flights."""
+
+    variables: tuple[tuple[str, Variable], ...]
+    """Each with its block."""
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All elements, in order."""
+        return [Node(block, element) for block, variable in self.variables for element in variable.elements]
+
+    @property
+    def labels(self) -> list[str]:
+        """The names of the coordinates."""
+        names = []
+        for block, v in self.variables:
+            if v.shape == (3, 3):
+                names += [f"{block}.{v.name} about {axis}" for axis in "xyz"]
+            else:
+                names += [f"{block}.{v.label(position)}" for position in range(v.size)]
+        return names
+
+    def difference(self, a: Floats, b: Floats) -> Floats:
+        """Returns b - a, (..., coordinates), of observed values (..., elements)."""
+        parts, first = [], 0
+        for _, variable in self.variables:
+            last = first + variable.size
+            one, other = a[..., first:last], b[..., first:last]
+            if variable.shape == (3, 3):
+                shape = (*one.shape[:-1], 3, 3)
+                turn = np.swapaxes(one.reshape(shape), -1, -2) @ other.reshape(shape)
+                odd = 0.5 * (turn - np.swapaxes(turn, -1, -2))
+                vector = np.stack([odd[..., 2, 1], odd[..., 0, 2], odd[..., 1, 0]], axis=-1)
+                sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+                parts.append(
+                    np.where(sine > 1e-12, np.arcsin(np.minimum(sine, 1)) / np.maximum(sine, 1e-300), 1.0) * vector
+                )
+            else:
+                parts.append(other - one)
+            first = last
+        return np.asarray(np.concatenate(parts, axis=-1))
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """The transitions of a loop over a period, and what follows from them."""
+
+    labels: list[str]
+    step: float
+    """Seconds of a segment."""
+    transitions: Floats
+    """(segments, coordinates, coordinates)"""
+    rest: float
+    """What of the observed motion the fit leaves, beside its size: zero where the state is seen whole."""
+    flights: int
+
+    @property
+    def period(self) -> float:
+        """Seconds."""
+        return self.step * len(self.transitions)
+
+    @property
+    def logs(self) -> Complex:
+        """Logarithms of the multipliers, the largest first; the imaginary part is known up to turns."""
+        return logs(self.transitions)
+
+    def lines(self) -> list[str]:
+        """Returns what is told of it: a line for each multiplier, and the verdict."""
+        said = []
+        for log in self.logs:
+            size, rate = log.real / math.log(10), log.real / self.period
+            after = "grows" if rate > 0.0 else "decays"
+            said.append(
+                f"|multiplier| 10^{size:.4g}: {after} at {abs(rate):.4g} 1/s, e-fold in {1 / max(abs(rate), 1e-300):.4g} s"
+            )
+        return [*said, self.verdict]
+
+    @property
+    def decay(self) -> float:
+        """The largest multiplier: the factor by which a disturbance is left after a period, at worst."""
+        return math.exp(min(self.logs[0].real, 700.0))
+
+    @property
+    def verdict(self) -> str:
+        """What can be seen of the state, in words."""
+        if self.rest < 1e-3:
+            return "the observed coordinates are the whole state that matters"
+        if self.rest < 0.1:
+            return f"{100 * self.rest:.2g} % of the motion comes from states that are not observed"
+        return f"{100 * self.rest:.2g} % of the motion is not explained: these multipliers are no result"
+
+
+def coordinates(plan: Plan, names: Sequence[str], option: str = "--state") -> Coordinates:
+    """Returns the coordinates that these ports stand for. Raises InputError."""
+    found = []
+    for text in names:
+        try:
+            reference = Reference(text)
+            if reference.block not in plan.models:
+                raise NameUnknown(f"there is no block {reference.block!r}; the blocks are {', '.join(plan.models)}")
+            variable, _ = plan.models[reference.block].find(reference.block, reference.variable, (), ("output",))
+        except (NameUnknown, InputError) as error:
+            raise InputError(Problem(str(error), place=Place(f"{option} {text}"))) from None
+        if variable.type != "real" or variable.causality != "output" or reference.indices:
+            message = f"{text} is {variable.kind}, {variable.causality}; expected a whole real output"
+            raise InputError(Problem(message, place=Place(f"{option} {text}")))
+        found.append((reference.block, variable))
+    return Coordinates(tuple(found))
+
+
+def orbit(
+    rig: Rig,
+    seen: Coordinates,
+    samples: int,
+    size: Floats,
+    segment: int = SEGMENT,
+    starts: Mapping[str, Sequence[Start]] | None = None,
+    more: int = MORE,
+) -> Orbit:
+    """Returns the transitions over so many samples, in segments of equal length.
+
+    They begin LEAD segments after the rig's instant. `size` is that of the pulses of each channel, in the unit of its port. Raises BlockError where a block fails.
+    """
+    before, channels, n = rig.flights, len(rig.site.channels), len(seen.labels)
+    segments = max(round(samples / segment), 1)
+    length = round(samples / segments)
+    pairs = n + channels + more
+    rng = np.random.default_rng(1)
+    shape = pairs, segments + LEAD, channels
+    pulses = rng.uniform(0.3, 1.0, shape) * rng.choice([-1.0, 1.0], shape)
+    moved = []
+    for given in pulses:
+        injected = np.zeros((shape[1] * length + 1, channels))
+        injected[:-1:length] = given * size
+        plus, minus = (_observed(rig, seen, sign * injected, length, starts) for sign in (1.0, -1.0))
+        moved.append(0.5 * seen.difference(minus, plus))
+    x, pulses = np.array(moved)[:, LEAD:], pulses[:, LEAD:]  # (pairs, segments + 1, coordinates)
+    transitions, unexplained, whole = np.empty((segments, n, n)), np.zeros(n), np.zeros(n)
+    for k in range(segments):
+        known = np.concatenate([x[:, k], pulses[:, k]], axis=1)
+        scale = np.maximum(np.abs(known).max(axis=0), 1e-300)
+        fitted, *_ = np.linalg.lstsq(known / scale, x[:, k + 1], rcond=1e-13)
+        transitions[k] = (fitted / scale[:, None])[:n].T
+        unexplained += ((x[:, k + 1] - (known / scale) @ fitted) ** 2).sum(axis=0)
+        whole += (x[:, k + 1] ** 2).sum(axis=0)
+    rest = float(np.sqrt((unexplained / np.maximum(whole, 1e-300)).max()))
+    return Orbit(seen.labels, length * rig.period, transitions, rest, rig.flights - before)
+
+
+def sensitivity(rig: Rig, seen: Coordinates, samples: int, size: Floats, name: str, nominal: Orbit) -> float:
+    """Returns by how much the logarithm of the largest multiplier changes for a parameter's relative change of one."""
+    starts = {**rig.session.opened.plan.starts, **scaled(rig, name, 1.0 + _CHANGE)}
+    changed = orbit(rig, seen, samples, size, starts=starts)
+    return float((changed.logs[0].real - nominal.logs[0].real) / _CHANGE)
+
+
+def _observed(
+    rig: Rig, seen: Coordinates, injected: Floats, length: int, starts: Mapping[str, Sequence[Start]] | None
+) -> Floats:
+    """Returns the observed elements at the beginning of each segment and at the end of the last, (instants, elements)."""
+    hold, clock = rig.site.hold, rig.session.opened.plan.clock
+    wanted = rig.first + hold * np.arange(0, len(injected), length)
+    keeper = _Keeper(wanted, clock.step, seen.nodes)
+    rig.fly(injected, observers=[keeper], nodes=seen.nodes, starts=starts)
+    return keeper.rows
+
+
+class _Keeper:
+    """An observer that keeps the rows of some base steps."""
+
+    def __init__(self, wanted: NDArray[np.int64], step: float, nodes: Sequence[Node]) -> None:
+        self._wanted, self._step, self._nodes = wanted, step, nodes
+        self.rows = np.full((len(wanted), len(nodes)), np.nan)
+
+    def see(self, time: Floats, values: Mapping[Node, Floats]) -> None:
+        counts = np.round(time / self._step).astype(int)
+        _, here, there = np.intersect1d(counts, self._wanted, assume_unique=True, return_indices=True)
+        for column, node in enumerate(self._nodes):
+            self.rows[there, column] = values[node][here]
+
+
+def logs(transitions: Floats) -> Complex:
+    """Returns the logarithms of the eigenvalues of ... F2 F1 F0, (segments, n, n), the largest first."""
+    n = transitions.shape[1]
+    whole = np.eye(n)
+    for F in transitions:
+        whole = F @ whole
+    values = np.linalg.eigvals(whole)
+    if np.abs(values).min() > 1e-6 * np.abs(values).max():
+        return _sorted(np.log(values.astype(complex)))
+    Q, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(n, n)))
+    for _ in range(max(CYCLES, FACTORS // len(transitions))):
+        for F in transitions:
+            Q, _ = np.linalg.qr(F @ Q)
+    begun, pairs, shifts, sizes = Q, [np.eye(2) for _ in range(n - 1)], np.zeros(n - 1), np.zeros(n)
+    signs = np.ones(n)
+    for F in transitions:
+        Q, R = np.linalg.qr(F @ Q)
+        sizes += np.log(np.maximum(np.abs(np.diagonal(R)), 1e-300))
+        signs *= np.sign(np.diagonal(R))
+        for i in range(n - 1):
+            block = R[i : i + 2, i : i + 2] @ pairs[i]
+            size = max(float(np.abs(block).max()), 1e-300)
+            pairs[i], shifts[i] = block / size, shifts[i] + math.log(size)
+    # Q0^T M Q0 = (Q0^T QN) R, which is triangular but for blocks of two equal sizes.
+    turned = begun.T @ Q
+    found: list[complex] = []
+    while (i := len(found)) < n:
+        if i + 1 < n and abs(turned[i + 1, i]) > _APART:
+            values = np.linalg.eigvals(turned[i : i + 2, i : i + 2] @ pairs[i])
+            found += [complex(np.log(value.astype(complex))) + shifts[i] for value in values]
+        else:
+            found.append(complex(sizes[i], 0.0 if turned[i, i] * signs[i] > 0.0 else math.pi))
+    return _sorted(found)
+
+
+def _sorted(found: Iterable[complex]) -> Complex:
+    return np.array(sorted(found, key=lambda v: (-v.real, v.imag)))

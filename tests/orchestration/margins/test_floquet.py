@@ -1,0 +1,82 @@
+"""Multipliers of loops whose transition over a period is a product of known matrices."""
+
+import numpy as np
+import pytest
+
+from orchestration.errors import InputError
+from orchestration.fmu.model import Variable
+from orchestration.margins.floquet import LEAD, Coordinates, coordinates, logs, orbit
+
+from .loops import law, linear, rig
+
+PERIOD = 40
+TURN = np.array([[0.98, 0.15], [-0.15, 0.98]])
+
+
+def gains(k: int) -> np.ndarray:
+    return np.array([[0.1 + 0.08 * np.sin(2 * np.pi * k / PERIOD), 0.05]])
+
+
+def periodic():
+    plant, count = linear(TURN, np.eye(2)[:, 1:], np.eye(2)), [0]
+
+    def feedback(y):
+        count[0] += 1
+        return -gains(count[0] - 1) @ y
+
+    return [plant, law(feedback, 2)]
+
+
+def test_multipliers_of_a_loop_that_is_periodic_in_time_are_those_of_its_product():
+    loop = rig(periodic, first=50)
+    seen = coordinates(loop.session.opened.plan, ["plant.y"])
+    found = orbit(loop, seen, PERIOD, np.array([1e-3]), segment=4)
+    assert (found.rest < 1e-9, len(found.transitions)) == (True, 10)
+    product = np.eye(2)
+    for k in range(50 + 4 * LEAD, 50 + 4 * LEAD + PERIOD):
+        product = (TURN - np.eye(2)[:, 1:] @ gains(k)) @ product
+    exact = np.linalg.eigvals(product)
+    np.testing.assert_allclose(np.sort(np.abs(np.exp(found.logs))), np.sort(np.abs(exact)), rtol=1e-6)
+    assert found.verdict == "the observed coordinates are the whole state that matters"
+
+
+def test_a_state_that_is_not_observed_is_told():
+    hidden = np.array([[0.9, 0.3, 0.0], [0.0, 0.8, 0.5], [0.1, 0.0, 0.7]])
+    loop = rig(lambda: [linear(hidden, np.eye(3)[:, 2:], np.eye(3)[:2]), law(lambda y: -0.1 * y[:1], 2)])
+    found = orbit(loop, coordinates(loop.session.opened.plan, ["plant.y"]), 40, np.array([1e-3]), segment=2)
+    assert found.rest > 1e-3
+    assert "not observed" in found.verdict or "not explained" in found.verdict
+
+
+def test_multipliers_that_no_double_can_hold_have_logarithms():
+    rng = np.random.default_rng(3)
+    V = rng.normal(size=(4, 4))
+    turn = np.array([[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]])
+    D = np.zeros((4, 4))
+    D[0, 0], D[1:3, 1:3], D[3, 3] = 0.99, 0.5 * turn, -0.01
+    F = V @ D @ np.linalg.inv(V)
+    found = logs(np.tile(F, (500, 1, 1)))
+    np.testing.assert_allclose(found.real, 500 * np.log([0.99, 0.5, 0.5, 0.01]), rtol=1e-8)
+    assert (
+        np.abs(np.exp(1j * found.imag[1]) - np.exp(-500j)) < 1e-6
+        or np.abs(np.exp(1j * found.imag[1]) - np.exp(500j)) < 1e-6
+    )
+
+
+def test_the_difference_of_rotations_is_their_rotation_vector(rng):
+    seen = Coordinates((("plant", Variable("R", "output", shape=(3, 3))), ("plant", Variable("w", "output"))))
+    v = np.array([0.3, -0.2, 0.1])
+    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    angle = np.linalg.norm(v)
+    R, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turned = R @ (np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K)
+    a, b = (np.append(M.ravel(), w) for M, w in ((R, 1.0), (turned, 1.5)))
+    np.testing.assert_allclose(seen.difference(a, b), [*v, 0.5], rtol=1e-12)
+    assert seen.labels == ["plant.R about x", "plant.R about y", "plant.R about z", "plant.w"]
+
+
+def test_a_wrong_state_is_refused():
+    plan = rig(periodic).session.opened.plan
+    for name, message in (("plant.u", "expected a whole real output"), ("plant.z", "plant has no output 'z'")):
+        with pytest.raises(InputError, match=f"--state {name}: .*{message}"):
+            coordinates(plan, [name])
