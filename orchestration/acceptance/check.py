@@ -7,7 +7,6 @@ and the tables of its libraries. A swap fits the ports by the same rules, see `f
 from __future__ import annotations
 
 import re
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from ..scenario.scenario import Scenario
 from ..swap.findings import Finding, Fit
 from ..swap.fit import fit
 from ..swap.own_claims import own_claims
+from ..temporary import temporary
 from . import aliases, feedthrough, inputs, library, references, starts
 
 
@@ -55,9 +55,9 @@ def check(
     if read is None:
         return findings, None
     description, theirs = read
-    with tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True) as folder:
-        zipped.unpack(path, Path(folder), "FMU")
-        library.look(description, theirs, library.files(Path(folder)), findings)
+    with temporary() as folder:
+        zipped.unpack(path, folder, "FMU")
+        library.look(description, theirs, library.files(folder), findings)
     if tolerance is not None and not any(finding.level == "error" for finding in findings):
         references.look(path, theirs, description.defaultExperiment, tolerance, findings)
     if description.fmiVersion == "2.0":

@@ -17,7 +17,7 @@ from ..results.figures import require
 from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..session import run as runner
-from ..session.realtime import pacer
+from ..session.realtime import PRIORITIES, pacer, prioritized
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say
@@ -28,6 +28,7 @@ from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
 from .summary import save, summary
+from .watch import watched
 
 
 @click.command(
@@ -55,6 +56,15 @@ from .summary import save, summary
     default="compiled",
     help="The step loop: compiled C where possible (the default), or Python; the results are the same.",
 )
+@click.option(
+    "--realtime-priority",
+    "priority",
+    is_flag=False,
+    flag_value="80",
+    metavar="[1-99]",
+    type=click.IntRange(PRIORITIES[0], PRIORITIES[-1]),
+    help="Let a run in real time go before all other programs, with its memory locked (Linux, SCHED_FIFO); 80 by default.",
+)
 @click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
 @QUIET
 @click.pass_context
@@ -67,6 +77,7 @@ def command(
     figures: bool,
     open_: bool,
     loop: str,
+    priority: int | None,
     log: bool,
     quiet: bool,
 ) -> None:
@@ -87,15 +98,16 @@ def command(
             refuse_other(target, str(scenario))
 
     progress = Progress(chosen.duration, not quiet)
-    with reserved(target):
+    with watched(chosen), reserved(target):
         with keyboard() if chosen.realtime else nullcontext() as keys:
-            pace_keeper = pacer(chosen, keys)
+            pace_keeper = pacer(chosen, keys, priority)
             if pace_keeper is not None:
                 progress.status = lambda: pace_keeper.status
                 if keys is not None and not quiet:
                     say(KEYS)
             try:
-                result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
+                with prioritized(priority):
+                    result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
             finally:
                 progress.close()
         for block in change.blocks:

@@ -13,14 +13,17 @@ from __future__ import annotations
 import mmap
 import os
 import struct
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 
 from ..fmu.co_simulation import CoSimulation
 from ..fmu.model import Floats, Model
+
+if sys.platform == "linux":
+    import fcntl
 
 STEP, CALL = b"s", b"c"
 DONE, ANSWER = b"d", b"a"
@@ -47,8 +50,8 @@ class Setup:
     library: str
     folder: Path
     """Where it has been unpacked."""
-    memory: Path
-    """The file that is mapped."""
+    memory: Path | int
+    """The file that is mapped, or its descriptor."""
     bytes_max: int | None
     """How much memory it may take beyond what this process has; None for no limit."""
     master: int
@@ -62,14 +65,18 @@ class Closed(Exception):
 class Memory:
     """Mapped by both processes; it outlives a crash, and tells then where it happened."""
 
-    def __init__(self, path: Path, model: Model) -> None:
-        """Maps the file, which is made where there is none. Raises OSError where the disk has no room for it."""
-        elements = sum(variable.size for variable in model.variables.values())
-        size = _HEAD + 2 * 8 * elements  # each may be set and be fetched
-        with path.open("r+b" if path.exists() else "w+b") as file:
-            if os.fstat(file.fileno()).st_size < size:
-                _reserve(file, size)
-            self.map = mmap.mmap(file.fileno(), size)
+    def __init__(self, source: Path | int, model: Model) -> None:
+        """Maps the file, which is made where there is none, or that of a descriptor. Raises OSError where the disk has no
+        room for it.
+        """
+        size = _size(model)
+        if isinstance(source, int):
+            self.map = mmap.mmap(source, size)
+        else:
+            with source.open("r+b" if source.exists() else "w+b") as file:
+                if os.fstat(file.fileno()).st_size < size:
+                    _reserve(file.fileno(), size)
+                self.map = mmap.mmap(file.fileno(), size)
         self.clock = memoryview(self.map)[:16].cast("d")
         self.part = memoryview(self.map)[16:17]
         self.cut = memoryview(self.map)[17:18]
@@ -91,14 +98,33 @@ class Memory:
         self.map[32] = len(text)
 
 
-def _reserve(file: IO[bytes], size: int) -> None:
-    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by
-    SIGBUS."""
+def _size(model: Model) -> int:
+    elements = sum(variable.size for variable in model.variables.values())
+    return _HEAD + 2 * 8 * elements  # each may be set and be fetched
+
+
+def sealed(model: Model) -> int | None:
+    """The descriptor of a file of the right size that nobody can shorten, not even the FMU: a read behind the end of a
+    mapped file ends the process that reads by SIGBUS. None on systems other than Linux. Raises OSError.
+    """
+    if sys.platform != "linux":
+        return None
+    descriptor = os.memfd_create("orchestrate", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    try:
+        _reserve(descriptor, _size(model))
+        fcntl.fcntl(descriptor, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _reserve(file: int, size: int) -> None:
+    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by SIGBUS."""
     if hasattr(os, "posix_fallocate"):
-        os.posix_fallocate(file.fileno(), 0, size)
+        os.posix_fallocate(file, 0, size)
     else:
-        file.write(bytes(size))
-        file.flush()
+        os.write(file, bytes(size))
 
 
 def write(to: int, data: bytes) -> None:

@@ -23,7 +23,7 @@ from ..errors import BlockError, NoRoom
 from ..fmu.archive import Fmu
 from ..fmu.model import Element, Floats, Model
 from ..fmu.zipped import size_text
-from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send
+from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, sealed, send
 from .listener import Listener
 from .process import GRACE, Limits, Process
 from .watchdog import Watchdog
@@ -48,13 +48,17 @@ class IsolatedBlock:
         self._instantiated = self._stepping = False
         home = folder.with_name(f"{folder.name}.home")
         home.mkdir()
-        shared = folder.with_name(f"{folder.name}.memory")
+        shared: Path | int = folder.with_name(f"{folder.name}.memory")
         try:
+            descriptor = sealed(fmu.model)
+            shared = shared if descriptor is None else descriptor
             self._memory = Memory(shared, fmu.model)
         except OSError as error:
             raise NoRoom(f"{name}: the memory shared with its process cannot be made", folder.parent, error) from None
         self._memory.call = "starting its process"
-        self._process = Process(home)
+        self._process = Process(home, [] if descriptor is None else [descriptor])
+        if descriptor is not None:
+            os.close(descriptor)
         self._to, self._from = self._process.to, self._process.source
         self._listener = Listener(name, self._process.errors, verbose)
         self._watchdog = Watchdog(self._process, limits.timeout)

@@ -9,15 +9,14 @@ from __future__ import annotations
 import atexit
 import ctypes as c
 import os
-import shutil
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .. import temporary
 from ..fmu import zipped
 from ..fmu.archive import Fmu
 from ..interrupt import held
@@ -126,7 +125,7 @@ class Own:
         with self._lock:
             if fmu.sha256 not in self._loaded:
                 with held():
-                    folder = Path(tempfile.mkdtemp(prefix="orchestrate-"))
+                    folder = temporary.make()
                     atexit.register(self._remove, folder)
                 resources = (name for name in zipped.names(fmu.path, "FMU") if name.startswith("resources/"))
                 fmu.extract(folder, [fmu.library, *resources])
@@ -138,7 +137,7 @@ class Own:
     def _remove(self, folder: Path) -> None:
         if os.getpid() == self._process:
             with held(firmly=True):
-                shutil.rmtree(folder, ignore_errors=True)
+                temporary.remove(folder)
 
 
 OWN = Own()

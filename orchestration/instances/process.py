@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,8 +33,8 @@ class Limits:
 class Process:
     """A worker's process, which leads a group of its own."""
 
-    def __init__(self, home: Path) -> None:
-        """Starts it in the folder `home`, where its temporary files go, too."""
+    def __init__(self, home: Path, files: Sequence[int] = ()) -> None:
+        """Starts it in the folder `home`, where its temporary files go, too; `files` are descriptors that it keeps."""
         own: dict[str, Any] = {"start_new_session": True}  # Ctrl-C is for the master alone
         if sys.platform == "win32":
             own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
@@ -45,6 +46,7 @@ class Process:
             stderr=subprocess.PIPE,
             bufsize=0,
             cwd=home,
+            pass_fds=files,
             env=environment,
             **own,
         )

@@ -28,13 +28,15 @@ from .loading import in_words
 from .log import Log
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
-_ERROR, _FATAL = 3, 4
+_DISCARD, _ERROR, _FATAL = 2, 3, 4
+_TERMINATED = 3
+"""fmi2Terminated of fmi2StatusKind."""
 
 
 def asks_to_end(error: BlockError) -> bool:
     """Whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its answer
     (3.0)."""
-    return error.call.endswith("DoStep") and error.problem in (f"gave status {_STATUS[2]}", ANSWERS[1])
+    return error.call.endswith("DoStep") and error.problem in (f"gave status {_STATUS[_DISCARD]}", ANSWERS[1])
 
 
 class Slave:
@@ -229,8 +231,19 @@ class Slave:
         if status >= _ERROR:
             self._initialized = False  # FMI allows nothing but freeing it
         self._dead = self._dead or status == _FATAL
+        if status == _DISCARD and self._has_terminated(call):
+            return self._error(call, ANSWERS[1], status)
         known = _STATUS[:-1] if self.version.three else _STATUS  # FMI 3.0 has no pending
         return self._error(call, f"gave status {known[status] if status < len(known) else status}", status)
+
+    def _has_terminated(self, call: str) -> bool:
+        """Whether an FMU of FMI 2.0 says that it ends the simulation, of a step that it discards."""
+        has = c.c_int(0)
+        try:
+            function = self._function("fmi2GetBooleanStatus") if call == "fmi2DoStep" else None
+        except BlockError:  # which it lacks
+            return False
+        return function is not None and function(self.component, _TERMINATED, c.byref(has)) <= WARNING and bool(has)
 
     def _first_beyond(self, call: str) -> str:
         for setter in (setter for setter in self.setters if setter.name == call):

@@ -54,6 +54,8 @@ class Worker:
         confine.end_with(setup.master)
         confine.limit_memory(setup.bytes_max)
         self._memory = Memory(setup.memory, setup.model)
+        if isinstance(setup.memory, int):
+            os.close(setup.memory)
         self._setup = setup
         self._slave: Slave | None = None
         self._answer({"value": None})

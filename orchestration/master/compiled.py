@@ -22,12 +22,13 @@ from fmus import places
 from ..fmu.platforms import PLATFORM, SUFFIX
 from ..fmu.types import CODES
 from ..instances.calls import Exchange
+from ..instances.guest import CALLS, TRACE, Guest
 from ..instances.slave import Slave
 from ..system.clock import EXACT
 from ..system.disturbances import KINDS
 from .bus import Bus
 from .circuit import Circuit
-from .layout import CDisturbance, CExchange, CLoop, CPart, CSeat, Pointer
+from .layout import CDisturbance, CExchange, CGuest, CLoop, CPart, CSeat, Pointer
 from .recording import Observation, Recording, check_finite
 
 _SOURCE = Path(__file__).with_name("loop.c")
@@ -59,6 +60,7 @@ class CompiledLoop:
         self.bus, self.observation = bus, observation
         self._clock, self._slaves, self._run = circuit.clock, slaves, library.run_loop
         self._kept: list[Any] = []  # what C has pointers to
+        self._guests: list[tuple[Guest, CGuest]] = []
         clock = circuit.clock
         seats = (CSeat * len(slaves))()
         for into, seat, slave in zip(seats, bus.seats, slaves, strict=True):
@@ -72,6 +74,8 @@ class CompiledLoop:
             into.setters, into.setter_count = self._exchanges(slave.setters), len(slave.setters)
             into.getters, into.getter_count = self._exchanges(slave.getters), len(slave.getters)
             into.outputs, into.output_count = self._floats(seat.view), len(seat.view)
+            if isinstance(slave, Guest):
+                into.guest = c.pointer(self._guest(slave))
         loop = self._loop = CLoop(seats, len(seats), circuit.parallel, self._floats(bus.values))
         if bus.delay is not None:
             loop.delayed, loop.delayed_count = self._whole(bus.delay.sources), len(bus.delay.sources)
@@ -83,6 +87,22 @@ class CompiledLoop:
         loop.numerator, loop.denominator = clock.numerator, clock.denominator
         self._kept.append(seats)
         self._disturb(circuit)
+
+    def _guest(self, slave: Guest) -> CGuest:
+        """Returns the place of an FMU of others in the trace."""
+        guest = CGuest.from_buffer(TRACE.page, TRACE.place(slave.name, slave.model.prefix, self._clock.step))
+        if (around := slave.around).watches:
+            guest.get_round, guest.set_round = c.cast(around.get_round, Pointer), c.cast(around.set_round, Pointer)
+            guest.mode = around.mode
+        self._guests.append((slave, guest))
+        return guest
+
+    def _note(self) -> None:
+        """Notes the guests that have left another rounding mode."""
+        for slave, guest in self._guests:
+            for call, turned in zip(CALLS, guest.turned, strict=True):
+                if turned:
+                    slave.around.note(slave.name, f"{slave.model.prefix}{call}", "the rounding mode")
 
     def _disturb(self, circuit: Circuit) -> None:
         """Takes up the faults of signals."""
@@ -129,7 +149,10 @@ class CompiledLoop:
     def advance(self, until: int, interrupted: Sequence[int]) -> None:
         """Makes the base steps up to `until`, whatever interrupts it meanwhile. Raises BlockError."""
         self._loop.observed_first = self.observation.first
-        if self._run(c.byref(self._loop), until):
+        failed = self._run(c.byref(self._loop), until)
+        if self._guests:
+            self._note()
+        if failed:
             self._fail()
 
     def _fail(self) -> None:
@@ -138,7 +161,7 @@ class CompiledLoop:
         slave, seat = self._slaves[loop.seat], self.bus.seats[loop.seat]
         if loop.call in (_SET, _STEP, _GET):
             exchanges = slave.setters if loop.call == _SET else slave.getters
-            name = "fmi2DoStep" if loop.call == _STEP else exchanges[loop.part].name
+            name = f"{slave.model.prefix}DoStep" if loop.call == _STEP else exchanges[loop.part].name
             error = slave.failed(name, loop.status)
             error.time = self._clock.time(loop.begun)
             raise error

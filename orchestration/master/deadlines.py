@@ -58,6 +58,8 @@ class Pace:
     stop: bool
     """Whether a late step ends the run."""
     clock: Clock
+    priority: int | None = None
+    """Of SCHED_FIFO, with the memory locked; None for that of any program."""
     lateness: array[float] = field(default_factory=lambda: array("d"))
     """Of each base step."""
     took: array[float] = field(default_factory=lambda: array("d"))
@@ -138,6 +140,7 @@ class Pace:
             f"factor {self.factor:g}; lateness p50 {milliseconds(late['p50'])}, p99 {milliseconds(late['p99'])},"
             f" p99.9 {milliseconds(late['p99.9'])}, largest {largest}; {self.late_steps} of {steps} steps late"
             f" (more than {milliseconds(self.tolerance)}), {self.overruns} overrun{'s' * (self.overruns != 1)}"
+            + (f"; priority {self.priority} (SCHED_FIFO), memory locked" if self.priority is not None else "")
         )
 
     def data(self) -> dict[str, Any]:
@@ -147,6 +150,7 @@ class Pace:
             "late": "stop" if self.stop else "continue",
             "tolerance": self.tolerance,
             "period": self.period,
+            "priority": self.priority,
             "steps": len(self.lateness),
             **self.figures,
             "late_steps": self.late_steps,

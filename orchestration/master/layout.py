@@ -24,6 +24,17 @@ class CExchange(c.Structure):
     )
 
 
+class CGuest(c.Structure):
+    _fields_ = (
+        ("begun", c.c_int64),
+        ("active", c.c_int64),
+        ("get_round", Pointer),
+        ("set_round", Pointer),
+        ("mode", c.c_int32),
+        ("turned", c.c_int32 * 3),
+    )
+
+
 class CSeat(c.Structure):
     _fields_ = (
         ("component", Pointer),
@@ -42,6 +53,7 @@ class CSeat(c.Structure):
         ("getter_count", Size),
         ("outputs", Pointer),
         ("output_count", Size),
+        ("guest", c.POINTER(CGuest)),
     )
 
 

@@ -168,6 +168,27 @@ static int get_outputs(Loop *loop, size_t index, int64_t begun, int all)
     return 0;
 }
 
+/* A call of a seat; what a guest may change for the others is looked at behind it. */
+static int make(Loop *loop, size_t index, enum Call call, int64_t begun, int all)
+{
+    Guest *guest = loop->seats[index].guest;
+    if (guest != NULL) {
+        guest->begun = begun;
+        guest->active = call + 1;
+    }
+    const int failed = call == CALL_SET    ? set_inputs(loop, index, begun)
+                       : call == CALL_STEP ? do_step(loop, index, begun)
+                                           : get_outputs(loop, index, begun, all);
+    if (guest != NULL) {
+        guest->active = 0;
+        if (guest->get_round != NULL && guest->get_round() != guest->mode) {
+            guest->set_round(guest->mode);
+            guest->turned[call] = 1;
+        }
+    }
+    return failed;
+}
+
 static int check(Loop *loop, size_t index, int64_t begun)
 {
     const Seat *seat = &loop->seats[index];
@@ -196,8 +217,8 @@ static int sequential_step(Loop *loop, int64_t count, int recorded)
             continue;
         }
         const int64_t begun = count - every;
-        if (set_inputs(loop, i, begun) || do_step(loop, i, begun) ||
-            get_outputs(loop, i, begun, recorded || every > 1) || check(loop, i, begun)) {
+        if (make(loop, i, CALL_SET, begun, 0) || make(loop, i, CALL_STEP, begun, 0) ||
+            make(loop, i, CALL_GET, begun, recorded || every > 1) || check(loop, i, begun)) {
             return 1;
         }
     }
@@ -207,19 +228,19 @@ static int sequential_step(Loop *loop, int64_t count, int recorded)
 static int parallel_step(Loop *loop, int64_t count, int recorded)
 {
     for (size_t i = 0; i < loop->seat_count; i++) {
-        if (due(loop, i, count) && set_inputs(loop, i, count - 1)) {
+        if (due(loop, i, count) && make(loop, i, CALL_SET, count - 1, 0)) {
             return 1;
         }
     }
     for (size_t i = 0; i < loop->seat_count; i++) {
         const int64_t every = loop->seats[i].every;
-        if (due(loop, i, count) && do_step(loop, i, count - every)) {
+        if (due(loop, i, count) && make(loop, i, CALL_STEP, count - every, 0)) {
             return 1;
         }
     }
     for (size_t i = 0; i < loop->seat_count; i++) {
         const int64_t every = loop->seats[i].every;
-        if (due(loop, i, count) && get_outputs(loop, i, count - every, recorded || every > 1)) {
+        if (due(loop, i, count) && make(loop, i, CALL_GET, count - every, recorded || every > 1)) {
             return 1;
         }
     }

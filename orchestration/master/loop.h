@@ -43,6 +43,16 @@ typedef struct {
     int32_t type; /* one of Type */
 } Exchange;
 
+/* An FMU of others in this process: where it is, for who waits for the process; and the rounding mode, which it must leave. */
+typedef struct {
+    int64_t begun;  /* the step that runs began at this count of base steps */
+    int64_t active; /* the call that runs, from 1 on as in Call; 0 between two */
+    int (*get_round)(void);
+    int (*set_round)(int);
+    int32_t mode;      /* that is kept */
+    int32_t turned[3]; /* whether a call of this kind has left another */
+} Guest;
+
 typedef struct {
     fmi2Component component;
     StepFunction do_step;
@@ -60,6 +70,7 @@ typedef struct {
     size_t getter_count;
     const double *outputs; /* its stretch of the bus */
     size_t output_count;
+    Guest *guest; /* NULL for an FMU of this project */
 } Seat;
 
 /* A fault of one input: what a receiver is given, as injection.py has it. */

@@ -58,12 +58,14 @@ class Pacer:
         stop: bool = False,
         keys: Callable[[], str] | None = None,
         timepiece: Timepiece | None = None,
+        priority: int | None = None,
     ) -> None:
         """`factor` simulated seconds take a second. A step is late that ends more than `tolerance` s after it is due;
         `stop`: such a step ends the run. `keys` gives the keys that were pressed since it was called last.
         """
         self._factor, self._tolerance, self._stop, self._keys = factor, tolerance, stop, keys
         self._timepiece: Timepiece = timepiece or Monotonic()
+        self._priority = priority
         self._took: dict[str, float] = {}
         self._paused = self._single = False
         self.pace: Pace | None = None
@@ -74,7 +76,7 @@ class Pacer:
 
         It waits no longer once `interrupted` holds something; `report` is called where a pause begins or ends.
         """
-        self.pace = self._pace = Pace(self._factor, self._tolerance, self._stop, clock)
+        self.pace = self._pace = Pace(self._factor, self._tolerance, self._stop, clock, self._priority)
         self._interrupted, self._report = interrupted, report
         self._late = False
         self._origin = self._resumed = self._timepiece.now()

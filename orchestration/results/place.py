@@ -16,6 +16,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from threading import get_ident
 from typing import Any
@@ -135,6 +136,11 @@ _ours: set[tuple[int, Path]] = set()
 """The folders that this process has reserved, each by one thread."""
 
 
+def _close(descriptor: int) -> None:
+    with suppress(OSError):  # an FMU in this process has closed it
+        os.close(descriptor)
+
+
 def _lock(folder: Path) -> Callable[[], None]:
     """Takes the folder's lock and returns what gives it back. Raises BlockingIOError or TimeoutError where another has
     it.
@@ -149,7 +155,7 @@ def _lock(folder: Path) -> Callable[[], None]:
         except OSError:  # NFS has no locks of folders
             os.close(descriptor)
         else:
-            return lambda: os.close(descriptor)
+            return partial(_close, descriptor)
     from filelock import FileLock  # here, since it takes 30 ms and is seldom needed  # noqa: PLC0415
 
     lock = FileLock(folder / _LOCK, timeout=0)

@@ -144,7 +144,11 @@ def evaluated(
         holds=[observer.hold for observer in held if len(recording.time)],
         booleans=raised.flags,
         highlights=highlights(expected),
-        warnings=[*ready.notes, *([PYTHON_LOOP] if options.pacer is not None and options.compiled else [])],
+        warnings=[
+            *ready.notes,
+            *session.notes,
+            *([PYTHON_LOOP] if options.pacer is not None and options.compiled else []),
+        ],
         steps=recording.steps,
         reached=ready.clock.time(recording.steps),
         wall=recording.wall,

@@ -5,24 +5,25 @@ Tests: tests/orchestration/session/test_standby.py, test_flight.py.
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from ..errors import BlockError, InputError, NoRoom
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
+from ..instances.guest import Guest
 from ..instances.isolation import IsolatedBlock
 from ..instances.slave import Slave
-from ..interrupt import held
+from ..instances.surroundings import Surroundings
 from ..master.circuit import Circuit
 from ..master.master import Master, Options
 from ..master.recording import Recording
 from ..system.observer import Observer
 from ..system.starts import Start
 from ..system.wiring import Node
+from ..temporary import temporary
 from .limits import limits
 from .open import Opened, with_remedies
 
@@ -47,6 +48,7 @@ class Session:
         self._stack = ExitStack()
         self._instances: dict[str, Instance] = {}
         self._master: Master | None = None
+        self._around: Surroundings | None = None
 
     def fly(
         self,
@@ -67,6 +69,9 @@ class Session:
         """
         circuit = circuit or self.opened.plan.circuit
         recording = self._ready(circuit, columns, nodes, around).run(starts, observers, options)
+        if self._around is not None:
+            guests = [name for name, block in self._instances.items() if isinstance(block, Guest)]
+            self._around.look(" or ".join(guests), "the run")
         if recording.failure is not None or recording.interrupted or not self._resets:
             recording.closing = self.close()  # FMI allows little after a failure
         return recording
@@ -116,7 +121,7 @@ class Session:
         """Returns an instance of each FMU, which the stack ends. Raises InputError."""
         opened, scenario, work = self.opened, self.opened.plan.scenario, Path()
         if not all(map(self._is_own, opened.fmus)):
-            work = stack.enter_context(_temporary())
+            work = stack.enter_context(temporary())
         instances: dict[str, Instance] = {}
         name = ""
         try:
@@ -125,7 +130,7 @@ class Session:
                 if not own:
                     fmu.extract(work / name)
                 if bound is None:
-                    instances[name] = Slave(name, fmu, None if own else work / name, self._verbose)
+                    instances[name] = Slave(name, fmu, None, self._verbose) if own else self._guest(name, work / name)
                 else:
                     instances[name] = IsolatedBlock(name, fmu, work / name, bound, self._verbose)
                 stack.callback(instances[name].close)
@@ -140,6 +145,16 @@ class Session:
             message = f"{shown(opened.fmus[name].path)}: {error}"
             raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
         return instances
+
+    def _guest(self, name: str, folder: Path) -> Guest:
+        """Returns the instance of an FMU of others in this process."""
+        self._around = self._around or Surroundings()
+        return Guest(self._around, name, self.opened.fmus[name], folder, self._verbose)
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What FMUs of others have changed in this process, and what became of it."""
+        return () if self._around is None else tuple(self._around.notes)
 
     def _is_own(self, name: str) -> bool:
         """Returns whether a block is one of this project's own native FMUs, in this process."""
@@ -159,15 +174,3 @@ class Session:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-
-@contextmanager
-def _temporary() -> Iterator[Path]:
-    """Makes a folder that is removed, also where a signal comes meanwhile."""
-    with held():
-        folder = tempfile.TemporaryDirectory(prefix="orchestrate-", ignore_cleanup_errors=True)
-    try:
-        yield Path(folder.name)
-    finally:
-        with held():
-            folder.cleanup()

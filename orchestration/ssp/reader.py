@@ -6,12 +6,13 @@ and the duration come from the archive's or the FMUs' default experiments, or fr
 
 from __future__ import annotations
 
+import atexit
 import re
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .. import temporary
 from ..errors import InputError, hint
 from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
@@ -25,9 +26,6 @@ from .annotation import annotation
 from .documents import inside, parsed
 from .structure import End, Given, Path_, Structure
 from .words import NAMESPACES, STRUCTURE
-
-_KEPT: list[tempfile.TemporaryDirectory[str]] = []
-"""The unpacked archives; they go when the process ends."""
 
 
 def read(path: Path) -> Source:
@@ -60,12 +58,13 @@ def read(path: Path) -> Source:
 
 
 def _unpacked(path: Path) -> Path:
+    """The folder of an unpacked archive, which goes when the process ends."""
     if STRUCTURE not in zipped.names(path, "SSP archive"):
         raise InputError(f"{shown(path)} is no SSP archive: it holds no {STRUCTURE}")
-    kept = tempfile.TemporaryDirectory(prefix="orchestrate-ssp-", ignore_cleanup_errors=True)
-    _KEPT.append(kept)
-    zipped.unpack(path, Path(kept.name), "SSP archive")
-    return Path(kept.name)
+    kept = temporary.make("orchestrate-ssp-")
+    atexit.register(temporary.remove, kept)
+    zipped.unpack(path, kept, "SSP archive")
+    return kept
 
 
 def _opened(path: Path, folder: Path, components: dict[Path_, str]) -> dict[Path_, Fmu]:

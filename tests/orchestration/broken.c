@@ -2,7 +2,11 @@
  *
  * Real 0 is x, an input; real 1 is y, an output: the time. Three ways of breaking are compiled in: LOADING, MISSING and
  * WITHOUT_STEP. */
+#include <fenv.h>
+#include <signal.h>
 #include <unistd.h>
+
+#define TELLS_ITS_END
 
 #include "small_fmu.h"
 
@@ -47,6 +51,24 @@ static int is(const Block *b, const char *how)
 }
 static int broken(Block *b, double t)
 {
+    /* what others in the same process have, too */
+    if (is(b, "round"))
+        fesetround(FE_UPWARD);
+    if (is(b, "deafen"))
+        signal(SIGINT, SIG_IGN);
+#if !defined(_WIN32)
+    if (is(b, "signal"))
+        signal(SIGCHLD, SIG_IGN);
+#endif
+    if (is(b, "vanish"))
+        _exit(0);
+    if (is(b, "silence"))
+        for (int i = 0; i < 3; i++)
+            close(i);
+#if !defined(_WIN32)
+    if (is(b, "move") && chdir("/"))
+        return ERROR;
+#endif
     if (is(b, "segfault"))
         crash();
     if (is(b, "abort"))
@@ -97,6 +119,18 @@ static int broken(Block *b, double t)
         return say(b, ERROR, "cannot go on from", t);
     if (is(b, "discard"))
         return say(b, DISCARD, "step too long at", t);
+    if (is(b, "finish")) { /* fmi2GetBooleanStatus says that the simulation ends */
+        b->x = NAN;
+        return say(b, DISCARD, "that is all at", t);
+    }
+#if !defined(_WIN32)
+    if (is(b, "shrink")) { /* each file that it may reach, and the one that is shared with the master where it has a name */
+        int shrunk = truncate("../vendor.memory", 0) == 0;
+        for (int i = 3; i < 64; i++)
+            shrunk += ftruncate(i, 0) == 0;
+        return say(b, ERROR, shrunk ? "has shortened files at" : "could shorten no file at", t);
+    }
+#endif
     if (is(b, "fatal"))
         return say(b, FATAL, "broken at", t);
     if (is(b, "pending"))
@@ -216,6 +250,12 @@ API int fmi2GetBoolean(void *c, const unsigned v[], size_t n, int x[])
 API int fmi2SetBoolean(void *c, const unsigned v[], size_t n, const int x[])
 {
     (void)c, (void)v, (void)n, (void)x;
+    return OK;
+}
+API int fmi2GetBooleanStatus(void *c, int kind, int *value)
+{
+    const Block *b = c;
+    *value = kind == 3 && isnan(b->x); /* fmi2Terminated */
     return OK;
 }
 #ifndef WITHOUT_STEP

@@ -160,7 +160,11 @@ _NAMES_3 = {
 
 def _renamed(case: Case) -> Case:
     """The same with the names of FMI 3.0, and without one where that version has no such case."""
-    names = {"an error on SetupExperiment": "", "status pending": "a status that there is not"}
+    names = {
+        "an error on SetupExperiment": "",
+        "the end of the simulation": "",
+        "status pending": "a status that there is not",
+    }
     message = case.message
     for old, new in _NAMES_3.items():
         message = message.replace(old, new)

@@ -78,7 +78,9 @@ UNUSED(fmi2CancelStep, void *c)
 UNUSED(fmi2GetStatus, void *c, int k, int *x)
 UNUSED(fmi2GetRealStatus, void *c, int k, double *x)
 UNUSED(fmi2GetIntegerStatus, void *c, int k, int *x)
+#ifndef TELLS_ITS_END
 UNUSED(fmi2GetBooleanStatus, void *c, int k, int *x)
+#endif
 UNUSED(fmi2GetStringStatus, void *c, int k, const char **x)
 
 #endif

@@ -5,10 +5,8 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
-from pathlib import Path
 
 import numpy as np
 
@@ -17,6 +15,7 @@ from ...fmu.model import TYPES, Element, Floats
 from ...instances.block import Block
 from ...instances.slave import Slave
 from ...system.wiring import Node
+from ...temporary import temporary
 from .fly import Loop
 
 
@@ -42,7 +41,7 @@ class Bench:
         self.starts = [(start.element, start.value) for start in loop.plan.starts[block]]
         self.step = loop.plan.clock.step * loop.plan.scenario.blocks[block].every
         self._fmu = loop.opened.fmus[block]
-        self._folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="orchestrate-")))
+        self._folder = stack.enter_context(temporary())
         self._fmu.extract(self._folder)
         self.keeps_instance = True
         reals = [v for v in self.model.of("output") if v.type == "real"]

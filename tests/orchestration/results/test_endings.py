@@ -182,7 +182,7 @@ def test_signals_end_a_run_that_waits_for_a_hanging_block(tmp_path, monkeypatch,
         preexec_fn=lambda: signal.signal(number, signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL),
     )
     until = time.monotonic() + 30
-    while not list(tmp_path.glob("orchestrate-*/vendor.memory")) and time.monotonic() < until:
+    while not list(tmp_path.glob("orchestrate-*/vendor.home")) and time.monotonic() < until:
         time.sleep(0.05)
     time.sleep(2.0)
     begun = time.monotonic()
