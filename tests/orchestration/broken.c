@@ -124,7 +124,8 @@ static int broken(Block *b, double t)
         return say(b, DISCARD, "that is all at", t);
     }
 #if !defined(_WIN32)
-    if (is(b, "shrink")) { /* each file that it may reach, and the one that is shared with the master where it has a name */
+    if (is(b,
+           "shrink")) { /* each file that it may reach, and the one that is shared with the master where it has a name */
         int shrunk = truncate("../vendor.memory", 0) == 0;
         for (int i = 3; i < 64; i++)
             shrunk += ftruncate(i, 0) == 0;
