@@ -4,6 +4,8 @@ device = Device(Ports(...), sample)
 answers = device.receive(bytes_from_the_line)
 
 `sample(parameters, memory, inputs, t, h)` returns the outputs by name, or raises Refused.
+
+Longer than 250 lines: a kit copies it as the one file that a device in Python needs.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """An FMU loaded into this process, as a block of the master.
 
 library.py loads and instantiates it; the calls of the step loop are made in calls.py.
+
+Longer than 250 lines: one class has each call of an FMU, and what becomes of a status of any of them.
 """
 
 from __future__ import annotations
