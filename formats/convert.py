@@ -12,7 +12,7 @@ import yaml
 
 from orchestration.errors import InputError, Place, Problem, writing
 from orchestration.results.data import RunData
-from orchestration.results.place import putting
+from orchestration.results.whole import putting
 from orchestration.session.read import load
 
 from . import ccsds, foxglove, hdf5, spice

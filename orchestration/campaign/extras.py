@@ -11,7 +11,7 @@ import pyarrow.dataset as ds
 
 from ..errors import InputError, writing
 from ..expectations.metrics import MetricError
-from ..results.place import put
+from ..results.whole import put
 from .case import Case
 from .flying.batches import Crew
 from .metric_function import of_campaign

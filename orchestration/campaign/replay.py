@@ -12,8 +12,8 @@ from typing import Any
 from ..errors import InputError, writing
 from ..fmu.interfaces import is_path
 from ..quantities import QuantityError
-from ..results.place import put
 from ..results.result import Result
+from ..results.whole import put
 from ..scenario.source import StartName
 from ..scenario.text import written
 from ..session.flight import with_values

@@ -16,7 +16,7 @@ from typing import Any
 
 from ..errors import InputError, ResultsError, reason
 from ..results.data import json_text
-from ..results.place import put
+from ..results.whole import put
 
 MANIFEST = "campaign.json"
 RUNS = "runs"

@@ -14,7 +14,8 @@ from ..acceptance.compare import Comparison, compare
 from ..acceptance.page import write
 from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
 from ..errors import BlockError, InputError, writing
-from ..results.place import put, refuse_foreign
+from ..results.place import refuse_foreign
+from ..results.whole import put
 from ..session.read import load
 from ..swap.option import swapped
 from .console import complain, folded, notes, open_page, say, say_json

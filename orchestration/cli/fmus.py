@@ -12,7 +12,7 @@ from fmus.build import BLOCKS, BuildError, blocks_of, ensure, ensure_all
 
 from ..errors import InputError, writing
 from ..fmu.archive import shown
-from ..results.place import putting
+from ..results.whole import putting
 from .console import say
 from .help import examples
 from .options import FLAVOUR

@@ -13,7 +13,7 @@ from ..errors import InputError, writing
 from ..fmu.archive import shown
 from ..live.page import page
 from ..live.system import prepare
-from ..results.place import put
+from ..results.whole import put
 from ..session.run import whole
 from .console import notes, open_page, say
 from .help import examples

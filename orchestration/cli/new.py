@@ -25,7 +25,7 @@ from ..campaign.drawing.expression import Expression
 from ..errors import BlockError, InputError, ResultsError, hint, writing
 from ..fmu.archive import shown
 from ..quantities import QuantityError, parse_unit, value_in
-from ..results.place import put
+from ..results.whole import put
 from ..scenario import template
 from ..session.open import open_scenario
 from ..session.read import load as load_scenario

@@ -19,7 +19,7 @@ from xml.etree import ElementTree as ET
 from ..errors import InputError
 from ..fmu.archive import second
 from ..quantities import Unit
-from ..results.place import putting
+from ..results.whole import putting
 from .system import System
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..quantities import Unit
-from ..results.place import putting
+from ..results.whole import putting
 from ..ssp.annotation import BLOCK_KEYS, KEYS
 from ..ssp.words import ANNOTATION, NAMESPACES, OPENMODELICA, OPENMODELICA_ANNOTATION, PARAMETER_SET, STRUCTURE
 from .system import Component, System, Value

@@ -22,10 +22,10 @@ from functools import partial
 from pathlib import Path
 from threading import get_ident
 from typing import Any
-from uuid import uuid4
 
 from ..errors import InputError, reason
 from ..interrupt import held
+from .whole import PART, sync
 
 try:
     import fcntl
@@ -35,7 +35,7 @@ except ImportError:  # Windows
 MANIFEST = "manifest.json"
 FILES = ("expectations.json", "report.html", "signals.csv", "signals.parquet", "signals.mat", MANIFEST)
 """What a run may leave in its folder; nothing else there is touched."""
-_LOCK, _PART, _READY = ".orchestrate.lock", ".orchestrate-part-", ".orchestrate-ready"
+_LOCK, _READY = ".orchestrate.lock", ".orchestrate-ready"
 
 
 def check_writable(folder: Path) -> None:
@@ -169,7 +169,7 @@ def _clear(folder: Path) -> None:
     """Completes or removes what a killed run left."""
     with suppress(OSError):
         _finish(folder)
-    for left in folder.glob(f"{_PART}*"):
+    for left in folder.glob(f"{PART}*"):
         if left.is_dir() and not left.is_symlink():
             shutil.rmtree(left, ignore_errors=True)
         else:
@@ -185,11 +185,11 @@ def replacing(folder: Path) -> Iterator[Path]:
     for the end of the replacing. Raises OSError, which names files by their places in the folder.
     """
     with reserved(folder), held():
-        part = Path(tempfile.mkdtemp(prefix=_PART, dir=folder))
+        part = Path(tempfile.mkdtemp(prefix=PART, dir=folder))
         try:
             yield part
             for path in part.iterdir():
-                _sync(path)
+                sync(path)
             with held(firmly=True):
                 os.rename(part, folder / _READY)
                 _finish(folder)
@@ -215,18 +215,7 @@ def _finish(folder: Path) -> None:
             elif (ready / name).exists():
                 os.replace(ready / name, folder / name)
     shutil.rmtree(ready, ignore_errors=True)
-    _sync(folder)
-
-
-def _sync(path: Path) -> None:
-    """Lets what was written reach the disk."""
-    if os.name == "nt" and path.is_dir():
-        return  # Windows opens no folders
-    descriptor = os.open(path, os.O_RDONLY if os.name != "nt" else os.O_RDWR)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+    sync(folder)
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -236,32 +225,3 @@ def digests(folder: Path) -> dict[str, str]:
         with path.open("rb") as file:
             found[path.name] = hashlib.file_digest(file, "sha256").hexdigest()
     return found
-
-
-def put(path: Path, text: str) -> None:
-    """Writes a file as `putting` does."""
-    with putting(path) as part, part.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
-        file.write(text)
-
-
-@contextmanager
-def putting(path: Path) -> Iterator[Path]:
-    """The path of a file to write, which takes the place of an earlier one as a whole; not where it raises. Raises
-    OSError.
-
-    A link stays, and its file is replaced; a device is written itself.
-    """
-    target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        yield target
-        return
-    part = target.with_name(f"{_PART}{uuid4().hex}")
-    try:
-        yield part
-        _sync(part)
-        os.replace(part, target)
-    except OSError as error:
-        error.filename = str(path)
-        raise
-    finally:
-        part.unlink(missing_ok=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import writing
-from ...results.place import put
+from ...results.whole import put
 from ..tables import csv_text
 from .card import Card
 from .mend import as_yaml

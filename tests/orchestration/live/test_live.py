@@ -17,7 +17,7 @@ from orchestration.cli.main import main
 from orchestration.errors import InputError
 from orchestration.live.sliders import controls
 from orchestration.live.system import checked, prepare
-from orchestration.results import place
+from orchestration.results import whole
 from orchestration.session.open import open_scenario
 from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab
@@ -271,7 +271,7 @@ def test_a_page_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypa
     scenario, page = tmp_path / "tumble.yaml", tmp_path / "tumble.html"
     scenario.write_text(json.dumps(minimal()), "utf-8")
     page.write_text("the earlier page")
-    monkeypatch.setattr(place, "_sync", full)
+    monkeypatch.setattr(whole, "sync", full)
     done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(page)])
     assert (done.exit_code, done.stderr.splitlines()[-1]) == (4, f"{page} cannot be written: the disk is full")
     assert page.read_text() == "the earlier page"

@@ -10,7 +10,7 @@ import pytest
 
 from fmus import kit
 from fmus.native.toolchain import CompilerError
-from orchestration.results import place
+from orchestration.results import whole
 from tests.commands import orchestrate
 
 from ..cli.test_new_satellite import GIVEN
@@ -27,7 +27,7 @@ def test_an_export_that_fails_leaves_the_earlier_file(loop, arguments, monkeypat
     assert orchestrate(*arguments).exit_code == 0
     earlier, there = Path(arguments[-1]).read_bytes(), sorted(Path().iterdir())
     loop.write_text(loop.read_text().replace("duration: 2 s", "duration: 3 s"))
-    monkeypatch.setattr(place, "_sync", full)
+    monkeypatch.setattr(whole, "sync", full)
     told = orchestrate(*arguments)
     assert (told.exit_code, told.stderr.splitlines()[-1]) == (4, f"{arguments[-1]} cannot be written: the disk is full")
     assert Path(arguments[-1]).read_bytes() == earlier
@@ -43,7 +43,7 @@ def test_an_export_that_fails_leaves_the_earlier_file(loop, arguments, monkeypat
 )
 def test_a_full_disk_is_told_of_the_place_that_was_to_be_written(arguments, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(place, "_sync", full)
+    monkeypatch.setattr(whole, "sync", full)
     told = orchestrate(*arguments)
     assert told.exit_code == 4
     assert told.stderr.strip().endswith(message)
@@ -86,11 +86,11 @@ def test_a_link_stays_and_a_device_is_no_file_to_be_replaced(tmp_path):
     file, link = tmp_path / "file", tmp_path / "link"
     link.symlink_to(file)
     for text in ("one", "two"):
-        place.put(link, text)
+        whole.put(link, text)
         assert (link.is_symlink(), file.read_text()) == (True, text)
     device = tmp_path / "device"
     device.symlink_to("/dev/null")
-    place.put(device, "lost")
+    whole.put(device, "lost")
     assert (Path("/dev/null").is_char_device(), device.is_symlink()) == (True, True)
 
 
