@@ -5,8 +5,6 @@ New results are complete in a folder of their own, `.orchestrate-part-...`, befo
 touched. Its renaming to `.orchestrate-ready` decides: from then on its files take the places of the earlier ones, the
 manifest last. A run that is killed before leaves the earlier results, and one that is killed after it leaves the rest
 to the next run.
-
-Longer than 250 lines: the lock, the clearing and the replacing are one protocol between runs, told and kept in one file.
 """
 
 from __future__ import annotations
