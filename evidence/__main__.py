@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import click
@@ -21,6 +22,7 @@ from .failures import make as failures_flown
 from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
+from .flight_data import make as flown_records
 from .optimum import page as least_times
 from .optimum.kept import FILE
 from .paper import ROOT
@@ -153,6 +155,24 @@ def rival(jobs: int, cases: int) -> None:
     """Fly a controller from the literature on tumbles of docs/evidence/flight.md beside ours, and print the table of
     docs/evidence/rival.md."""
     for line in compare(cases, jobs):
+        say(line)
+
+
+@main.command("flight-data")
+@_jobs
+@click.option(
+    "--data",
+    required=True,
+    type=click.Path(path_type=Path, exists=True, file_okay=False),
+    help="A folder of the public records (CSV) and their element sets (.txt).",
+)
+@click.option("--cases", default=0, show_default=True, type=click.IntRange(0, 10000), help="Synthetic spins, too.")
+@click.option(
+    "--page", is_flag=True, help="Write docs/evidence/flight_data.md and its figure, not results/flight_data."
+)
+def flight_data(jobs: int, data: Path, cases: int, page: bool) -> None:
+    """Put the models beside the records of a satellite that flew: field, attitude, Sun sensors, shadow, free motion."""
+    for line in flown_records.make(data, cases, jobs, page):
         say(line)
 
 

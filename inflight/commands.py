@@ -26,7 +26,7 @@ from .bank import Noise
 from .gyro import spin
 from .magnetometer import Calibration, calibrate, symmetric
 from .nutation import Motion, forecast, identify, starting
-from .orbit import orbit_at, read_elements
+from .orbit import borders, orbit_at, read_elements
 from .records import Flight, read
 
 NOT_SHOWN = 1
@@ -178,7 +178,7 @@ def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> Non
 
 def _calibrated(flight: Flight, known: Calibration | None) -> Calibration:
     size = np.linalg.norm(flight.orbit.field_N(), axis=1)
-    return calibrate(flight.t, flight.m, size, known)
+    return calibrate(flight.t, flight.m, size, known, breaks=borders(flight.orbit))
 
 
 def _known(path: Path) -> Calibration:

@@ -22,6 +22,8 @@ PRIOR = np.array([0.2, 0.1, 0.1, 0.2, 0.1, 0.2, 2e-4, 2e-4, 2e-4])
 """Standard deviations of what is known before: scales and angles of A; the bias in T."""
 GAIN_STEP = 0.01
 """Standard deviation of the change of the gain from knot to knot."""
+GAIN_JUMP = 0.1
+"""The same at a break."""
 NOISE = 5e-7
 """T, with which the residuals begin; the fit's own rms takes its place."""
 HUBER = 2.0
@@ -79,15 +81,28 @@ class Calibration:
 
 
 def calibrate(
-    t: Floats, m: Floats, size: Floats, known: Calibration | None = None, interval: float = KNOT_INTERVAL
+    t: Floats,
+    m: Floats,
+    size: Floats,
+    known: Calibration | None = None,
+    interval: float = KNOT_INTERVAL,
+    breaks: Floats | None = None,
 ) -> Calibration:
     """Fits readings m (n,3), T, at t (n,), s, to the field's size (n,), T. `known`: A and bias stay, the gain is fitted.
 
     `interval` is that of the gain's knots; a record shorter than two intervals has one constant gain, which is 1
-    unless A is known.
+    unless A is known. At `breaks`, s, such as the borders of eclipses, the gain may jump within 10 s.
     """
     count = max(round(float(np.ptp(t)) / interval), 1)
     knots = np.linspace(t[0], t[-1], count + 1) if count > 1 else np.array([t[0]])
+    steps = np.full(max(len(knots) - 1, 0), GAIN_STEP)
+    for at in breaks if breaks is not None and count > 1 else ():
+        if t[0] + 30.0 < at < t[-1] - 30.0:
+            knots = knots[np.abs(knots - at) > 30.0]
+            place = int(np.searchsorted(knots, at))
+            knots = np.insert(knots, place, (at - 5.0, at + 5.0))
+            steps = np.full(len(knots) - 1, GAIN_STEP)
+    steps[np.diff(knots) < 11.0] = GAIN_JUMP
     H = _hats(t, knots)
     unit = 1e-6
     m, size = m / unit, size / unit
@@ -100,7 +115,7 @@ def calibrate(
     free = np.ones(len(x), bool) if known is None else np.arange(len(x)) >= 9
     start = x.copy()
     sigma = NOISE / unit
-    steps = np.diff(np.eye(len(knots)), axis=0) / GAIN_STEP
+    change_of = np.diff(np.eye(len(knots)), axis=0) / steps[:, None]
     for _ in range(60):
         r, J = _residual(x, m, size, H)
         w = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
@@ -108,8 +123,8 @@ def calibrate(
         g = (J * w[:, None]).T @ r
         N[np.arange(9), np.arange(9)] += prior**-2
         g[:9] += (x[:9] - start[:9]) / prior**2
-        N[9:, 9:] += steps.T @ steps
-        g[9:] += steps.T @ steps @ x[9:]
+        N[9:, 9:] += change_of.T @ change_of
+        g[9:] += change_of.T @ change_of @ x[9:]
         if known is None:  # the mean of the gain is 1, since A has the scale
             tie = np.concatenate((np.zeros(9), np.full(len(knots), 1.0 / len(knots)))) / 1e-5
             N += np.outer(tie, tie)

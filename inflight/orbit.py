@@ -86,6 +86,11 @@ class Orbit:
         return np.clip(0.5 + (from_nadir - edge) / (2.0 * half), 0.0, 1.0)
 
 
+def borders(orbit: Orbit) -> Floats:
+    """Times, s, at which the satellite enters or leaves the Earth's shadow."""
+    return np.asarray(orbit.t[1:][np.diff((orbit.sunlight() > 0.5).astype(int)) != 0])
+
+
 def read_elements(path: Path) -> list[Satrec]:
     """Returns the element sets of a file of two-line elements, names between them or not. Raises InputError."""
     try:

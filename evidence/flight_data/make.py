@@ -1,0 +1,209 @@
+"""Runs the study on the records of a folder; prints its figures, and draws and writes the page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inflight.bank import Noise
+from inflight.magnetometer import calibrate
+from inflight.orbit import borders
+from orchestration import InputError
+
+from ..crew import crew
+from ..markdown import render
+from ..paper import ROOT
+from ..plots import BLUE, GREEN, RED, name_axes, panels, save
+from . import synthetic
+from .records import records
+from .study import FALSE, FIT, LONG, Free, Shown, free_motion, long_record, sky
+
+FIGURE = "flight-data"
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that the page shows."""
+
+    shown: list[Shown]
+    full: float
+    free: Free | None
+    by_field: list[synthetic.Case]
+    with_light: list[synthetic.Case]
+
+
+def study(folder: Path, cases: int, jobs: int) -> Study:
+    """Runs it; `cases` are synthetic spins. Raises InputError."""
+    flown, short = records(folder, LONG)
+    if not flown and not short:
+        raise InputError(f"--data {folder}: expected records with rates and field, found none")
+    full = max((float(np.nanmax(f.currents)) for f in flown), default=0.0)
+    own = [calibrate(f.t, f.m, np.linalg.norm(f.orbit.field_N(), axis=1), breaks=borders(f.orbit)) for f in flown]
+    shown = []
+    for i, flight in enumerate(flown):
+        others = [k for k in range(len(flown)) if k != i]
+        shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], full, Noise()))
+    by_field: list[synthetic.Case] = []
+    with_light: list[synthetic.Case] = []
+    if cases:
+        with crew(jobs) as hands:
+            by_field = hands.each("by the field", synthetic.by_field, range(cases))
+            with_light = hands.each("with currents", synthetic.with_light, range(cases))
+    return Study(shown, full, free_motion(short), by_field, with_light)
+
+
+def lines(done: Study) -> list[str]:
+    """The figures in text, a line each."""
+    return [line for shown in done.shown for line in _of_record(shown)] + _of_motion(done) + _of_cases(done)
+
+
+def _of_record(s: Shown) -> list[str]:
+    name = s.flight.name
+    gain = f"gain {s.calibration.gain.min():.3f} to {s.calibration.gain.max():.3f}"
+    out = [f"{name}: |B| rms {1e6 * s.calibration.rms:.2f} uT ({1e6 * s.constant:.2f} with a constant gain; {gain})"]
+    out += [f"{name}: |B| rms {1e6 * rms:.2f} uT with matrix and bias of {other}" for other, rms in s.crossed.items()]
+    out.append(
+        f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of what is known before"
+    )
+    for seen, what in ((s.sky, "three faces"), (s.pair, "two faces, about the third")):
+        if seen is not None:
+            out.append(
+                f"{name}: withheld sun sensors, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, {seen.rows} rows"
+            )
+    if s.sky is None and s.pair is None:
+        out.append(f"{name}: no row whose sun sensors can be compared")
+    worst = max((seen.rms for seen in (s.sky, s.pair) if seen is not None), default=0.0)
+    if s.attitude.trusted and worst > FALSE:
+        out.append(f"{name}: FALSE CONVERGENCE that was not reported")
+    for edge in s.edges:
+        what = "enters the shadow" if edge.entry else "leaves the shadow"
+        out.append(
+            f"{name}: {what} at {edge.time:.0f} s, by the currents {edge.late:+.1f} s from that, {edge.late_air:+.1f} s with air"
+        )
+    return out
+
+
+def _of_motion(done: Study) -> list[str]:
+    if done.free is None:
+        return ["free motion: fewer than two records that nutate"]
+    free = done.free
+    ratios, sigma = free.inertia.ratios, free.inertia.ratio_sigma
+    degrees = [float(np.degrees(x)) for x in (free.noise, *map(free.whole, ("forecast", "left_out", "constant")))]
+    return [
+        f"free motion of {len(free.rows)} records: moments as 1: {ratios[0]:.4f} +- {sigma[0]:.4f}, {ratios[1]:.3f} +- {sigma[1]:.3f}",
+        f"free motion: noise {degrees[0]:.4f} deg/s; forecast from {FIT:.0f} s on {degrees[1]:.4f}, {degrees[1] / degrees[0]:.3f} times the noise",
+        f"free motion: {degrees[2]:.4f} with the inertia of the other records; {degrees[3]:.4f} for a constant rate",
+    ]
+
+
+def _of_cases(done: Study) -> list[str]:
+    found = []
+    for cases, what in ((done.by_field, "field and gyro"), (done.with_light, "with currents")):
+        if cases:
+            counts = ", ".join(f"{n} {name}" for name, n in synthetic.counted(cases).items())
+            found.append(f"{len(cases)} spins of {synthetic.SECONDS} s, {what}: {counts}")
+    return found
+
+
+def figure(done: Study) -> Any:
+    """Gain, errors on the sky, ambiguity, and a forecast."""
+    drawing, axes = panels(2, 2, 5.2, 3.4)
+    colours = (BLUE, RED, GREEN)
+    gain, size, witness, ambiguity = axes.flat
+    for s, colour in zip(done.shown, colours, strict=False):
+        minutes, name = s.flight.t / 60.0, s.flight.name
+        gain.plot(s.calibration.knots / 60.0, s.calibration.gain, "o-", color=colour, markersize=3, label=name)
+        size.plot(minutes, 1e6 * s.calibration.residual, ".", color=colour, markersize=1.2)
+        _, error, on = sky(s.flight, s.attitude, done.full)
+        witness.plot(minutes[on], error[on], ".", color=colour, markersize=3)
+        ambiguity.plot(minutes, np.degrees(s.attitude.ambiguity), color=colour, linewidth=1.0)
+    name_axes(gain, "min", "gain", "Common gain of the magnetometer")
+    name_axes(size, "min", "uT", "|B| as calibrated less that of IGRF")
+    name_axes(witness, "min", "deg", "Sun sensors, withheld, against the attitude")
+    name_axes(ambiguity, "min", "deg", "Angle to the farthest attitude not excluded")
+    gain.legend(fontsize=7)
+    size.set_ylim(-3.0, 3.0)
+    ambiguity.set_yscale("symlog", linthresh=1.0)
+    return drawing
+
+
+def make(folder: Path, cases: int, jobs: int, page: bool) -> list[str]:
+    """Returns the figures in text, and writes picture and JSON to results/flight_data, or page and picture to docs."""
+    return published(study(folder, cases, jobs), page)
+
+
+def published(done: Study, page: bool) -> list[str]:
+    """Writes what was found, and returns it in text."""
+    told = lines(done)
+    out = ROOT / "results" / "flight_data"
+    if page:
+        save({FIGURE: figure(done)}, ROOT / "docs" / "figures")
+        text = render(Path(__file__).parent, **fields(done))
+        (ROOT / "docs" / "evidence" / "flight_data.md").write_text(text, "utf-8")
+        return [*told, "written: docs/evidence/flight_data.md"]
+    save({FIGURE: figure(done)}, out)
+    (out / "figures.json").write_text(json.dumps(told, indent=1), "utf-8")
+    return [*told, f"written: {out}"]
+
+
+def fields(done: Study) -> dict[str, Any]:
+    """What the template takes."""
+    records_ = [_row(s) for s in done.shown]
+    crossed = [[s.flight.name, other, f"{1e6 * rms:.2f}"] for s in done.shown for other, rms in s.crossed.items()]
+    shadow = [
+        [s.flight.name, "entry" if e.entry else "exit", f"{e.time:.0f}", f"{e.late:+.1f}", f"{e.late_air:+.1f}"]
+        for s in done.shown
+        for e in s.edges
+    ]
+    free = done.free
+    motion = [] if free is None else [_motion(row) for row in free.rows]
+    counts = [
+        [what, *(str(n) for n in synthetic.counted(cases).values()), f"{synthetic.largest_trusted(cases):.1f}"]
+        for cases, what in ((done.by_field, "field and gyro"), (done.with_light, "with currents of three faces"))
+        if cases
+    ]
+    return {
+        "records": records_,
+        "crossed": crossed,
+        "shadow": shadow,
+        "motion": motion,
+        "motion_lines": _of_motion(done),
+        "counts": counts,
+        "bias": _gyro(done.shown),
+        "inertia_bias": "" if free is None else _degrees(free.inertia.p[5:8]),
+    }
+
+
+def _row(s: Shown) -> list[str]:
+    def said(seen: Any) -> str:
+        return "-" if seen is None else f"{seen.rms:.1f} ({seen.median:.1f}; {seen.rows})"
+
+    rms = f"{1e6 * s.calibration.rms:.2f}"
+    return [
+        s.flight.name,
+        str(len(s.flight.t)),
+        f"{1e6 * s.constant:.2f}",
+        rms,
+        s.attitude.verdict(),
+        said(s.sky),
+        said(s.pair),
+    ]
+
+
+def _motion(row: dict[str, Any]) -> list[str]:
+    return [row["name"], *(f"{np.degrees(row[key]):.4f}" for key in ("fitted", "forecast", "left_out", "constant"))]
+
+
+def _gyro(shown: Sequence[Shown]) -> list[list[str]]:
+    return [
+        [s.flight.name, _degrees(s.attitude.bias), ", ".join(f"{100 * x:.1f}" for x in s.attitude.scale)] for s in shown
+    ]
+
+
+def _degrees(values: Any) -> str:
+    return ", ".join(f"{np.degrees(x):.2f}" for x in values)

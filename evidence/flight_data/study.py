@@ -1,0 +1,212 @@
+"""What a record shows beside the models. Every constant here and in `inflight` was fixed before the comparison with the Sun
+sensors, which the filter does not see, and none depends on a row's number."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from inflight.attitude import LIGHT, Attitudes, attitudes
+from inflight.bank import Noise, exp
+from inflight.magnetometer import Calibration, calibrate, symmetric
+from inflight.nutation import Inertia, Motion, forecast, identify, starting
+from inflight.orbit import borders
+from inflight.records import Flight
+
+from .records import NORMALS
+
+Floats = NDArray[np.float64]
+
+LONG = 600.0
+"""s; a record of at least this length is calibrated by itself."""
+LIT = 0.3
+"""A face sees the Sun where its current is above this part of the largest current of all records."""
+AIR = 22e3
+"""m by which the air makes the Earth's shadow larger; taken from an earlier look at these data."""
+FIT = 100.0
+"""s of a short record that are fitted; the rest is forecast."""
+NUTATES = np.radians(0.15)
+"""rad/s: a record whose rate across the spin varies more than this takes part in the inertia."""
+FALSE = 15.0
+"""deg rms: an attitude that is trusted and is farther from the Sun sensors is a false convergence that nobody reported."""
+
+
+@dataclass(frozen=True)
+class Sky:
+    """Sun directions by currents against those by the attitude: rms and median, deg, and rows."""
+
+    rms: float
+    median: float
+    rows: int
+
+
+def sun_by_currents(flight: Flight, full: float) -> tuple[NDArray[np.bool_], Floats]:
+    """Rows in full light whose three faces see the Sun, and the directions (n,3) in B by equal faces."""
+    on = (flight.currents > LIT * full).all(axis=1) & (flight.orbit.sunlight() > LIGHT)
+    toward = flight.currents @ NORMALS
+    return on, toward / np.maximum(np.linalg.norm(toward, axis=1), 1e-9)[:, None]
+
+
+def sky(flight: Flight, found: Attitudes, full: float) -> tuple[Sky | None, Floats, NDArray[np.bool_]]:
+    """The error on the sky where the attitude is unique; None without a row. Also the error, deg, of all such rows."""
+    on, measured = sun_by_currents(flight, full)
+    on &= found.unique
+    model = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())
+    error = np.degrees(np.arccos(np.clip(np.einsum("ni,ni->n", measured, model), -1.0, 1.0)))
+    if not on.any():
+        return None, error, on
+    chosen = error[on]
+    return Sky(float(np.sqrt(np.mean(chosen**2))), float(np.median(chosen)), int(on.sum())), error, on
+
+
+def pair(flight: Flight, found: Attitudes, full: float) -> Sky | None:
+    """The same where two faces see the Sun and the third does not: of the angle about the third one's normal alone."""
+    on = (flight.currents > LIT * full) & (flight.orbit.sunlight() > LIGHT)[:, None]
+    rows = (on.sum(axis=1) == 2) & found.unique
+    if not rows.any():
+        return None
+    model = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())[rows] @ NORMALS.T
+    current, dark = flight.currents[rows], ~on[rows]
+    a, b = np.where(dark, 0.0, current), np.where(dark, 0.0, model)
+    cross = np.linalg.norm(np.cross(a, b), axis=1)
+    size = np.linalg.norm(b, axis=1)
+    error = np.degrees(np.arctan2(cross, np.einsum("ni,ni->n", a, b))) * size
+    return Sky(float(np.sqrt(np.mean(error**2))), float(np.median(error)), int(rows.sum()))
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A border of an eclipse: the model's time, and how much later the currents have it, s; less the part of the air."""
+
+    entry: bool
+    time: float
+    late: float
+    late_air: float
+
+
+def edges(flight: Flight, found: Attitudes) -> list[Edge]:
+    """Entries and exits: the time shift of the model's light that fits the currents best, within 90 s of it.
+
+    The faces' part in the light is that of the attitude, turned about the spin by the angle, up to 30 deg, that fits
+    best: an error of the attitude about the spin is no error of the time.
+    """
+    light, air, t = flight.orbit.sunlight(), flight.orbit.sunlight(AIR), flight.t
+    axis = flight.omega.mean(axis=0)
+    sun_B = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())
+    turns = exp(np.outer(np.radians(np.arange(-30.0, 31.0, 3.0)), axis / np.linalg.norm(axis)))
+    out = []
+    for i in np.flatnonzero(np.diff((light > 0.5).astype(int))):
+        near = (np.abs(t - t[i]) < 90.0) & found.unique
+        if near.sum() < 60 or t[i] - t[0] < 90.0 or t[-1] - t[i] < 90.0:
+            continue
+        faces = [np.maximum(0.0, sun_B[near] @ turn.T @ NORMALS.T) for turn in turns]
+        late = [_shift(t, model, flight.currents[near], faces, t[near]) for model in (light, air)]
+        out.append(Edge(bool(light[i] > 0.5), float(t[i]), *late))
+    return out
+
+
+def _shift(t: Floats, light: Floats, currents: Floats, faces: list[Floats], at: Floats) -> float:
+    def misfit(shift: float) -> float:
+        least = np.inf
+        for face in faces:
+            seen = np.interp(at - shift, t, light)[:, None] * face
+            gain = (seen * currents).sum() / max((seen**2).sum(), 1e-12)
+            least = min(least, float(((currents - gain * seen) ** 2).sum()))
+        return least
+
+    tried = np.arange(-25.0, 25.5, 1.0)
+    first = tried[int(np.argmin([misfit(s) for s in tried]))]
+    return float(minimize_scalar(misfit, bounds=(first - 1.0, first + 1.0), method="bounded").x)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a long record shows."""
+
+    flight: Flight
+    calibration: Calibration
+    constant: float
+    """|B| rms with a constant gain, T"""
+    crossed: dict[str, float]
+    """|B| rms, T, with matrix and bias of other records and the own gain"""
+    attitude: Attitudes
+    sky: Sky | None
+    pair: Sky | None
+    edges: list[Edge]
+
+
+def long_record(flight: Flight, others: list[Calibration], names: list[str], full: float, noise: Noise) -> Shown:
+    """A record of its own calibration: field and gyro alone give the attitude, the Sun sensors are withheld."""
+    field_N = flight.orbit.field_N()
+    size = np.linalg.norm(field_N, axis=1)
+    edge = borders(flight.orbit)
+    own = calibrate(flight.t, flight.m, size, breaks=edge)
+    crossed = {
+        n: calibrate(flight.t, flight.m, size, known=c, breaks=edge).rms for n, c in zip(names, others, strict=True)
+    }
+    found = attitudes(flight, symmetric(own).field(flight.t, flight.m), field_N, noise)
+    constant = calibrate(flight.t, flight.m, size, interval=1e9).rms
+    return Shown(
+        flight,
+        own,
+        constant,
+        crossed,
+        found,
+        sky(flight, found, full)[0],
+        pair(flight, found, full),
+        edges(flight, found),
+    )
+
+
+@dataclass(frozen=True)
+class Free:
+    """Forecasts of free motion, rad/s rms, with the noise of the gyro that the fit leaves."""
+
+    inertia: Inertia
+    noise: float
+    rows: list[dict[str, Any]]
+    """name, fitted, forecast, left_out (forecast with the inertia of the others), constant (that of a constant rate)"""
+
+    def whole(self, key: str) -> float:
+        """The rms over all records, by their rows."""
+        squares = [row[key] ** 2 * row["rows"] for row in self.rows]
+        return float(np.sqrt(sum(squares) / sum(row["rows"] for row in self.rows)))
+
+
+def free_motion(motions: Sequence[Motion]) -> Free | None:
+    """Ratios of inertia from the records that nutate, and each forecast; None where fewer than two do."""
+    chosen = [m for m in motions if _usable(m)]
+    if len(chosen) < 2:
+        return None
+    early = [m.until(FIT) for m in chosen]
+    whole = identify(early)
+    rows = []
+    for i, (motion, part) in enumerate(zip(chosen, early, strict=True)):
+        rest = [m for k, m in enumerate(early) if k != i]
+        without = identify(
+            rest, Inertia(whole.p, whole.covariance, np.delete(whole.starts, i, 0), whole.rms, whole.amplitude), 3
+        )
+        late = motion.t > FIT
+        measured = motion.omega[late]
+        ahead = [forecast(motion, known, starting(part, known))[late] for known in (whole, without)]
+        fitted = forecast(part, whole, starting(part, whole)) - part.omega
+        rms = [
+            float(np.sqrt(np.mean(e**2)))
+            for e in (fitted, *(a - measured for a in ahead), part.omega.mean(0) - measured)
+        ]
+        rows.append(
+            dict(zip(("fitted", "forecast", "left_out", "constant"), rms, strict=True))
+            | {"name": motion.name, "rows": int(late.sum())}
+        )
+    return Free(whole, whole.rms, rows)
+
+
+def _usable(motion: Motion) -> bool:
+    first = motion.until(FIT)
+    whole = motion.t[-1] > FIT + 30.0 and len(first.t) > 60 and float(np.diff(motion.t).max()) < 100.0
+    return whole and float(max(first.omega[:, 0].std(), first.omega[:, 2].std())) > NUTATES

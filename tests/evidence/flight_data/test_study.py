@@ -1,0 +1,70 @@
+"""The study finds in a made record what was put into it: attitude, the error of the Sun sensors, and the shadow's borders."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evidence.flight_data.records import records
+from evidence.flight_data.study import edges, pair, sky
+from evidence.flight_data.synthetic import FACES, Case, counted, spinning
+from inflight.attitude import Attitudes
+from orchestration.errors import InputError
+from tests.inflight.test_orbit import TLE
+
+
+@pytest.fixture(scope="module")
+def flown():
+    """A record that enters the shadow, and its true attitudes as if a filter had found them."""
+    flight, R, _, omega = spinning(3, 700, offset=700.0)
+    n = len(R)
+    found = Attitudes(R, np.tile(omega, (n, 1)), np.zeros(n), np.zeros(n), np.zeros(3), np.zeros(3), np.eye(6), 0.0)
+    return flight, found
+
+
+def test_true_attitudes_agree_with_the_sun_sensors_within_their_noise(flown):
+    flight, found = flown
+    seen = [s for s in (sky(flight, found, FACES.full[0])[0], pair(flight, found, FACES.full[0])) if s is not None]
+    assert seen
+    assert max(s.rms for s in seen) < 3.0
+
+
+def test_a_turned_attitude_is_as_far_off_as_it_was_turned(flown):
+    flight, found = flown
+    c, s = np.cos(0.2), np.sin(0.2)
+    turned = replace(found, R=found.R @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]))
+    seen = [s for s in (sky(flight, turned, FACES.full[0])[0], pair(flight, turned, FACES.full[0])) if s is not None]
+    assert max(s.rms for s in seen) > 5.0
+
+
+def test_the_border_of_the_shadow_is_found_where_it_was_put(flown):
+    flight, found = flown
+    (edge,) = edges(flight, found)
+    assert edge.entry
+    assert abs(edge.late) < 0.5
+    assert edge.late_air > 4.0  # air that the record does not have
+
+
+def test_cases_are_counted_by_what_was_said_of_them():
+    cases = [Case(0.01, True), Case(1.0, False), Case(1.0, True), Case(0.1, False)]
+    assert list(counted(cases).values()) == [1, 1, 1, 1]
+
+
+def test_a_folder_of_records_is_read_whatever_their_names(tmp_path):
+    (tmp_path / "elements.txt").write_text(TLE)
+    header = "sheet,sat_index,unix_s,gyro_x,gyro_y,gyro_z,mag_x,mag_y,mag_z,sun2,sun3,sun4".split(",")
+    with (tmp_path / "some.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for sheet in ("a", "b"):
+            writer.writerows([sheet, i, 1693838903 + i, 1, 2, 3, 4, 5, 6, 7, 8, 9] for i in range(20))
+    flights, short = records(tmp_path, 600.0)
+    assert not flights
+    assert [motion.name for motion in short] == ["a", "b"]
+    np.testing.assert_allclose(np.degrees(short[0].omega[0]), [1, 2, 3])
+
+
+def test_a_folder_without_records_is_refused(tmp_path):
+    with pytest.raises(InputError, match="expected .csv files and a .txt file of element sets"):
+        records(tmp_path, 600.0)
