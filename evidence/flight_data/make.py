@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from inflight.attitude import Attitudes
 from inflight.bank import Noise
-from inflight.magnetometer import calibrate
+from inflight.magnetometer import calibrate, symmetric
 from inflight.orbit import borders
+from inflight.records import Flight
 from orchestration import InputError
 
 from ..crew import crew
@@ -20,8 +22,9 @@ from ..markdown import render
 from ..paper import ROOT
 from ..plots import BLUE, GREEN, RED, name_axes, panels, save
 from . import synthetic
+from .flown import through_the_estimator
 from .records import records
-from .study import FALSE, FIT, LONG, Free, Shown, free_motion, long_record, sky
+from .study import FALSE, FIT, LONG, Free, Shown, free_motion, long_record, pair, sky
 
 FIGURE = "flight-data"
 
@@ -31,14 +34,20 @@ class Study:
     """All that the page shows."""
 
     shown: list[Shown]
+    flown: list[Attitudes]
+    """By the shipped estimator in C, with what the calibrations wrote"""
     full: float
     free: Free | None
+    halves: list[Shown]
+    """Each half of each record, calibrated by itself"""
+    third: Free | None
+    """By every third of the short records"""
     by_field: list[synthetic.Case]
     with_light: list[synthetic.Case]
 
 
-def study(folder: Path, cases: int, jobs: int) -> Study:
-    """Runs it; `cases` are synthetic spins. Raises InputError."""
+def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
+    """Runs it; `cases` are synthetic spins, `split` asks for parts of the records, too. Raises InputError."""
     flown, short = records(folder, LONG)
     if not flown and not short:
         raise InputError(f"--data {folder}: expected records with rates and field, found none")
@@ -48,18 +57,36 @@ def study(folder: Path, cases: int, jobs: int) -> Study:
     for i, flight in enumerate(flown):
         others = [k for k in range(len(flown)) if k != i]
         shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], full, Noise()))
+    through = [
+        through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), s.attitude, Noise())
+        for s in shown
+    ]
     by_field: list[synthetic.Case] = []
     with_light: list[synthetic.Case] = []
     if cases:
         with crew(jobs) as hands:
             by_field = hands.each("by the field", synthetic.by_field, range(cases))
             with_light = hands.each("with currents", synthetic.with_light, range(cases))
-    return Study(shown, full, free_motion(short), by_field, with_light)
+    parts = halves(flown, full) if split else []
+    third = free_motion(short[1::3]) if split else None
+    return Study(shown, through, full, free_motion(short), parts, third, by_field, with_light)
+
+
+def halves(flown: Sequence[Flight], full: float) -> list[Shown]:
+    """What each half of each record shows, as if it were all that there is."""
+    found = []
+    for flight in flown:
+        early = flight.t < 0.5 * (flight.t[0] + flight.t[-1])
+        for half, name in ((early, "first half"), (~early, "second half")):
+            part = replace(flight.part(half), name=f"{flight.name}, {name}")
+            found.append(long_record(part, [], [], full, Noise()))
+    return found
 
 
 def lines(done: Study) -> list[str]:
     """The figures in text, a line each."""
-    return [line for shown in done.shown for line in _of_record(shown)] + _of_motion(done) + _of_cases(done)
+    of_records = [line for shown in done.shown for line in _of_record(shown)]
+    return of_records + _of_flown(done) + _of_motion(done) + _of_cases(done)
 
 
 def _of_record(s: Shown) -> list[str]:
@@ -85,6 +112,20 @@ def _of_record(s: Shown) -> list[str]:
         out.append(
             f"{name}: {what} at {edge.time:.0f} s, by the currents {edge.late:+.1f} s from that, {edge.late_air:+.1f} s with air"
         )
+    return out
+
+
+def _of_flown(done: Study) -> list[str]:
+    out = []
+    for s, found in zip(done.shown, done.flown, strict=True):
+        for seen, what in (
+            (sky(s.flight, found, done.full)[0], "three faces"),
+            (pair(s.flight, found, done.full), "two faces"),
+        ):
+            if seen is not None:
+                out.append(
+                    f"{s.flight.name}: estimator in C, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, {seen.rows} rows"
+                )
     return out
 
 
@@ -134,7 +175,7 @@ def figure(done: Study) -> Any:
 
 def make(folder: Path, cases: int, jobs: int, page: bool) -> list[str]:
     """Returns the figures in text, and writes picture and JSON to results/flight_data, or page and picture to docs."""
-    return published(study(folder, cases, jobs), page)
+    return published(study(folder, cases, jobs, page), page)
 
 
 def published(done: Study, page: bool) -> list[str]:
@@ -171,9 +212,12 @@ def fields(done: Study) -> dict[str, Any]:
         "records": records_,
         "crossed": crossed,
         "shadow": shadow,
+        "halves": [_row(s) for s in done.halves],
+        "third": "" if done.third is None else _of_motion(replace(done, free=done.third))[1],
         "motion": motion,
         "motion_lines": _of_motion(done),
         "counts": counts,
+        "flown": _of_flown(done),
         "bias": _gyro(done.shown),
         "inertia_bias": "" if free is None else _degrees(free.inertia.p[5:8]),
     }
