@@ -23,6 +23,8 @@ from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
 from .flight_data import make as flown_records
+from .margins import make as margins_measured
+from .margins import page as margins_page
 from .optimum import page as least_times
 from .optimum.kept import FILE
 from .paper import ROOT
@@ -58,6 +60,20 @@ def sensors() -> None:
 def verification() -> None:
     """Make docs/evidence/verification.md and its figure from verification.csv, which `make authorities` writes."""
     say(f"written: {verified.write()}")
+
+
+@main.command()
+@_jobs
+@click.option(
+    "--case", "cases", multiple=True, type=click.Choice(tuple(margins_measured.CASES)), help="Only this hold."
+)
+@click.option("--place", "places", multiple=True, type=int, help="Only this start from the node, deg.")
+@click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/margins.json, without flying.")
+def margins(jobs: int, cases: tuple[str, ...], places: tuple[int, ...], page: bool) -> None:
+    """Make docs/evidence/margins.md and its figure: margins along the orbit, equilibria, and what loses the hold."""
+    if not page:
+        margins_measured.make(jobs, cases or tuple(margins_measured.CASES), places or margins_measured.PLACES)
+    say(f"written: {margins_page.write()}")
 
 
 @main.command()

@@ -85,7 +85,7 @@ def measure(rig: Rig, longest: int = LONGEST) -> Response:
 
 def _settling(rig: Rig, answer: Response, longest: int) -> int:
     """Returns the samples in which the answer to a pulse dies out; 0, with the reason, where it does not."""
-    n, count = len(rig.site.channels), _PROBE
+    n, count = len(rig.site.channels), min(_PROBE, longest)
     while True:
         base = rig.fly(np.zeros((count, n)))
         pulse = np.zeros((count, n))
@@ -95,11 +95,11 @@ def _settling(rig: Rig, answer: Response, longest: int) -> int:
             answer.refused = "nothing comes back of what is injected: the loop is open here, saturated, or switches"
             return 0
         last = int(np.flatnonzero(size > _SETTLED * size.max())[-1]) + 1
-        if last <= count // 4:
+        if last <= count // 2:
             return last
-        if 4 * count > longest:
+        if count >= longest:
             break
-        count *= 4
+        count = min(4 * count, longest)
     quarters = [float(np.sqrt(np.mean(part**2))) for part in np.array_split(size, 4)]
     if quarters[3] < 0.5 * quarters[1]:
         answer.refused = f"the answer to a pulse has not died out after {count * rig.period:.4g} s; remedy: --window"

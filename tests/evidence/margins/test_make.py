@@ -1,0 +1,41 @@
+"""The page of margins: what is kept belongs to today's flights, and the page to what is kept."""
+
+import json
+
+import numpy as np
+import pytest
+
+from evidence.margins import make, page
+
+
+@pytest.fixture(scope="module")
+def kept():
+    return json.loads(make.KEPT.read_text("utf-8"))
+
+
+def test_the_page_is_that_of_what_is_kept(kept):
+    text = page.render(page.Path(page.__file__).parent, **page.fields(kept))
+    assert page.PAGE.read_text("utf-8") == text
+
+
+def test_an_equilibrium_measured_today_is_that_of_the_page(kept):
+    found = make.equilibrium((-1, 1, -1))
+    stated = next(one for one in kept["equilibria"] if one["turn"] == [-1, 1, -1])
+    np.testing.assert_allclose(found["rates"], stated["rates"], atol=1e-6)
+
+
+def test_the_delay_margin_brackets_the_loss_of_stability_within_a_tenth(kept):
+    delay = next(one for one in kept["changes"] if one["name"] == "delay")
+    margin = next(row["delay"] for row in kept["places"] if row["place"] == 0 and row["case"].startswith("V.B"))
+    assert margin == pytest.approx(delay["holds"], rel=0.1)
+    assert margin == pytest.approx(delay["lost"], rel=0.1)
+
+
+def test_the_paper_has_one_stable_equilibrium_and_saddles_of_one_two_and_three_directions(kept):
+    rates = {tuple(one["turn"]): sorted(one["rates"], key=abs)[1:] for one in kept["equilibria"]}
+    assert {turn: sum(rate > 0 for rate in found) for turn, found in rates.items()} == {
+        (1, 1, 1): 0,
+        (-1, -1, 1): 1,
+        (-1, 1, -1): 2,
+        (1, -1, -1): 3,
+    }
