@@ -66,7 +66,7 @@ def missing(p: plant.Parameters, begin: float, end: float, angle: float, rate: f
 
 def programme(p: plant.Parameters, course: Course, angle: float, rate: float) -> Programme:
     """The linear programme of the balance along the field."""
-    J, a, tau = (np.asarray(x, float) for x in (p.body.J, p.body.wheel_axis, p.disturbance_torque_B))
+    J, a, tau = (np.asarray(x, float) for x in (p.body.J, p.wheel_axes[0], p.disturbance_torque_B))
     dt, b, c, Omega_d = course.interval, course.b, course.c, course.Omega_d
     l_max, n2 = p.wheel_momentum_max, float(Omega_d @ Omega_d)
     G0, h0 = tau + 3.0 * n2 * np.cross(E3, J @ E3), J @ Omega_d

@@ -50,7 +50,7 @@ def rates(p: plant.Parameters, turn: Array, x: ca.SX, u: ca.SX, field: ca.SX) ->
     gravity = 3.0 * float(turn @ turn) * ca.cross(down, J @ down)
     tau_w = p.wheel_torque_max * u[3]
     tau = ca.cross(dipole_B, Q_T @ field) + gravity + p.disturbance_torque_B
-    tau -= tau_w * p.body.wheel_axis + ca.cross(Omega, J @ Omega + l_w * p.body.wheel_axis)
+    tau -= tau_w * p.wheel_axes[0] + ca.cross(Omega, J @ Omega + l_w * p.wheel_axes[0])
     dq = 0.5 * ca.vertcat(-ca.dot(q[1:], omega), q[0] * omega + ca.cross(q[1:], omega))
     return ca.vertcat(SECONDS * dq, SECONDS**2 * (ca.DM(p.body.J_inverse) @ tau), SECONDS**2 * tau_w)
 

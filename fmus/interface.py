@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 
 from .kept import kept
-from .parsing import ABSENT, ABSENT_INTEGER, ABSENT_MIN, InterfaceError, element_name, parse
-from .variables import FLAVOURS, Element, Interface, Variable
+from .parsing import ABSENT, ABSENT_INTEGER, ABSENT_MIN, element_name, parse
+from .variables import FLAVOURS, Element, Interface, InterfaceError, Variable
 
 __all__ = [
     "ABSENT",
@@ -21,6 +21,7 @@ __all__ = [
     "BLOCKS",
     "FLAVOURS",
     "INTERFACES",
+    "SETS",
     "TRUTH",
     "Element",
     "Interface",
@@ -34,6 +35,9 @@ BLOCKS = (
     *("plant_sensors", "plant_judge", "controller_planned", "estimator", "supervisor"),
 )
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
+SETS = {"plant_wheels": ("plant", "wheel")}
+"""Blocks that are another one for a set of parts: that block, whose package and file they share, and the set's name."""
+BLOCKS += tuple(SETS)
 LOOP = ("plant", "controller", "allocator")
 """Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between.
 """
@@ -70,11 +74,14 @@ def optional_text(variable: Variable) -> str:
 @cache
 def load(block: str) -> Interface:
     """The interface of a block of this project, such as "plant". Read once in a process."""
-    text = (INTERFACES / f"{block}.toml").read_text("utf-8")
-    code = [Path(__file__).with_name(name).read_bytes() for name in ("parsing.py", "variables.py")]
-    return kept(Interface, (block, text, code), lambda: parse(text, f"{block}.toml"))
+    file, parts = SETS.get(block, (block, ""))
+    text = (INTERFACES / f"{file}.toml").read_text("utf-8")
+    if parts:
+        text = text.replace("[block]\n", f'[block]\nset = "{parts}"\n', 1)
+    code = [Path(__file__).with_name(name).read_bytes() for name in ("parsing.py", "part_sets.py", "variables.py")]
+    return kept(Interface, (block, text, code), lambda: parse(text, f"{file}.toml"))
 
 
 def package_of(block: str) -> str:
     """The name of a block's package: `allocator.bounded` is that of `allocator_bounded`."""
-    return block.replace("_", ".")
+    return SETS.get(block, (block,))[0].replace("_", ".")

@@ -19,7 +19,14 @@ and `step`, in seconds. Each `[variables.NAME]` has
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;
 - `steps` (parameters in s): how many steps of its block the time has to be, "whole" (a whole number) or "at least one";
 - `depends_on` (outputs): the inputs with direct feedthrough;
-- `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on.
+- `initially_depends_on` (outputs): the inputs and parameters that its initial value depends on;
+- `each`: the name of a set, such as "wheel", of whose parts each has this variable: one in the block as it stands;
+- `only`: the name of a set in whose block alone this variable is, such as the number of parts.
+
+`[sets.NAME]` describes a second block of the same code, for a set of parts instead of one: `block`, its name, `count`,
+the largest number of parts, and `description`. Its interface is that of the file with `set = "NAME"` in `[block]`:
+there a variable with `each` has `count` as its first dimension, and depends on the elements of the same index of others
+with `each`. In the block for one part, names of variables with `only` fall out of the lists of dependencies.
 
 `[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`,
 `unit`, `display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME
@@ -41,7 +48,8 @@ import itertools
 from dataclasses import replace
 from typing import Any
 
-from .variables import FLAVOURS, STEPS, Causality, Element, Interface, Type, Variable
+from .part_sets import for_set
+from .variables import FLAVOURS, STEPS, Causality, Element, Interface, InterfaceError, Type, Variable
 
 ABSENT = 1e9
 """The start of every optional real input, which means that it is not connected."""
@@ -51,29 +59,32 @@ ABSENT_MIN = 0.999e9
 """An optional input with an element of this magnitude is not connected: a host may have rounded its start."""
 
 
-class InterfaceError(ValueError):
-    """An interface file is wrong; the message names file and variable."""
-
-
 def parse(text: str, file: str = "<interface>") -> Interface:
     """Reads an interface from TOML text. `file` is named in errors. Raises InterfaceError."""
     import tomllib  # takes 7 ms and is seldom needed, since interfaces are kept  # noqa: PLC0415
 
     data = tomllib.loads(text)
-    groups: dict[str, list[str]] = data.get("groups", {})
+    sets: dict[str, dict[str, Any]] = data.get("sets", {})
+    chosen: str | None = data["block"].get("set")
+    try:
+        entries = for_set(data["variables"], sets, chosen, data.get("groups", {}))
+    except InterfaceError as error:
+        raise InterfaceError(f"{file}: {error}") from None
     variables: dict[str, Variable] = {}
     reference = 0
-    for name, entry in data["variables"].items():
+    for name, entry in entries.items():
         try:
-            variable = _variable(name, entry, groups, reference)
+            variable = _variable(name, entry, reference)
         except InterfaceError as error:
             raise InterfaceError(f"{file}: variables.{name}: {error}") from None
         variables[name] = variable
         reference += len(variable.elements)
     _check_dependencies(variables, file)
     return Interface(
-        name=data["block"]["name"],
-        description=data["block"]["description"],
+        name=sets[chosen]["block"] if chosen else data["block"]["name"],
+        description=(sets[chosen] if chosen else data["block"])["description"],
+        code=data["block"]["name"],
+        sets={name: entry["count"] if name == chosen else 1 for name, entry in sets.items()},
         stop=float(data["experiment"]["stop"]),
         step=float(data["experiment"]["step"]),
         variables=variables,
@@ -96,11 +107,11 @@ def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
 
 _KEYS = (
     "causality type shape unit display_unit frame variability optional quantity steps start min max items description "
-    "depends_on initially_depends_on"
+    "depends_on initially_depends_on each"
 ).split()
 
 
-def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], reference: int) -> Variable:
+def _variable(name: str, entry: dict[str, Any], reference: int) -> Variable:
     if unknown := [key for key in entry if key not in _KEYS]:
         raise InterfaceError(f"unknown key {unknown[0]!r}; expected one of {', '.join(_KEYS)}")
     causality: Causality = entry["causality"]
@@ -151,11 +162,12 @@ def _variable(name: str, entry: dict[str, Any], groups: dict[str, list[str]], re
             Element(element_name(name, index), reference + i, value)
             for i, (index, value) in enumerate(zip(indices, starts, strict=True))
         ),
-        depends_on=_expand(entry.get("depends_on", []), groups),
-        initially_depends_on=_expand(entry.get("initially_depends_on", []), groups),
+        depends_on=tuple(entry.get("depends_on", ())),
+        initially_depends_on=tuple(entry.get("initially_depends_on", ())),
         optional=optional,
         quantity=entry.get("quantity"),
         steps=steps,
+        each=entry.get("each"),
     )
 
 
@@ -172,7 +184,7 @@ def _helpers(entries: dict[str, Any], variables: dict[str, Variable], file: str)
                 raise InterfaceError(f"gives: expected a parameter, found {gives!r}")
             stated = {key: value for key, value in entry.items() if key != "gives"}
             stated |= {"causality": "parameter", "variability": "fixed", "start": start}
-            variable = _variable(name, stated, {}, 0)
+            variable = _variable(name, stated, 0)
             helpers[name] = replace(variable, gives=gives, description=f"{variable.description}: gives {gives}")
         except InterfaceError as error:
             raise InterfaceError(f"{file}: helpers.{name}: {error}") from None
@@ -201,15 +213,6 @@ def _flatten(value: Any, shape: tuple[int, ...], key: str = "start") -> list[Any
     if not isinstance(value, list) or len(value) != shape[0]:
         raise InterfaceError(f"{key}: expected the shape {list(shape)}, found {value!r}")
     return [leaf for item in value for leaf in _flatten(item, shape[1:], key)]
-
-
-def _expand(names: list[str], groups: dict[str, list[str]]) -> tuple[str, ...]:
-    expanded: dict[str, None] = {}
-    for name in names:
-        if name.startswith("@") and name[1:] not in groups:
-            raise InterfaceError(f"there is no group {name!r}")
-        expanded.update(dict.fromkeys(_expand(groups[name[1:]], groups) if name.startswith("@") else [name]))
-    return tuple(expanded)
 
 
 def _check_dependencies(variables: dict[str, Variable], file: str) -> None:

@@ -14,6 +14,10 @@ Scalar = float | int | bool | str
 STEPS = ("whole", "at least one")
 
 
+class InterfaceError(ValueError):
+    """An interface file is wrong; the message names file and variable."""
+
+
 @dataclass(frozen=True)
 class Element:
     """One scalar FMI variable: an element of a `Variable`."""
@@ -52,6 +56,8 @@ class Variable:
     """Of a parameter: the quantity that it states, the same in every block of a loop."""
     steps: str | None = None
     """Of a parameter that is a time: how many steps of its block it has to be, one of `STEPS`."""
+    each: str | None = None
+    """The set of parts, such as "wheel", of which each one has this variable."""
     gives: str = ""
     """Of a helper input: the parameter that follows from it."""
 
@@ -86,6 +92,10 @@ class Interface:
     """Those that the block has."""
     helpers: dict[str, Variable] = field(default_factory=dict)
     """Inputs of scenarios that stand for start values; no FMU has them."""
+    code: str = ""
+    """The block whose code it runs: another one where this is the interface for a set of parts."""
+    sets: dict[str, int] = field(default_factory=dict)
+    """How many parts each set of the file has in this interface at most, by the set's name."""
     view: dict[str, Any] = field(default_factory=dict)
     """The part of this block in a three-dimensional view of a loop, as the file has it."""
 

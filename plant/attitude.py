@@ -1,17 +1,17 @@
 """Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat.
 
-One step of length h takes the attitude R and the body momentum Pi = J Omega + l_w u [12], u the wheel's axis (the
-paper's e1), along [1] and [13]. From the discrete Lagrangian
+One step of length h takes the attitude R and the body momentum Pi = J Omega + h_B [12], h_B the wheels' momentum
+sum l_i u_i (in the paper l_w e1), along [1] and [13]. From the discrete Lagrangian
 
-    L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F),     R+ = R F,     J_d = 1/2 tr(J) I - J,
+    L_d = (1/h) tr[(I - F) J_d] - 1/2 tr(hm^ F),     R+ = R F,     J_d = 1/2 tr(J) I - J,
 
-with lm the mean wheel momentum over the step and a = h (Pi + h/2 M(t)), the Cayley vector f of F
+with hm the mean of h_B over the step and a = h (Pi + h/2 M(t)), the Cayley vector f of F
 solves
 
-    (a - p) + a x f + ((a + p).f) f - 2 J f = 0,        p = h lm u,
+    (a - p) + a x f + ((a + p).f) f - 2 J f = 0,        p = h hm,
 
-and then Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h). The wheel's torque is internal: it appears in lm
-only, so R Pi is kept to rounding without external moments, whatever the wheel does. R is never
+and then Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h). The wheels' torques are internal: they appear in hm
+only, so R Pi is kept to rounding without external moments, whatever the wheels do. R is never
 reprojected. Unforced form: Lee, Leok and McClamroch, IEEE CCA 2005.
 
 The step is symmetric and of order 2; its symmetric compositions have order 4 (Suzuki, Phys. Lett. A
@@ -48,12 +48,10 @@ COMPOSITIONS: dict[int, tuple[float, ...]] = {2: (1.0,), 4: _suzuki4(), 6: _yosh
 
 @dataclass(frozen=True)
 class Body:
-    """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheel locked, and the
-    wheel's unit axis (3,)."""
+    """The satellite as the integrator sees it: its inertia J (3,3), kg m2, with the wheels locked."""
 
     J: Array
     J_inverse: Array
-    wheel_axis: Array
     rate_dependent: bool = False
     """Whether the moment depends on Omega: then the second half kick is solved implicitly."""
 
@@ -66,34 +64,32 @@ def lgvi_step(
     body: Body,
     t: float,
     h: float,
-    wheel_mean: float,
-    wheel_end: float,
+    wheel_mean: Array,
+    wheel_end: Array,
 ) -> tuple[Array, Array, Array]:
     """One second-order step from t to t + h; h may be negative, as compositions need.
 
-    R (3,3), Pi (3,) N m s, moment_start (3,) N m the moment at t; wheel_mean the mean of l_w over the
-    step and wheel_end its value at the end, N m s. Returns R, Pi and the moment at t + h.
+    R (3,3), Pi (3,) N m s, moment_start (3,) N m the moment at t; wheel_mean (3,) the mean of the
+    wheels' momentum over the step and wheel_end (3,) its value at the end, N m s, body axes. Returns R, Pi and the moment at t + h.
     """
     kicked = Pi + 0.5 * h * moment_start
     F = cayley(_solve_cayley(h * kicked, h * wheel_mean, body))
     R_next = R.dot(F)
     Pi_free = F.T.dot(kicked)
-    wheel = wheel_end * body.wheel_axis
     # Explicit unless the moment depends on Omega; then the fixed point contracts like h/2 |dM/dOmega| / J.
     Pi_next = Pi_free
     for _ in range(50 if body.rate_dependent else 1):
-        moment_end = moment(R_next, t + h, body.J_inverse.dot(Pi_next - wheel))
+        moment_end = moment(R_next, t + h, body.J_inverse.dot(Pi_next - wheel_end))
         previous, Pi_next = Pi_next, Pi_free + 0.5 * h * moment_end
         if body.rate_dependent and np.abs(Pi_next - previous).max() <= 1e-15 * np.abs(Pi_next).max():
             break
     return R_next, Pi_next, moment_end
 
 
-def _solve_cayley(a: Array, lm: float, body: Body) -> Array:
-    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0, p = lm u, by Newton's method; on floats, which takes a
+def _solve_cayley(a: Array, p: Array, body: Body) -> Array:
+    """f (3,) from (a - p) + a x f + ((a + p).f) f - 2 J f = 0 by Newton's method; on floats, which takes a
     quarter of the time."""
-    (a1, a2, a3), (u1, u2, u3) = a.tolist(), body.wheel_axis.tolist()
-    p1, p2, p3 = lm * u1, lm * u2, lm * u3
+    (a1, a2, a3), (p1, p2, p3) = a.tolist(), p.tolist()
     d1, d2, d3 = difference = a1 - p1, a2 - p2, a3 - p3
     s1, s2, s3 = a1 + p1, a2 + p2, a3 + p3
     (j11, j12, j13), (j21, j22, j23), (j31, j32, j33) = body.J.tolist()

@@ -1,6 +1,6 @@
 """The plant as a block: `state, outputs = step(state, inputs, parameters, h)`.
 
-It owns the truth: whatever is commanded, rods and wheel stay within their physical limits here.
+It owns the truth: whatever is commanded, rods and wheels stay within their physical limits here.
 The command is held over the step; moments are those of the moving satellite in the moving field.
 Tests: tests/plant/test_invariants.py.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from . import gravity_gradient, rods, sun
 from .attitude import COMPOSITIONS, Moment, lgvi_step
 from .parameters import Parameters
 from .so3 import Array, to_quaternion
-from .wheel import Segment, momentum_saturated, net_torque, segments
+from .wheel import Part, momentum_saturated, net_torque, parts
 
 INTERNAL_STEPS_MAX = 1e6
 """In one communication step."""
@@ -24,15 +25,16 @@ INTERNAL_STEPS_MAX = 1e6
 
 @dataclass(frozen=True)
 class Inputs:
-    """dipole_cmd (3,) A m2 along the rods, wheel_torque_cmd N m."""
+    """dipole_cmd (3,) A m2 along the rods, wheel_torque_cmd N m, (4,) for a set of wheels."""
 
     dipole_cmd: Array
-    wheel_torque_cmd: float
+    wheel_torque_cmd: float | Array
 
 
 @dataclass(frozen=True)
 class State:
-    """All that the plant remembers: time s, attitude (3,3), body momentum Pi (3,) [12] and wheel momentum, N m s.
+    """All that the plant remembers: time s, attitude (3,3), body momentum Pi (3,) [12] and the momentum of each
+    wheel (n,), N m s.
 
     Pi rather than Omega, so that no change between the two adds rounding to what is conserved.
     """
@@ -40,38 +42,38 @@ class State:
     t: float
     R: Array
     Pi: Array
-    l_w: float
+    l_w: Array
     dipole_mean: Array = field(default_factory=lambda: np.zeros(3))
     """Of the rods over the last step, A m2."""
 
     def Omega(self, p: Parameters) -> Array:
-        """Body rate (3,), rad/s: J^-1 (Pi - l_w u), u the wheel's axis."""
-        return p.body.J_inverse.dot(self.Pi - self.l_w * p.body.wheel_axis)
+        """Body rate (3,), rad/s: J^-1 (Pi - sum l_i u_i), u_i the wheels' axes."""
+        return p.body.J_inverse.dot(self.Pi - self.l_w.dot(p.wheel_axes))
 
 
 @dataclass  # not frozen, which takes three times as long
 class Outputs:
-    """Units and frames as in fmus/interfaces/plant.toml."""
+    """Units and frames as in fmus/interfaces/plant.toml; those of a wheel are (4,) for a set."""
 
     R_NB: Array
     omega_B: Array
     r_N: Array
     v_N: Array
     b_B: Array
-    h_w: float
+    h_w: float | Array
     q_NB: Array
     tau_gg_B: Array
     tau_drag_B: Array
     tau_mag_B: Array
     dipole: Array
-    wheel_torque: float
-    wheel_speed: float
+    wheel_torque: float | Array
+    wheel_speed: float | Array
     H_N: Array
     energy: float
     density: float
     dipole_saturated: bool
-    wheel_torque_saturated: bool
-    wheel_momentum_saturated: bool
+    wheel_torque_saturated: bool | Array
+    wheel_momentum_saturated: bool | Array
     field_extrapolated: bool
     dipole_mean: Array
     sun_N: Array
@@ -80,7 +82,8 @@ class Outputs:
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0."""
-    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + p.h_w0 * p.body.wheel_axis, l_w=p.h_w0)
+    l_w = np.array(p.of_wheels(p.h_w0))
+    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + l_w @ p.wheel_axes, l_w=l_w)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
@@ -105,29 +108,30 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
             f"rod_period: expected at least a millionth of the communication step, {h} s, found {p.rod_period} s"
         )
     n = max(1, math.ceil(ratio))
-    R, Pi, l_w, on_time = x.R, x.Pi, x.l_w, 0.0
+    R, Pi, l_w, on_time = x.R, x.Pi, x.l_w.tolist(), 0.0
+    commands = p.of_wheels(u.wheel_torque_cmd)
     for i in range(n):
         t = x.t + i * (h / n)
         for duration, on in p.rod_turns.parts(t, h / n):
             dipole_B = dipoles_B[on]
             on_time += duration if on else 0.0
-            for part in segments(l_w, u.wheel_torque_cmd, duration, p.wheel):
+            for part in parts(l_w, commands, duration, p.wheel_list):
                 R, Pi = _advance(R, Pi, part, moment, p, t)
                 t += part.duration
-                l_w = part.l_end
+                l_w = part.ends()
     mean = min(on_time / h, 1.0) * given
-    following = State(t=x.t + h, R=R, Pi=Pi, l_w=l_w, dipole_mean=mean)
+    following = State(t=x.t + h, R=R, Pi=Pi, l_w=np.array(l_w), dipole_mean=mean)
     return following, outputs(following, u, p)
 
 
-def _advance(R: Array, Pi: Array, part: Segment, moment: Moment, p: Parameters, t: float) -> tuple[Array, Array]:
-    """The composed integrator over a part of a step in which the wheel moves smoothly."""
+def _advance(R: Array, Pi: Array, part: Part, moment: Moment, p: Parameters, t: float) -> tuple[Array, Array]:
+    """The composed integrator over a part of a step in which the wheels move smoothly."""
     s = 0.0
-    wheel = part.l_start * p.body.wheel_axis
-    tau = moment(R, t, p.body.J_inverse.dot(Pi - wheel))
+    tau = moment(R, t, p.body.J_inverse.dot(Pi - part.momentum(0.0).dot(p.wheel_axes)))
     for share in COMPOSITIONS[p.integrator_order]:
         h = share * part.duration
-        R, Pi, tau = lgvi_step(R, Pi, tau, moment, p.body, t + s, h, part.mean(s, h), part.momentum(s + h))
+        mean, end = part.mean(s, h).dot(p.wheel_axes), part.momentum(s + h).dot(p.wheel_axes)
+        R, Pi, tau = lgvi_step(R, Pi, tau, moment, p.body, t + s, h, mean, end)
         s += h
     return R, Pi
 
@@ -145,8 +149,12 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         H_x, H_y, H_z = H_N.tolist()
         energy += gravity_gradient.potential(around.r_hat_B, p.body.J, around.rate_squared)
         energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N.dot(r_N))
-    command = u.wheel_torque_cmd
-    wheel_torque = net_torque(x.l_w, command, p.wheel)
+    each = list(zip(x.l_w.tolist(), p.of_wheels(u.wheel_torque_cmd), p.wheel_list, strict=True))
+
+    def of_wheels(values: list[Any], unused: Any = 0.0) -> Any:
+        """A port of the wheels: a scalar where the block has one wheel, with zeros for those of a set that are not."""
+        return np.array(values + [unused] * (len(p.wheel_axis) - len(values))) if p.is_set else values[0]
+
     sun_N, sunlight = sun.seen_from(r_N, p.sun.at(x.t))
     return Outputs(
         R_NB=x.R,
@@ -154,20 +162,20 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         r_N=r_N,
         v_N=v_N,
         b_B=around.b_B,
-        h_w=x.l_w,
+        h_w=of_wheels(x.l_w.tolist()),
         q_NB=to_quaternion(x.R),
         tau_gg_B=around.tau_gg_B,
         tau_drag_B=around.tau_drag_B,
         tau_mag_B=magnetic_moment(p.rods_to_body.dot(dipole) + p.residual_dipole_B, around.b_B),
         dipole=dipole,
-        wheel_torque=wheel_torque,
-        wheel_speed=x.l_w / p.wheel_inertia,
+        wheel_torque=of_wheels([net_torque(*wheel) for wheel in each]),
+        wheel_speed=of_wheels([l_w / wheel.inertia for l_w, _, wheel in each]),
         H_N=H_N,
         energy=energy,
         density=around.density,
         dipole_saturated=bool((np.abs(u.dipole_cmd) > p.dipole_limit).any()),
-        wheel_torque_saturated=abs(command) > p.wheel_torque_max,
-        wheel_momentum_saturated=momentum_saturated(x.l_w, command, p.wheel),
+        wheel_torque_saturated=of_wheels([abs(command) > wheel.torque_max for _, command, wheel in each], False),
+        wheel_momentum_saturated=of_wheels([momentum_saturated(*wheel) for wheel in each], False),
         field_extrapolated=p.field_extrapolated,
         dipole_mean=x.dipole_mean,
         sun_N=sun_N,

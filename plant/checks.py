@@ -14,6 +14,7 @@ from .parameters import Parameters
 from .so3 import Array
 
 ROD_GAIN_MAX, ROD_LIMIT_MIN = 2.0, 0.01
+WHEELS_MAX, WHEEL_GAIN_MAX = 4, 2.0
 ROD_PERIOD_MIN = 1e-3
 """s."""
 
@@ -57,8 +58,10 @@ def check(p: Parameters) -> None:
             found = value.tolist() if isinstance(value, np.ndarray) else value
             raise ValueError(f"{field.name}: expected finite numbers, found {found}")
     for name, least, unit in AT_LEAST:
-        if getattr(p, name) < least:
-            raise ValueError(f"{name}: expected at least {least:g} {unit}, found {getattr(p, name)} {unit}")
+        value = getattr(p, name)
+        if np.any(value < least):
+            found = value.tolist() if isinstance(value, np.ndarray) else value
+            raise ValueError(f"{name}: expected at least {least:g} {unit}, found {found} {unit}")
     for name, choices in _CHOICES.items():
         if getattr(p, name) not in choices:
             raise ValueError(f"{name}: expected one of {', '.join(choices)}, found {getattr(p, name)!r}")
@@ -67,10 +70,7 @@ def check(p: Parameters) -> None:
     lengths = np.linalg.norm(p.rod_axes, axis=1)
     if np.abs(lengths - 1.0).max() > 1e-6:
         raise ValueError(f"rod_axes: expected rows of unit length, to 1e-06, found rows of length {lengths.tolist()}")
-    if abs((length := float(np.linalg.norm(p.wheel_axis))) - 1.0) > 1e-6:
-        raise ValueError(
-            f"wheel_axis: expected a vector of unit length, to 1e-06, found {length:.9g}: {p.wheel_axis.tolist()}"
-        )
+    _check_wheels(p)
     if not ((p.rod_limits >= ROD_LIMIT_MIN) & (p.rod_limits <= 1.0)).all():
         raise ValueError(f"rod_limits: expected {ROD_LIMIT_MIN:g} to 1, found {p.rod_limits.tolist()}")
     if not (np.abs(p.rod_gain) <= ROD_GAIN_MAX).all():
@@ -79,10 +79,6 @@ def check(p: Parameters) -> None:
         raise ValueError(f"rod_period: expected 0 (always on) or at least {ROD_PERIOD_MIN:g} s, found {p.rod_period} s")
     if not 0.0 <= p.rod_duty <= 1.0:
         raise ValueError(f"rod_duty: expected 0 to 1, found {p.rod_duty}")
-    if abs(p.h_w0) > p.wheel_momentum_max:
-        raise ValueError(
-            f"h_w0: expected within wheel_momentum_max, {p.wheel_momentum_max} N.m.s, found {p.h_w0} N.m.s"
-        )
     if p.integrator_order not in COMPOSITIONS:
         raise ValueError(
             f"integrator_order: expected one of {', '.join(map(str, COMPOSITIONS))}, found {p.integrator_order}"
@@ -112,6 +108,26 @@ def check(p: Parameters) -> None:
     if not 1 <= p.field_degree <= limit:
         raise ValueError(f"field_degree: expected 1 to {limit}, found {p.field_degree}")
     _ = p.field  # refuses a date that the model does not cover
+
+
+def _check_wheels(p: Parameters) -> None:
+    if not 0 <= p.wheels <= WHEELS_MAX:
+        raise ValueError(f"wheels: expected 0 to {WHEELS_MAX}, found {p.wheels}")
+    for i, axis in enumerate(np.atleast_2d(p.wheel_axis)[: p.wheels], start=1):
+        of = f"[{i}]" if p.is_set else ""
+        if abs((length := float(np.linalg.norm(axis))) - 1.0) > 1e-6:
+            raise ValueError(
+                f"wheel_axis{of}: expected a vector of unit length, to 1e-06, found {length:.9g}: {axis.tolist()}"
+            )
+        wheel, start = p.wheel_list[i - 1], p.of_wheels(p.h_w0)[i - 1]
+        if abs(start) > wheel.momentum_max:
+            raise ValueError(
+                f"h_w0{of}: expected within wheel_momentum_max, {wheel.momentum_max} N.m.s, found {start} N.m.s"
+            )
+        if wheel.breakaway_friction < 0.0:
+            raise ValueError(f"wheel_breakaway_friction{of}: expected at least 0 N.m, found {wheel.breakaway_friction}")
+        if not abs(wheel.gain) <= WHEEL_GAIN_MAX:
+            raise ValueError(f"wheel_gain{of}: expected -{WHEEL_GAIN_MAX:g} to {WHEEL_GAIN_MAX:g}, found {wheel.gain}")
 
 
 def _check_drag(p: Parameters) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -26,12 +27,12 @@ class Parameters:
 
     J_B: Array
     J_error_B: Array
-    wheel_inertia: float
+    wheel_inertia: float | Array
     wheel_axis: Array
-    wheel_momentum_max: float
-    wheel_torque_max: float
-    wheel_viscous_friction: float
-    wheel_coulomb_friction: float
+    wheel_momentum_max: float | Array
+    wheel_torque_max: float | Array
+    wheel_viscous_friction: float | Array
+    wheel_coulomb_friction: float | Array
     dipole_max: float
     rod_limits: Array
     rod_axes: Array
@@ -68,25 +69,44 @@ class Parameters:
     Q0: Array
     q_NB0: Array
     omega_B0: Array
-    h_w0: float
+    h_w0: float | Array
     integrator_order: int
     step_max: float
+    wheels: int = 1
+    """How many of the set are there. For one wheel, the fields of wheels are scalars and wheel_axis is (3,); for a set
+    they are (4,) and (4, 3)."""
+    wheel_gain: float | Array = 1.0
+    wheel_breakaway_friction: float | Array = 0.0
 
     @cached_property
     def body(self) -> Body:
         J = self.J_B + self.J_error_B
-        axis = self.wheel_axis / np.linalg.norm(self.wheel_axis)
-        return Body(J=J, J_inverse=np.asarray(np.linalg.inv(J), dtype=np.float64), wheel_axis=axis)
+        return Body(J=J, J_inverse=np.asarray(np.linalg.inv(J), dtype=np.float64))
+
+    @property
+    def is_set(self) -> bool:
+        """Whether the block is that for a set of wheels."""
+        return self.wheel_axis.ndim == 2
 
     @cached_property
-    def wheel(self) -> Wheel:
-        return Wheel(
-            self.wheel_inertia,
-            self.wheel_momentum_max,
-            self.wheel_torque_max,
-            self.wheel_viscous_friction,
-            self.wheel_coulomb_friction,
+    def wheel_axes(self) -> Array:
+        """(n,3): the unit axes of the wheels that are there."""
+        axes = np.atleast_2d(self.wheel_axis)[: self.wheels]
+        return axes / np.linalg.norm(axes, axis=1, keepdims=True)
+
+    def of_wheels(self, value: Any) -> list[float]:
+        """A parameter or an input of the wheels as a list with an element for each that is there."""
+        listed: list[float] = np.atleast_1d(value).tolist()
+        return listed[: self.wheels]
+
+    @cached_property
+    def wheel_list(self) -> list[Wheel]:
+        """The wheels that are there."""
+        of_each = (
+            *(self.wheel_inertia, self.wheel_momentum_max, self.wheel_torque_max, self.wheel_viscous_friction),
+            *(self.wheel_coulomb_friction, self.wheel_breakaway_friction, self.wheel_gain),
         )
+        return [Wheel(*values) for values in zip(*map(self.of_wheels, of_each), strict=True)]
 
     @cached_property
     def rods_to_body(self) -> Array:

@@ -1,20 +1,26 @@
-"""The reaction wheel: its momentum over a step, in closed form, within its limits.
+"""Reaction wheels: the momentum of each over a step, in closed form, within its limits.
 
 l_w is I_w times the wheel's speed relative to the body, so with motor torque tau, viscous friction
 c and Coulomb friction d
 
     dl_w/dt = tau - (c/I_w) l_w - d sign(l_w).
 
-Over a step tau is constant. The step is divided where the wheel reaches its momentum limit, or (with Coulomb friction)
-stands still, so that l_w is smooth in each part: without that a composed integrator falls back to order 1. Departures
+Over a step tau is constant. The step is divided where a wheel reaches its momentum limit, or (with Coulomb friction)
+stands still, so that each l_w is smooth in each part: without that a composed integrator falls back to order 1. Departures
 from the paper: friction and the limit, # not in the paper: it takes the wheel as ideal.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
+
+import numpy as np
+
+from .so3 import Array
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,10 @@ class Wheel:
     """N m s/rad."""
     coulomb_friction: float = 0.0
     """N m."""
+    breakaway_friction: float = 0.0
+    """N m: the motor torque at rest above which it turns, where it is above Coulomb friction."""
+    gain: float = 1.0
+    """The motor's torque over its command, which is clipped first."""
 
 
 class Segment(NamedTuple):
@@ -46,6 +56,10 @@ class Segment(NamedTuple):
         """l_w at time s after the segment's start, N m s; s may lie outside the segment."""
         return _momentum(self.l_start, self.drive, self.decay, s)
 
+    def cut(self, duration: float) -> Segment:
+        """Its start, of this duration, s."""
+        return self._replace(duration=duration, l_end=self.momentum(duration))
+
     def mean(self, s: float, duration: float) -> float:
         """Mean of l_w over [s, s + duration], N m s; the duration may be negative."""
         # The rate at s from that at the start: drive - decay l_w(s) would cancel where friction is strong.
@@ -53,9 +67,29 @@ class Segment(NamedTuple):
         return self.momentum(s) + rate * duration * _phi2(self.decay * duration)
 
 
+class Part(NamedTuple):
+    """A part of a step in which every l_w of the wheels moves smoothly."""
+
+    duration: float
+    segments: tuple[Segment, ...]
+    """Of each wheel, all of this duration."""
+
+    def ends(self) -> list[float]:
+        """l_w of each wheel at the part's end, N m s."""
+        return [segment.l_end for segment in self.segments]
+
+    def momentum(self, s: float) -> Array:
+        """l_w (n,) at time s after the part's start, N m s."""
+        return np.array([segment.momentum(s) for segment in self.segments])
+
+    def mean(self, s: float, duration: float) -> Array:
+        """Means (n,) of l_w over [s, s + duration], N m s."""
+        return np.array([segment.mean(s, duration) for segment in self.segments])
+
+
 def motor_torque(command: float, wheel: Wheel) -> float:
-    """The motor's torque, N m: the command within the motor's limit."""
-    return min(max(command, -wheel.torque_max), wheel.torque_max)
+    """The motor's torque, N m: the command within the motor's limit, times the drive's gain."""
+    return wheel.gain * min(max(command, -wheel.torque_max), wheel.torque_max)
 
 
 def net_torque(momentum: float, command: float, wheel: Wheel) -> float:
@@ -72,26 +106,29 @@ def momentum_saturated(momentum: float, command: float, wheel: Wheel) -> bool:
     return rate != 0.0 and _at_limit(momentum, rate, wheel)
 
 
-def segments(momentum: float, command: float, h: float, wheel: Wheel) -> list[Segment]:
-    """The smooth parts of l_w over a step of length h from `momentum`, N m s, at a constant command, N m."""
-    torque = motor_torque(command, wheel)
-    parts: list[Segment] = []
-    left, now = h, momentum
+def parts(momenta: Sequence[float], commands: Sequence[float], h: float, wheels: Sequence[Wheel]) -> Iterator[Part]:
+    """The parts of a step of length h in which every l_w is smooth, from momenta, N m s, at constant commands, N m."""
+    left = h
     while left > 0.0:
-        drive, decay = _law(now, torque, wheel)
-        rate = drive - decay * now
-        if rate == 0.0 or _at_limit(now, rate, wheel):
-            parts.append(Segment(left, now, now, 0.0, 0.0))
-            break
-        target = _next_event(now, rate, wheel)
-        until = _time_to(target, now, rate, decay)
-        if until >= left:
-            parts.append(Segment(left, now, _momentum(now, drive, decay, left), drive, decay))
-            break
-        if until > 0.0:
-            parts.append(Segment(until, now, target, drive, decay))
-        left, now = left - until, target
-    return parts
+        first = tuple(map(partial(_first_segment, h=left), momenta, commands, wheels))
+        duration = min((segment.duration for segment in first), default=left)
+        part = Part(duration, tuple(one if one.duration == duration else one.cut(duration) for one in first))
+        if duration > 0.0:
+            yield part
+        momenta, left = part.ends(), left - duration
+
+
+def _first_segment(momentum: float, command: float, wheel: Wheel, h: float) -> Segment:
+    """Until the law changes, or for h s."""
+    drive, decay = _law(momentum, motor_torque(command, wheel), wheel)
+    rate = drive - decay * momentum
+    if rate == 0.0 or _at_limit(momentum, rate, wheel):
+        return Segment(h, momentum, momentum, 0.0, 0.0)
+    target = _next_event(momentum, rate, wheel)
+    until = _time_to(target, momentum, rate, decay)
+    if until >= h:
+        return Segment(h, momentum, _momentum(momentum, drive, decay, h), drive, decay)
+    return Segment(until, momentum, target, drive, decay)
 
 
 def _momentum(l_start: float, drive: float, decay: float, s: float) -> float:
@@ -103,10 +140,11 @@ def _law(momentum: float, torque: float, wheel: Wheel) -> tuple[float, float]:
     """(drive, decay) of dl_w/dt = drive - decay l_w on this side of standstill."""
     friction = wheel.coulomb_friction
     decay = wheel.viscous_friction / wheel.inertia
-    if friction == 0.0:
+    breakaway = max(friction, wheel.breakaway_friction)
+    if breakaway == 0.0:
         return torque, decay
     if momentum == 0.0:
-        return math.copysign(max(abs(torque) - friction, 0.0), torque), decay
+        return math.copysign(abs(torque) - friction if abs(torque) > breakaway else 0.0, torque), decay
     return torque - math.copysign(friction, momentum), decay
 
 
@@ -116,7 +154,7 @@ def _at_limit(momentum: float, rate: float, wheel: Wheel) -> bool:
 
 def _next_event(momentum: float, rate: float, wheel: Wheel) -> float:
     """The momentum, ahead in the direction of `rate`, where the law changes: standstill or the limit."""
-    if wheel.coulomb_friction > 0.0 and momentum * rate < 0.0:
+    if (wheel.coulomb_friction > 0.0 or wheel.breakaway_friction > 0.0) and momentum * rate < 0.0:
         return 0.0
     return math.copysign(wheel.momentum_max, rate)
 

@@ -69,7 +69,7 @@ def _holds_on(p: plant.Parameters, x: plant.State, group: Group) -> bool:
         "v_N0": v,
         "Q0": lvlh(r, v).R_d.T @ x.R,
         "omega_B0": x.Omega(p),
-        "h_w0": x.l_w,
+        "h_w0": float(x.l_w[0]),
         "disturbance_torque_B": p.disturbance_torque_B,
     }
     change(data, {f"plant.{name}": value for name, value in starts.items()})

@@ -63,7 +63,7 @@ def search(flight: Flight) -> Optimum | None:
         if after is not None:
             starts = [(f"steering as flown, then {after.start}", flown.then(handed_over, after.course))]
     else:
-        axis = flight.plant.body.wheel_axis
+        axis = flight.plant.wheel_axes[0]
         starts = list(_ways(motion, flown))
         starts += [(f"flown with a turn {way} the wheel", flown.turned(v * axis, motion.turn)) for way, v in _SENSES]
     whole = _best(motion, starts)

@@ -58,7 +58,7 @@ def motion(order: int, step: float, duration: float, p: plant.Parameters) -> Ite
             x, _ = plant.step(x, u, p, step)
         else:
             y = rk4(y, i * step, step, p.J_B, moment, lambda l_w: 0.0)
-            Pi = p.J_B @ y[9:12] + MOMENTUM * p.body.wheel_axis
+            Pi = p.J_B @ y[9:12] + MOMENTUM * p.wheel_axes[0]
             x = replace(x, t=(i + 1) * step, R=y[:9].reshape(3, 3), Pi=Pi)
         yield x
 

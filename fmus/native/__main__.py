@@ -17,7 +17,9 @@ try:
     blocks = [Block.named(name) for name in names or BLOCKS]
 except BuildError as error:
     sys.exit(f"python -m fmus.native: {error}")
-Path(folder).mkdir(parents=True, exist_ok=True)
 for block in blocks:
+    # The code of a block for a set of parts includes headers of the same names.
+    into = Path(folder) if block.name == block.interface.code else Path(folder, block.name)
+    into.mkdir(parents=True, exist_ok=True)
     for name, text in generated_sources(block.interface, block.folder).items():
-        Path(folder, name).write_text(text, "utf-8", newline="\n")
+        (into / name).write_text(text, "utf-8", newline="\n")

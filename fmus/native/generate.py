@@ -26,7 +26,7 @@ def camel_case(block: str) -> str:
 def ports_header(interface: Interface, source: str | None = None) -> dict[str, str]:
     """Returns the header with the block's parameters, inputs and outputs as structures and its enumerations, by its
     file's name. It names its source: by default the file in fmus/interfaces."""
-    name = interface.name
+    name = interface.code
     source = source or f"fmus/interfaces/{name}.toml"
     optional = [v for v in interface.of("input") if v.optional]
     cited = "".join(f" * {line}\n" for line in textwrap.wrap(citations(interface), 110))
@@ -36,9 +36,11 @@ def ports_header(interface: Interface, source: str | None = None) -> dict[str, s
         f"#ifndef {name.upper()}_PORTS_H\n#define {name.upper()}_PORTS_H\n",
         f"{math_h}#include <stdbool.h>\n#include <stdint.h>\n",
     ]
+    for part, count in interface.sets.items():
+        parts.append(f"/* The most {part}s that there can be. */\n#define {_count(interface, part)} {count}\n")
     parts += [_enumeration(name, v) for v in interface.variables.values() if v.type == "enumeration"]
     for causality, (record, _) in _RECORDS.items():
-        members = "\n".join(_member(v) for v in interface.variables.values() if v.causality == causality)
+        members = "\n".join(_member(interface, v) for v in interface.variables.values() if v.causality == causality)
         parts.append(f"typedef struct {{\n{members}\n}} {camel_case(name)}{record};\n")
     if optional:
         limit = f"{name.upper()}_ABSENT_MIN"
@@ -46,7 +48,7 @@ def ports_header(interface: Interface, source: str | None = None) -> dict[str, s
             f"/* An optional input is not connected where an element is this large. */\n#define {limit} "
             f"{ABSENT_MIN!r}\n"
         )
-        parts += [_connected(name, v, limit) for v in optional]
+        parts += [_connected(interface, v, limit) for v in optional]
     return {f"{name}_ports.h": "\n".join(parts) + "\n#endif\n"}
 
 
@@ -56,18 +58,33 @@ def _enumeration(block: str, variable: Variable) -> str:
     return f"enum {{\n{items}\n}};\n"
 
 
-def _connected(block: str, variable: Variable, limit: str) -> str:
+def _count(interface: Interface, part: str) -> str:
+    """The constant that says of how many parts the block's structures have place: PLANT_WHEELS."""
+    return f"{interface.code}_{part}s".upper()
+
+
+def _members(interface: Interface, variable: Variable) -> list[str]:
+    """A variable's elements in the structure. That of one part, too, stands in an array, so that the C has one form."""
+    shape = (1, *variable.shape) if interface.sets.get(variable.each or "") == 1 else variable.shape
+    indices = itertools.product(*(range(n) for n in shape))
+    return [variable.name + "".join(f"[{i}]" for i in index) for index in indices]
+
+
+def _connected(interface: Interface, variable: Variable, limit: str) -> str:
     """Whether an optional input is connected; NaN is, so that the block refuses it as it does in any other input."""
-    indices = itertools.product(*(range(n) for n in variable.shape))
-    members = [f"u->{variable.name}" + "".join(f"[{i}]" for i in index) for index in indices]
+    block = interface.code
+    members = [f"u->{member}" for member in _members(interface, variable)]
     is_absent = "{} < 0" if variable.type == "integer" else f"fabs({{}}) >= {limit}"
     absent = " ||\n             ".join(map(is_absent.format, members))
     head = f"static inline bool {block}_has_{variable.name}(const {camel_case(block)}Inputs *u)"
     return f"{head}\n{{\n    return !({absent});\n}}\n"
 
 
-def _member(variable: Variable) -> str:
-    dimensions = "".join(f"[{n}]" for n in variable.shape)
+def _member(interface: Interface, variable: Variable) -> str:
+    shape: list[int | str] = list(variable.shape)
+    if variable.each is not None:
+        shape[: interface.sets[variable.each] > 1] = [_count(interface, variable.each)]
+    dimensions = "".join(f"[{n}]" for n in shape)
     if variable.type == "string":
         dimensions += f"[{TEXT_SIZE}]"
     about = [variable.unit or "", f"frame {variable.frame}" if variable.frame else "", variable.description]
@@ -79,7 +96,7 @@ def _member(variable: Variable) -> str:
 
 def block_header(interface: Interface, guid: str) -> str:
     """block.h: the block's structures and functions by the names that the shell uses."""
-    name, title = interface.name, camel_case(interface.name)
+    name, title = interface.code, camel_case(interface.code)
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
     return f'#include "{name}.h"\n\n{identity(interface, guid)}\n\n{types}\n\n{calls}\n'
@@ -94,7 +111,8 @@ def identity(interface: Interface, guid: str) -> str:
 def table(interface: Interface) -> str:
     """table.c: all scalar variables in the order of their value references."""
     scalars = [(v, position, e) for v in interface.variables.values() for position, e in enumerate(v.elements)]
-    rows = "\n".join(_row(*scalar, followers) for scalar, followers in zip(scalars, _followers(interface), strict=True))
+    followers = _followers(interface)
+    rows = "\n".join(_row(interface, *scalar, f) for scalar, f in zip(scalars, followers, strict=True))
     return f"""\
 #include "instance.h"
 
@@ -135,10 +153,8 @@ def _alike(variable: Variable) -> tuple[str, ...]:
     return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits
 
 
-def _row(variable: Variable, position: int, element: Element, followers: int) -> str:
-    record = _RECORDS[variable.causality][1]
-    indices = list(itertools.product(*(range(n) for n in variable.shape)))[position]
-    member = f"{record}.{variable.name}" + "".join(f"[{i}]" for i in indices)
+def _row(interface: Interface, variable: Variable, position: int, element: Element, followers: int) -> str:
+    member = f"{_RECORDS[variable.causality][1]}.{_members(interface, variable)[position]}"
     kind, causality, variability, low, high = _alike(variable)
     start, text = element.start or 0, "NULL"
     if isinstance(start, str):

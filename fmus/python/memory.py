@@ -153,8 +153,10 @@ def _start(variable: Variable, start: Any) -> Any:
 
 
 def _fields(interface: Interface, block: ModuleType, causality: str, record: str) -> list[str]:
-    names = [field.name for field in dataclasses.fields(getattr(block, record))]
     expected = [v.name for v in interface.variables.values() if v.causality == causality]
+    fields = dataclasses.fields(getattr(block, record))
+    # What only a set of parts has has a default, and stands last.
+    names = [f.name for f in fields if f.name in expected or f.default is dataclasses.MISSING or not interface.sets]
     if difference := sorted(set(names) ^ set(expected)):
         where = "interface" if difference[0] in names else f"{block.__name__}.{record}"
         raise ContractError(f"{causality} {difference[0]!r} is missing in the {where} of {interface.name}")

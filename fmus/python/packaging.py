@@ -4,8 +4,8 @@ Inside the FMU all Python code stands in one package whose name ends in the hash
 two versions of one, run their own code in one process:
 
     resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          parsing.py, variables.py, interface.toml, python/asked.py, calls.py,
-    memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it carries
+    resources/plant_0123456789ab_code/          part_sets.py, parsing.py, variables.py, interface.toml, python/asked.py,
+    calls.py, memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it carries
     in tables/ resources/plant_0123456789ab_code/pythonfmu/
 Tests: tests/fmus/python/test_slave.py.
 """
@@ -28,6 +28,7 @@ from ..native.toolchain import PLATFORMS
 from .shell import PLATFORM_ARGUMENTS, compile_shell, shell_sources
 
 RUNTIME = (
+    "part_sets.py",
     "parsing.py",
     "variables.py",
     "python/__init__.py",

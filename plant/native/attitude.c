@@ -19,9 +19,9 @@ static const Composition order_6 = {7, {Y3, Y2, Y1, 1.0 - 2.0 * (Y1 + Y2 + Y3), 
 
 /* f by Newton's method from 1/2 J^-1 (a - p); false where it does not converge. The equation is of the second
  * degree, so that ((a + p).c) c is left of it after a change c. */
-static bool solve_cayley(const Body *body, Vector a, double p, Vector *f)
+static bool solve_cayley(const Body *body, Vector a, Vector p, Vector *f)
 {
-    const Vector wheel = scale(p, body->wheel_axis), difference = subtract(a, wheel), total = add(a, wheel);
+    const Vector difference = subtract(a, p), total = add(a, p);
     const Matrix J2 = body->J_twice;
     *f = scale(0.5, apply(body->J_inverse, difference));
     double along = dot(total, *f);
@@ -53,25 +53,38 @@ static Matrix cayley(Vector f)
                     {c * (f.x * f.z - f.y), c * (f.y * f.z + f.x), 1.0 - c * (f.x * f.x + f.y * f.y)}};
 }
 
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, Announce *announce, void *context,
-                   double t, Attitude *x, Fault *f)
+Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS])
+{
+    Vector sum = scale(l_w[0], body->wheel_axes[0]);
+    for (int i = 1; i < PLANT_WHEELS; ++i) {
+        sum = add(sum, scale(l_w[i], body->wheel_axes[i]));
+    }
+    return sum;
+}
+
+bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], Moment *moment, Announce *announce,
+                   void *context, double t, Attitude *x, Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double before = 0.0, s = 0.0;
     for (int i = 0;; ++i) {
-        const double h = composition->shares[i] * wheel->duration;
+        const double h = composition->shares[i] * wheels->duration;
         /* The second half of the moment's kick of the substep before, and the first half of this one's. */
         x->Pi = add(x->Pi, scale(0.5 * (before + h), moment(context, &x->R, t + s)));
         if (i == composition->stages) {
             return true;
         }
         const Vector a = scale(h, x->Pi);
-        const double p = h * plant_segment_mean(wheel, s, h);
+        double moved[PLANT_WHEELS]; /* h times the mean of l_w */
+        for (int k = 0; k < PLANT_WHEELS; ++k) {
+            moved[k] = h * plant_segment_mean(&wheels[k], s, h);
+        }
+        const Vector p = plant_wheels_momentum(body, moved);
         Vector turn;
         s += h;
         announce(context, t + s);
         if (!solve_cayley(body, a, p, &turn)) {
-            return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, scale(p, body->wheel_axis)))),
+            return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, p))),
                          "a turn below about 1 rad in an internal step, so that the attitude step converges");
         }
         const Matrix F = cayley(turn);

@@ -1,10 +1,10 @@
 /* Attitude dynamics on SO(3): the Lie group variational integrator of a gyrostat, and its symmetric compositions.
  *
- * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(u^ F), R+ = R F, with Pi = J Omega + l_w u
- * [12], u the wheel's axis (the paper's e1), lm the mean of l_w over the step and a = h (Pi + h/2 M(t)), the Cayley
- * vector f of F solves
- *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h lm u,   and then   Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
- * The wheel's torque is internal: R Pi is kept to rounding whatever the wheel does. R is never reprojected.
+ * From the discrete Lagrangian L_d = (1/h) tr[(I - F) J_d] - 1/2 sum lm_i tr(u_i^ F), R+ = R F, with Pi = J Omega +
+ * sum l_i u_i [12], u_i the axis of wheel i (the paper's e1), lm_i the mean of its l_w over the step and a = h (Pi + h/2
+ * M(t)), the Cayley vector f of F solves
+ *     (a - p) + a x f + ((a + p).f) f - 2 J f = 0,  p = h sum lm_i u_i,  and  Pi+ = F^T (Pi + h/2 M(t)) + h/2 M(t + h).
+ * The wheels' torques are internal: R Pi is kept to rounding whatever they do. R is never reprojected.
  * Unforced: Lee, Leok and McClamroch, IEEE CCA 2005. Order 4: Suzuki 1990; order 6: Yoshida 1990, solution A. */
 #ifndef PLANT_ATTITUDE_H
 #define PLANT_ATTITUDE_H
@@ -21,9 +21,9 @@ typedef Vector Moment(void *context, const Matrix *R, double t);
 typedef void Announce(void *context, double t);
 
 typedef struct {
-    Matrix J, J_inverse, J_twice; /* kg m2, wheel locked */
-    double compliance;            /* trace of (2 J)^-1, which lengthens a vector by no more */
-    Vector wheel_axis;            /* unit */
+    Matrix J, J_inverse, J_twice;    /* kg m2, wheels locked */
+    double compliance;               /* trace of (2 J)^-1, which lengthens a vector by no more */
+    Vector wheel_axes[PLANT_WHEELS]; /* unit */
 } Body;
 
 typedef struct {
@@ -31,8 +31,11 @@ typedef struct {
     Vector Pi; /* N m s, body axes */
 } Attitude;
 
-/* From t over a part of a step in which the wheel moves smoothly. order: 2, 4 or 6. */
-bool plant_advance(const Body *body, int order, const Segment *wheel, Moment *moment, Announce *announce, void *context,
-                   double t, Attitude *x, Fault *f);
+/* Momentum of the wheels in body axes, of l_w of each. */
+Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS]);
+
+/* From t over a part of a step in which the wheels move smoothly. order: 2, 4 or 6. */
+bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], Moment *moment, Announce *announce,
+                   void *context, double t, Attitude *x, Fault *f);
 
 #endif

@@ -119,7 +119,7 @@ bool plant_check(const PlantParameters *p, Fault *f)
     Epoch date;
     Orbit orbit;
     if (!is_inertia(matrix(p->J_B), "J_B", f) || !is_inertia(inertia(p), "J_B + J_error_B", f) ||
-        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) ||
+        !has_unit_rows(matrix(p->rod_axes), "rod_axes", f) || !plant_check_wheels(p, f) ||
         !are_rod_limits(p->rod_limits, f)) {
         return false;
     }
@@ -134,9 +134,6 @@ bool plant_check(const PlantParameters *p, Fault *f)
     }
     if (!(p->rod_duty >= 0.0 && p->rod_duty <= 1.0)) {
         return fault(f, "rod_duty", p->rod_duty, "0 to 1");
-    }
-    if (!(fabs(p->h_w0) <= p->wheel_momentum_max)) {
-        return fault(f, "h_w0", p->h_w0, "within wheel_momentum_max");
     }
     if (p->integrator_order != 2 && p->integrator_order != 4 && p->integrator_order != 6) {
         return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
@@ -179,13 +176,11 @@ void plant_prepare(const PlantParameters *p, PlantLaw *plant)
 
     plant->p = *p;
     const Matrix J = inertia(p), K = inverse(J);
-    plant->body = (Body){J,
-                         K,
-                         {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)},
-                         0.5 * (K.a.x + K.b.y + K.c.z),
-                         unit_vector(vector(p->wheel_axis))};
-    plant->wheel = (Wheel){p->wheel_momentum_max, p->wheel_torque_max, p->wheel_viscous_friction / p->wheel_inertia,
-                           p->wheel_coulomb_friction};
+    plant->body = (Body){.J = J,
+                         .J_inverse = K,
+                         .J_twice = {add(J.a, J.a), add(J.b, J.b), add(J.c, J.c)},
+                         .compliance = 0.5 * (K.a.x + K.b.y + K.c.z)};
+    plant_prepare_wheels(p, plant);
     plant->rods_to_body = transposed(with_unit_rows(matrix(p->rod_axes)));
     plant->cylinder = cylinder_of(p);
 

@@ -1,6 +1,8 @@
 /* Tests: tests/native/test_plant.py. */
 #include "plant.h"
 
+#include <string.h>
+
 #include "rods.h"
 #include "rotation.h"
 #include "time_scales.h"
@@ -16,10 +18,11 @@ typedef struct {
 bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fault *f)
 {
     (void)u, (void)f;
-    const double l_w = plant->p.h_w0;
-    *x = (PlantState){.t = 0.0, .l_w = l_w};
+    *x = (PlantState){.t = 0.0};
+    memcpy(x->l_w, plant->h_w0, sizeof x->l_w);
     store_matrix(plant->R_NB0, x->R);
-    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), scale(l_w, plant->body.wheel_axis)), x->Pi);
+    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), plant_wheels_momentum(&plant->body, plant->h_w0)),
+          x->Pi);
     return true;
 }
 
@@ -128,29 +131,33 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     Acting acting = {plant, with_rods};
     const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
     Attitude attitude = {matrix(now->R), vector(now->Pi)};
-    double l_w = now->l_w, on_time = 0.0;
+    double l_w[PLANT_WHEELS], on_time = 0.0;
+    memcpy(l_w, now->l_w, sizeof l_w);
     for (int i = 0; i < n; ++i) {
         double t = x->t + i * (h / n), left = h / n;
         for (Turn turn = plant_turn_at(&plant->p, t); left > 0.0; turn = plant_next_turn(turn)) {
             const double duration = plant_turn_part(&plant->p, turn, t, left);
-            Segment parts[SEGMENTS_MAX];
-            const int count = plant_wheel_segments(&plant->wheel, l_w, u->wheel_torque_cmd, duration, parts);
             acting.dipole_B = turn.on ? with_rods : without;
             on_time += turn.on ? duration : 0.0;
-            for (int k = 0; k < count; ++k) {
-                if (!plant_advance(&plant->body, plant->p.integrator_order, &parts[k], external_moment,
-                                   surroundings_ahead, &acting, t, &attitude, f)) {
+            for (double rest = duration; rest > 0.0;) {
+                Segment wheels[PLANT_WHEELS];
+                const double part = plant_wheels_part(plant->wheels, l_w, u->wheel_torque_cmd, rest, wheels);
+                if (!plant_advance(&plant->body, plant->p.integrator_order, wheels, external_moment, surroundings_ahead,
+                                   &acting, t, &attitude, f)) {
                     return false;
                 }
-                t += parts[k].duration;
-                l_w = parts[k].l_end;
+                t += part;
+                rest -= part;
+                for (int k = 0; k < PLANT_WHEELS; ++k) {
+                    l_w[k] = wheels[k].l_end;
+                }
             }
             left -= duration;
         }
     }
     PlantState next;
     next.t = x->t + h;
-    next.l_w = l_w;
+    memcpy(next.l_w, l_w, sizeof next.l_w);
     store(scale(smaller(on_time / h, 1.0), plant_rod_dipoles(&plant->p, u, true)), next.dipole_mean);
     store_matrix(attitude.R, next.R);
     store(attitude.Pi, next.Pi);
@@ -184,7 +191,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const PlantParameters *p = &plant->p;
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
-    const Vector Omega = apply(plant->body.J_inverse, subtract(Pi, scale(x->l_w, plant->body.wheel_axis)));
+    const Vector Omega = apply(plant->body.J_inverse, subtract(Pi, plant_wheels_momentum(&plant->body, x->l_w)));
     const Loads *loads = loads_at(plant, &R, x->t);
     const OrbitState motion = plant_motion_at(&plant->environment.orbit, x->t);
     const Vector dipole = plant_rod_dipoles(p, u, plant_turn_at(p, x->t).on), H_N = apply(R, Pi);
@@ -194,7 +201,6 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     store(motion.r, y->r_N);
     store(motion.v, y->v_N);
     store(loads->b, y->b_B);
-    y->h_w = x->l_w;
     quaternion(R, y->q_NB);
     store(H_N, y->H_N);
     y->energy = 0.5 * dot(Omega, apply(J, Omega));
@@ -212,9 +218,14 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     store(cross(dipole_B(plant, dipole), loads->b), y->tau_mag_B);
     store(dipole, y->dipole);
     store(vector(x->dipole_mean), y->dipole_mean);
-    y->wheel_torque = plant_wheel_net_torque(&plant->wheel, x->l_w, u->wheel_torque_cmd, &y->wheel_momentum_saturated);
-    y->wheel_torque_saturated = fabs(u->wheel_torque_cmd) > p->wheel_torque_max;
-    y->wheel_speed = x->l_w / p->wheel_inertia;
+    for (int i = 0; i < PLANT_WHEELS; ++i) {
+        const double command = u->wheel_torque_cmd[i];
+        y->h_w[i] = x->l_w[i];
+        y->wheel_torque[i] =
+            plant_wheel_net_torque(&plant->wheels[i], x->l_w[i], command, &y->wheel_momentum_saturated[i]);
+        y->wheel_torque_saturated[i] = i < plant->count && fabs(command) > p->wheel_torque_max[i];
+        y->wheel_speed[i] = x->l_w[i] / p->wheel_inertia[i];
+    }
     y->field_extrapolated = plant->field_extrapolated;
     plant_see_sun(&plant->environment.sun, x->t, &motion.r, y->sun_N, &y->sunlight);
     y->dipole_saturated = false;

@@ -1,5 +1,6 @@
-/* The plant: rigid satellite, wheel and rods on an orbit in the geomagnetic field and the upper atmosphere.
- * It owns the truth: whatever is commanded, rods and wheel stay within their limits here.
+/* The plant: rigid satellite, wheels and rods on an orbit in the geomagnetic field and the upper atmosphere.
+ * It owns the truth: whatever is commanded, rods and wheels stay within their limits here. There is
+ * place for PLANT_WHEELS wheels: one in the block `plant`, four in `plant_wheels`, which is built from this code, too.
  * SI units and radians; frames as at the ports. A function that returns false has noted a fault. */
 #ifndef PLANT_H
 #define PLANT_H
@@ -13,10 +14,10 @@
 typedef struct {
     double t;       /* s */
     double R[3][3]; /* N from B */
-    /* J Omega + l_w u [12], u the wheel's axis, N m s: what is conserved, so that no conversion adds rounding */
+    /* J Omega + sum l_i u_i [12], u_i the wheels' axes, N m s: what is conserved, so that no conversion adds rounding */
     double Pi[3];
-    double l_w;            /* N m s */
-    double dipole_mean[3]; /* of the rods over the last step, A m2 */
+    double l_w[PLANT_WHEELS]; /* N m s */
+    double dipole_mean[3];    /* of the rods over the last step, A m2 */
 } PlantState;
 
 /* An octagonal cylinder, eight sides and two ends, along a body axis; the normals of four sides lie along the two
@@ -41,8 +42,10 @@ typedef struct {
 typedef struct {
     PlantParameters p;
     Body body;
-    Wheel wheel;
-    Matrix rods_to_body; /* columns u_i */
+    Wheel wheels[PLANT_WHEELS]; /* one that is not there has no torque and no momentum */
+    int count;                  /* of the wheels that are there */
+    double h_w0[PLANT_WHEELS];  /* N m s; 0 of one that is not there */
+    Matrix rods_to_body;        /* columns u_i */
     Matrix R_NB0;
     Cylinder cylinder;
     Environment environment;
@@ -52,7 +55,10 @@ typedef struct {
 
 bool plant_check(const PlantParameters *p, Fault *f);
 
+bool plant_check_wheels(const PlantParameters *p, Fault *f);
+
 /* p must have passed the check. */
+void plant_prepare_wheels(const PlantParameters *p, PlantLaw *plant);
 void plant_prepare(const PlantParameters *p, PlantLaw *plant);
 
 /* The state at t = 0. */

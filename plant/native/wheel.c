@@ -40,12 +40,12 @@ double plant_segment_mean(const Segment *part, double s, double duration)
 /* `drive` on this side of standstill. */
 static double drive_of(const Wheel *wheel, double momentum, double command)
 {
-    const double torque = clip(command, -wheel->torque_max, wheel->torque_max);
-    if (wheel->coulomb == 0.0) {
+    const double torque = wheel->gain * clip(command, -wheel->torque_max, wheel->torque_max);
+    if (wheel->breakaway == 0.0) {
         return torque;
     }
     if (momentum == 0.0) {
-        return copysign(larger(fabs(torque) - wheel->coulomb, 0.0), torque);
+        return copysign(fabs(torque) > wheel->breakaway ? fabs(torque) - wheel->coulomb : 0.0, torque);
     }
     return torque - copysign(wheel->coulomb, momentum);
 }
@@ -73,30 +73,38 @@ static double time_to(double target, double momentum, double rate, double decay)
     return decay * share < 1.0 ? -log1p(-decay * share) / decay : INFINITY;
 }
 
-int plant_wheel_segments(const Wheel *wheel, double momentum, double command, double h, Segment parts[SEGMENTS_MAX])
+/* From `now` until the law changes, or for `h` s; l_end is the momentum then. */
+static Segment first_segment(const Wheel *wheel, double now, double command, double h)
 {
-    double left = h, now = momentum;
-    int n = 0;
-    for (int i = 0; i < SEGMENTS_MAX;
-         ++i) { /* GCOVR_EXCL_BR_LINE: it ends by break, at the limit or at rest at the latest */
-        const double drive = drive_of(wheel, now, command), decay = wheel->decay;
-        const double rate = drive - decay * now;
-        if (rate == 0.0 || is_at_limit(wheel, now, rate)) {
-            parts[n++] = (Segment){left, now, now, 0.0, 0.0};
-            break;
-        }
-        const bool to_standstill = wheel->coulomb > 0.0 && now * rate < 0.0;
-        const double target = to_standstill ? 0.0 : copysign(wheel->momentum_max, rate);
-        const double until = time_to(target, now, rate, decay);
-        if (until >= left) {
-            parts[n] = (Segment){left, now, 0.0, drive, decay};
-            parts[n].l_end = plant_segment_momentum(&parts[n], left);
-            ++n;
-            break;
-        }
-        parts[n++] = (Segment){until, now, target, drive, decay};
-        left -= until;
-        now = target;
+    const double drive = drive_of(wheel, now, command), decay = wheel->decay;
+    const double rate = drive - decay * now;
+    if (rate == 0.0 || is_at_limit(wheel, now, rate)) {
+        return (Segment){h, now, now, 0.0, 0.0};
     }
-    return n;
+    const bool to_standstill = wheel->breakaway > 0.0 && now * rate < 0.0;
+    const double target = to_standstill ? 0.0 : copysign(wheel->momentum_max, rate);
+    const double until = time_to(target, now, rate, decay);
+    if (until < h) {
+        return (Segment){until, now, target, drive, decay};
+    }
+    Segment whole = {h, now, 0.0, drive, decay};
+    whole.l_end = plant_segment_momentum(&whole, h);
+    return whole;
+}
+
+double plant_wheels_part(const Wheel wheels[PLANT_WHEELS], const double momentum[PLANT_WHEELS],
+                         const double command[PLANT_WHEELS], double h, Segment parts[PLANT_WHEELS])
+{
+    double duration = h;
+    for (int i = 0; i < PLANT_WHEELS; ++i) {
+        parts[i] = first_segment(&wheels[i], momentum[i], command[i], h);
+        duration = smaller(duration, parts[i].duration);
+    }
+    for (int i = 0; i < PLANT_WHEELS; ++i) {
+        if (parts[i].duration > duration) {
+            parts[i].duration = duration;
+            parts[i].l_end = plant_segment_momentum(&parts[i], duration);
+        }
+    }
+    return duration;
 }

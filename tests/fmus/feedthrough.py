@@ -58,6 +58,14 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "residual_dipole_B": ([0.1, 0.2, 0.3],),
             "wheel_viscous_friction": (1e-6,),
         },
+        "plant_wheels": {
+            "wheels": (4,),
+            "rod_axes": (rod_axes,),
+            "h_w0": ([0.0] * 4, [0.03] * 4),
+            "rod_gain": ([0.9, 0.8, 0.7],),
+            "residual_dipole_B": ([0.1, 0.2, 0.3],),
+            "wheel_viscous_friction": ([1e-6] * 4,),
+        },
         "plant_sensors": {
             "attitude_noise": (0.0, 0.1),
             "sun_sensor": ("coarse", "fine"),

@@ -164,6 +164,27 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def plant_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """None to four wheels, each with its own axis, limits, frictions and drive."""
+    body, commands = plant_case(rng)
+    axes = rng.normal(size=(4, 3))
+    limits = rng.choice([0.03, 1e-3], 4)
+    own = {
+        "wheels": int(rng.integers(5)),
+        "wheel_axis": axes / np.linalg.norm(axes, axis=1, keepdims=True),
+        "wheel_inertia": rng.uniform(1e-5, 1e-4, 4),
+        "wheel_momentum_max": limits,
+        "wheel_torque_max": rng.uniform(1e-3, 5e-3, 4),
+        "wheel_viscous_friction": rng.choice([0.0, 1e-7, 2e-5], 4),
+        "wheel_coulomb_friction": rng.choice([0.0, 1e-4], 4),
+        "wheel_breakaway_friction": rng.choice([0.0, 3e-4, 1e-3], 4),
+        "wheel_gain": rng.choice([1.0, 0.0, -1.0, 0.7], 4),
+        "h_w0": rng.choice([0.0, 1.0], 4) * rng.uniform(-1e-3, 1e-3, 4),
+    }
+    p = parameters("plant_wheels", **{**vars(body), **own})
+    return p, inputs("plant_wheels", dipole_cmd=commands.dipole_cmd, wheel_torque_cmd=rng.normal(scale=2e-3, size=4))
+
+
 def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Each error of each sensor off or on, in the light, the shadow and between them."""
     u = inputs(
@@ -360,6 +381,7 @@ CASES = {
     "allocator": allocator_case,
     "allocator_bounded": allocator_bounded_case,
     "plant": plant_case,
+    "plant_wheels": plant_wheels_case,
     "plant_sensors": plant_sensors_case,
     "plant_judge": plant_judge_case,
     "estimator": estimator_case,

@@ -146,9 +146,10 @@ class Instance:
         return np.array(values).reshape(variable.shape) if variable.shape else values[0]
 
     def set_all(self, record: Any) -> None:
-        """Sets every field of a Python block's Parameters or Inputs."""
+        """Sets every field of a Python block's Parameters or Inputs that the interface has."""
         for name in record.__dataclass_fields__:
-            self.set(name, getattr(record, name))
+            if name in self.interface.variables:
+                self.set(name, getattr(record, name))
 
     def initialize(self, start: float = 0.0) -> None:
         self.call("SetupExperiment", 0, 0.0, start, 0, 0.0)

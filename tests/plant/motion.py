@@ -52,7 +52,7 @@ def bare(
     seen: Callable[[np.ndarray, np.ndarray], None] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """R and Omega after n composed steps of the integrator alone, with l_w and its mean given as functions of time."""
-    body = Body(J, np.linalg.inv(J), np.eye(3)[0], rate_dependent)
+    body = Body(J, np.linalg.inv(J), rate_dependent)
     e1 = np.array([1.0, 0.0, 0.0])
     Pi = J @ Omega + wheel(0.0) * e1
     tau = moment(R, 0.0, Omega)
@@ -60,7 +60,7 @@ def bare(
         t = i * h
         for share in COMPOSITIONS[order]:
             s = share * h
-            R, Pi, tau = lgvi_step(R, Pi, tau, moment, body, t, s, wheel_mean(t, t + s), wheel(t + s))
+            R, Pi, tau = lgvi_step(R, Pi, tau, moment, body, t, s, wheel_mean(t, t + s) * e1, wheel(t + s) * e1)
             t += s
         if seen:
             seen(R, Pi)

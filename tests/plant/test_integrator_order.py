@@ -42,6 +42,9 @@ def test_a_composition_is_symmetric_and_its_substeps_add_up_to_the_step(order):
         assert sum(s**power for s in shares) == pytest.approx(0.0, abs=1e-13)
 
 
+E1 = np.array([1.0, 0.0, 0.0])
+
+
 def test_a_step_makes_the_discrete_action_stationary():
     """L_d = (1/h) tr[(I - F) J_d] - 1/2 lm tr(e1^ F), differentiated by numbers at both ends of the step.
 
@@ -50,8 +53,10 @@ def test_a_step_makes_the_discrete_action_stationary():
     """
     h, l_m, force = 1.7, 0.9, np.array([0.02, -0.03, 0.01])
     J, Pi, R = FULL_INERTIA, np.array([0.9, -0.7, 0.8]), Rotation.random(random_state=1).as_matrix()
-    body = attitude.Body(J, np.linalg.inv(J), np.eye(3)[0])
-    R_next, Pi_next, _ = attitude.lgvi_step(R, Pi, force, lambda R, t, Omega: -2.0 * force, body, 0.0, h, l_m, 0.3)
+    body = attitude.Body(J, np.linalg.inv(J))
+    R_next, Pi_next, _ = attitude.lgvi_step(
+        R, Pi, force, lambda R, t, Omega: -2.0 * force, body, 0.0, h, l_m * E1, 0.3 * E1
+    )
     F, J_d = R.T @ R_next, 0.5 * np.trace(J) * np.eye(3) - J
     e1_hat = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -71,10 +76,10 @@ def test_a_step_makes_the_discrete_action_stationary():
 def test_a_step_back_returns_to_the_start():
     p = checked(J_B=FULL_INERTIA)
     moment = environment(p, [300.0, -400.0, 200.0])
-    body = attitude.Body(p.J_B, np.linalg.inv(p.J_B), np.eye(3)[0])
+    body = attitude.Body(p.J_B, np.linalg.inv(p.J_B))
     R, Pi = p.R_NB0, np.array([0.3, -0.2, 0.25])
-    ahead = attitude.lgvi_step(R, Pi, moment(R, 5.0, Pi), moment, body, 5.0, 1.5, 0.013, 0.016)
-    back = attitude.lgvi_step(*ahead, moment, body, 6.5, -1.5, 0.013, 0.010)
+    ahead = attitude.lgvi_step(R, Pi, moment(R, 5.0, Pi), moment, body, 5.0, 1.5, 0.013 * E1, 0.016 * E1)
+    back = attitude.lgvi_step(*ahead, moment, body, 6.5, -1.5, 0.013 * E1, 0.010 * E1)
     assert np.abs(back[0] - R).max() < 1e-15
     assert np.abs(back[1] - Pi).max() < 1e-15
 

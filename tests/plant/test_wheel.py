@@ -13,11 +13,16 @@ from scipy.integrate import solve_ivp
 import plant
 from evidence.verification.rk4 import angle_between, environment, pack, truth
 from plant.attitude import lgvi_step
-from plant.wheel import Segment, Wheel, net_torque, segments
+from plant.wheel import Part, Segment, Wheel, net_torque, parts
 from tests.plant.motion import FULL_INERTIA, checked, command, fly, measured_order
 
 I_W, MAX = 1.47e-5, 0.03
 IDEAL = Wheel(I_W, MAX, 0.003)
+
+
+def segments(momentum: float, command: float, h: float, wheel: Wheel) -> list[Segment]:
+    """Those of one wheel."""
+    return [part.segments[0] for part in parts([momentum], [command], h, [wheel])]
 
 
 def test_a_wheel_driven_into_its_limit_inside_a_step_stops_there_and_so_does_the_torque_on_the_body():
@@ -25,7 +30,7 @@ def test_a_wheel_driven_into_its_limit_inside_a_step_stops_there_and_so_does_the
     p = checked(gravity_gradient=False, h_w0=0.025, omega_B0=[0.01, 0.0, 0.0], integrator_order=6, step_max=4.0)
     u = command(wheel_torque_cmd=0.003)
     x, y = plant.step(plant.start(p, u), u, p, 4.0)
-    assert x.l_w == 0.03
+    assert x.l_w[0] == 0.03
     assert y.omega_B[0] == pytest.approx(0.01 - 0.005 / 2.13, rel=1e-14)
     assert y.wheel_torque == 0.0
     assert y.wheel_momentum_saturated
@@ -38,8 +43,8 @@ def test_a_wheel_driven_into_its_limit_inside_a_step_stops_there_and_so_does_the
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_wheel_leaves_its_limit_as_soon_as_it_is_told_to(sign):
-    parts = segments(sign * MAX, -sign * 0.002, 1.0, IDEAL)
-    assert [part.l_end for part in parts] == [pytest.approx(sign * (MAX - 0.002))]
+    found = segments(sign * MAX, -sign * 0.002, 1.0, IDEAL)
+    assert [part.l_end for part in found] == [pytest.approx(sign * (MAX - 0.002))]
     assert net_torque(sign * MAX, -sign * 0.002, IDEAL) == -sign * 0.002
     assert net_torque(sign * MAX, sign * 0.002, IDEAL) == 0.0
 
@@ -48,10 +53,10 @@ def test_a_step_with_an_event_has_parts_that_join_and_fill_it():
     wheel = Wheel(I_W, MAX, 0.003, 1e-6, 2e-4)
     for start in (-0.03, -0.01, -1e-4, 0.0, 1e-4, 0.02, 0.03):
         for torque in (-0.004, -1e-3, -1e-4, 0.0, 1e-4, 1e-3, 0.004):
-            parts = segments(start, torque, 40.0, wheel)
-            assert sum(part.duration for part in parts) == pytest.approx(40.0, rel=1e-15)
-            assert [part.l_start for part in parts] == [start, *(part.l_end for part in parts[:-1])]
-            for part in parts:
+            found = segments(start, torque, 40.0, wheel)
+            assert sum(part.duration for part in found) == pytest.approx(40.0, rel=1e-15)
+            assert [part.l_start for part in found] == [start, *(part.l_end for part in found[:-1])]
+            for part in found:
                 assert part.momentum(part.duration) == pytest.approx(part.l_end, abs=1e-15)
                 assert abs(part.l_end) <= MAX
 
@@ -100,13 +105,13 @@ def _by_solve_ivp(start, torque, duration, viscous, coulomb):
 def test_a_wheel_runs_down_against_viscous_friction_as_an_exponential():
     p = checked(h_w0=0.02, wheel_viscous_friction=1.47e-6, gravity_gradient=False, step_max=50.0)
     x = fly(p, command(), 10.0, 3)[-1]
-    assert x.l_w == pytest.approx(0.02 * math.exp(-0.1 * 30.0), rel=1e-13)
+    assert x.l_w[0] == pytest.approx(0.02 * math.exp(-0.1 * 30.0), rel=1e-13)
 
 
 def test_a_wheel_runs_down_against_coulomb_friction_in_a_straight_line_and_stays_at_rest():
     p = checked(h_w0=0.02, wheel_coulomb_friction=1e-3, gravity_gradient=False, step_max=50.0)
     states = fly(p, command(), 8.0, 4)
-    assert [x.l_w for x in states] == pytest.approx([0.02, 0.012, 0.004, 0.0, 0.0], abs=1e-16)
+    assert [x.l_w[0] for x in states] == pytest.approx([0.02, 0.012, 0.004, 0.0, 0.0], abs=1e-16)
     # a motor torque below the friction does not move it, one above does with what is left
     stuck = fly(p, command(wheel_torque_cmd=-9e-4), 8.0, 1, states[-1])[-1]
     assert stuck.l_w == 0.0
@@ -126,7 +131,7 @@ def test_a_torque_beyond_the_motors_is_clipped_and_flagged():
     for torque in (0.0031, -5.0):
         u = command(wheel_torque_cmd=torque)
         x, y = plant.step(plant.start(p, u), u, p, 1.0)
-        assert x.l_w == pytest.approx(math.copysign(0.003, torque), rel=1e-14)
+        assert x.l_w[0] == pytest.approx(math.copysign(0.003, torque), rel=1e-14)
         assert y.wheel_torque == math.copysign(0.003, torque)
         assert y.wheel_torque_saturated
     assert not plant.outputs(plant.start(p, command()), command(wheel_torque_cmd=0.003), p).wheel_torque_saturated
@@ -153,7 +158,7 @@ def test_a_wheel_without_any_momentum_takes_none():
     p = checked(wheel_momentum_max=0.0)
     u = command(wheel_torque_cmd=1e-3)
     x, y = plant.step(plant.start(p, u), u, p, 1.0)
-    assert x.l_w == 0.0
+    assert x.l_w[0] == 0.0
     assert y.wheel_torque == 0.0
     assert y.wheel_momentum_saturated
 
@@ -178,8 +183,8 @@ def test_each_substep_is_told_the_wheels_mean_and_end_momentum(order, monkeypatc
     plant.step(plant.start(p, command()), command(wheel_torque_cmd=1e-3), p, 2.0)
     assert len(told) == {2: 1, 4: 5, 6: 7}[order]
     for t, h, mean, end in told:
-        assert mean == pytest.approx(0.01 + 1e-3 * (t + 0.5 * h), abs=1e-16)
-        assert end == pytest.approx(0.01 + 1e-3 * (t + h), abs=1e-16)
+        assert mean == pytest.approx([0.01 + 1e-3 * (t + 0.5 * h), 0.0, 0.0], abs=1e-16)
+        assert end == pytest.approx([0.01 + 1e-3 * (t + h), 0.0, 0.0], abs=1e-16)
 
 
 class Case:
@@ -208,7 +213,7 @@ class Case:
         for step in steps:
             p = checked(**self.start, integrator_order=order, step_max=step)
             x, _ = plant.step(plant.start(p, u), u, p, self.duration)
-            assert x.l_w == pytest.approx(y[12], abs=4e-3)
+            assert x.l_w[0] == pytest.approx(y[12], abs=4e-3)
             found[step] = angle_between(x.R, y[:9].reshape(3, 3)) + np.abs(x.Omega(p) - y[9:12]).max()
         return found
 
@@ -254,17 +259,18 @@ def test_the_order_is_kept_where_the_wheel_clips_stands_still_or_is_braked(case,
     assert min(errors.values()) < {2: 2e-4, 4: 5e-8, 6: 2e-8}[order]
 
 
-def unsplit(momentum, command, h, wheel):
-    """A double of `segments` that does not divide the step: it takes the law at the start for all of it."""
+def unsplit(momenta, commands, h, wheels):
+    """A double of `parts` that does not divide the step: it takes the law at the start for all of it."""
+    (momentum,), (command,), (wheel,) = momenta, commands, wheels
     rate = net_torque(momentum, command, wheel)
     decay = wheel.viscous_friction / wheel.inertia
     whole = Segment(h, momentum, 0.0, rate + decay * momentum, decay)
-    return [Segment(h, momentum, whole.momentum(h), whole.drive, decay)]
+    return [Part(h, (Segment(h, momentum, whole.momentum(h), whole.drive, decay),))]
 
 
 @pytest.mark.parametrize("case", ["limit", "standstill"])
 def test_without_splitting_the_step_order_4_falls_to_1(case, monkeypatch):
-    monkeypatch.setattr("plant.block.segments", unsplit)
+    monkeypatch.setattr("plant.block.parts", unsplit)
     errors = CASES[case]().errors(4, (1.0, 0.5, 0.25, 0.125, 0.0625))
     assert measured_order(errors) < 1.5
     assert min(errors.values()) > 1e-5
@@ -273,7 +279,7 @@ def test_without_splitting_the_step_order_4_falls_to_1(case, monkeypatch):
 def test_an_unsplit_step_is_as_good_where_the_law_does_not_change(monkeypatch):
     """So the loss above is the splitting's, not the double's."""
     split = viscous_case().errors(4, (1.0,))
-    monkeypatch.setattr("plant.block.segments", unsplit)
+    monkeypatch.setattr("plant.block.parts", unsplit)
     assert viscous_case().errors(4, (1.0,)) == pytest.approx(split, rel=1e-6)
 
 
