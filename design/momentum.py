@@ -154,7 +154,7 @@ class MomentumBalance:
     def needed(self, T: float) -> tuple[Array, Array]:
         """D and a at time T: momentum to be given with an empty wheel, N m s, and the wheel's axis, in N."""
         reference = self._reference(T)
-        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, reference.R_d @ self.plant.body.wheel_axis
+        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, reference.R_d @ self.plant.wheel_axes[0]
 
     def slack(self, T: float) -> float:
         return self._tolerance + self._disturbance * T

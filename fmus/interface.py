@@ -30,14 +30,14 @@ __all__ = [
 ]
 __all__ += ["citations", "cites", "element_name", "load", "optional_text", "package_of", "parse"]
 
-BLOCKS = (
+_OF_ONE = (
     *("plant", "controller", "allocator", "allocator_bounded"),
     *("plant_sensors", "plant_judge", "controller_planned", "estimator", "supervisor"),
 )
-"""All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 SETS = {"plant_wheels": ("plant", "wheel")}
 """Blocks that are another one for a set of parts: that block, whose package and file they share, and the set's name."""
-BLOCKS += tuple(SETS)
+BLOCKS: tuple[str, ...] = (*_OF_ONE, *SETS)
+"""All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""
 LOOP = ("plant", "controller", "allocator")
 """Those that make a closed loop by the names of their ports; the others take the place of one of them or stand between.
 """

@@ -156,7 +156,7 @@ def predicted(motion: Motion, p: Floats, start: Floats) -> Floats:
 def forecast(motion: Motion, known: Inertia, start: Floats) -> Floats:
     """The same by the integrator of the plant, of order 4, without moments."""
     J = known.J
-    body = Body(J, np.asarray(np.linalg.inv(J), float), np.array([1.0, 0.0, 0.0]))
+    body, no_wheels = Body(J, np.asarray(np.linalg.inv(J), float)), np.zeros(3)
     R, Pi, zero = np.eye(3), J @ start, np.zeros(3)
     rates = [start]
     for a, b in zip(motion.t[:-1], motion.t[1:], strict=True):
@@ -164,7 +164,7 @@ def forecast(motion: Motion, known: Inertia, start: Floats) -> Floats:
         h, t = (b - a) / steps, float(a)
         for _ in range(steps):
             for part in COMPOSITIONS[4]:
-                R, Pi, zero = lgvi_step(R, Pi, zero, lambda *_: np.zeros(3), body, t, part * h, 0.0, 0.0)
+                R, Pi, zero = lgvi_step(R, Pi, zero, lambda *_: np.zeros(3), body, t, part * h, no_wheels, no_wheels)
                 t += part * h
         rates.append(body.J_inverse @ Pi)
     return np.array(rates) + known.p[5:8]

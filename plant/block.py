@@ -15,7 +15,7 @@ import numpy as np
 
 from . import gravity_gradient, rods, sun
 from .attitude import COMPOSITIONS, Moment, lgvi_step
-from .parameters import Parameters
+from .parameters import OfWheels, Parameters
 from .so3 import Array, to_quaternion
 from .wheel import Part, momentum_saturated, net_torque, parts
 
@@ -28,7 +28,7 @@ class Inputs:
     """dipole_cmd (3,) A m2 along the rods, wheel_torque_cmd N m, (4,) for a set of wheels."""
 
     dipole_cmd: Array
-    wheel_torque_cmd: float | Array
+    wheel_torque_cmd: OfWheels
 
 
 @dataclass(frozen=True)
@@ -60,20 +60,20 @@ class Outputs:
     r_N: Array
     v_N: Array
     b_B: Array
-    h_w: float | Array
+    h_w: OfWheels
     q_NB: Array
     tau_gg_B: Array
     tau_drag_B: Array
     tau_mag_B: Array
     dipole: Array
-    wheel_torque: float | Array
-    wheel_speed: float | Array
+    wheel_torque: OfWheels
+    wheel_speed: OfWheels
     H_N: Array
     energy: float
     density: float
     dipole_saturated: bool
-    wheel_torque_saturated: bool | Array
-    wheel_momentum_saturated: bool | Array
+    wheel_torque_saturated: OfWheels
+    wheel_momentum_saturated: OfWheels
     field_extrapolated: bool
     dipole_mean: Array
     sun_N: Array
@@ -151,7 +151,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         energy -= (h_x * H_x + h_y * H_y + h_z * H_z) / float(r_N.dot(r_N))
     each = list(zip(x.l_w.tolist(), p.of_wheels(u.wheel_torque_cmd), p.wheel_list, strict=True))
 
-    def of_wheels(values: list[Any], unused: Any = 0.0) -> Any:
+    def of_wheels(values: list[Any], unused: Any = 0.0) -> OfWheels:
         """A port of the wheels: a scalar where the block has one wheel, with zeros for those of a set that are not."""
         return np.array(values + [unused] * (len(p.wheel_axis) - len(values))) if p.is_set else values[0]
 

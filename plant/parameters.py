@@ -17,6 +17,8 @@ from .sun import Sun
 from .surroundings import Environment
 from .wheel import Wheel
 
+OfWheels = Any
+"""A number for one wheel, an array (4,) for a set of them."""
 DRIFT_PASSES = 6
 """Each leaves about a thousandth of the last one's error."""
 
@@ -27,12 +29,12 @@ class Parameters:
 
     J_B: Array
     J_error_B: Array
-    wheel_inertia: float | Array
+    wheel_inertia: OfWheels
     wheel_axis: Array
-    wheel_momentum_max: float | Array
-    wheel_torque_max: float | Array
-    wheel_viscous_friction: float | Array
-    wheel_coulomb_friction: float | Array
+    wheel_momentum_max: OfWheels
+    wheel_torque_max: OfWheels
+    wheel_viscous_friction: OfWheels
+    wheel_coulomb_friction: OfWheels
     dipole_max: float
     rod_limits: Array
     rod_axes: Array
@@ -69,14 +71,14 @@ class Parameters:
     Q0: Array
     q_NB0: Array
     omega_B0: Array
-    h_w0: float | Array
+    h_w0: OfWheels
     integrator_order: int
     step_max: float
     wheels: int = 1
     """How many of the set are there. For one wheel, the fields of wheels are scalars and wheel_axis is (3,); for a set
     they are (4,) and (4, 3)."""
-    wheel_gain: float | Array = 1.0
-    wheel_breakaway_friction: float | Array = 0.0
+    wheel_gain: OfWheels = 1.0
+    wheel_breakaway_friction: OfWheels = 0.0
 
     @cached_property
     def body(self) -> Body:
