@@ -33,7 +33,8 @@ def like(p, field=None, J=None, torque=None, axis=None, l_max=None):
     return SimpleNamespace(
         orbit=p.orbit,
         field=p.field if field is None else SimpleNamespace(at=field),
-        body=SimpleNamespace(J=p.body.J if J is None else J, wheel_axis=p.body.wheel_axis if axis is None else axis),
+        body=SimpleNamespace(J=p.body.J if J is None else J),
+        wheel_axes=p.wheel_axes if axis is None else [axis],
         disturbance_torque_B=p.disturbance_torque_B if torque is None else torque,
         wheel_momentum_max=p.wheel_momentum_max if l_max is None else l_max,
         drag=False,
@@ -152,7 +153,7 @@ def test_the_rows_hold_for_any_motion_once_the_torque_along_the_field_that_it_ne
     b = np.array([np.array(f.R_d).T @ p.field.at(BEGIN + s) for f, s in zip(frames, t, strict=True)])
     b /= np.linalg.norm(b, axis=1)[:, None]
     K = Q @ np.asarray(p.body.J) @ Q.transpose(0, 2, 1)
-    h = np.einsum("tij,tj->ti", K, Omega + nu) + momentum[:, None] * (Q @ p.body.wheel_axis)
+    h = np.einsum("tij,tj->ti", K, Omega + nu) + momentum[:, None] * (Q @ p.wheel_axes[0])
     given = Q @ p.disturbance_torque_B + 3.0 * (Omega @ Omega) * np.cross(down, K @ down)
     if drag:
         attitudes = zip(Q, frames, t, strict=True)
