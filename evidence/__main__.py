@@ -29,6 +29,9 @@ from .optimum import page as least_times
 from .optimum.kept import FILE
 from .paper import ROOT
 from .processor import make as cost
+from .proofs import make as proofs_made
+from .proofs import planted as faults
+from .proofs import rules as rules_of
 from .reproduction import make as paper
 from .satellites import bound_search
 from .satellites import make as satellites_flown
@@ -234,6 +237,27 @@ def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None
     A flight takes about two seconds of a core, one with a stuck wheel 36.
     """
     say(f"written: {failures_flown.write() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
+
+
+@main.command()
+@click.argument("names", metavar="[SUBJECT]...", nargs=-1)
+def proofs(names: tuple[str, ...]) -> None:
+    """Prove the flight code free of run-time errors by Frama-C; all subjects: make docs/evidence/proofs.md."""
+    page = proofs_made.make(names)
+    say(f"written: {page}" if page else "proved")
+
+
+@main.command()
+def rules() -> None:
+    """Hold the flight code against MISRA C:2012 (required rules, by cppcheck) and clang-tidy, but for the deviations."""
+    say(f"{rules_of.check().total()} findings, all as in evidence/proofs/deviations.yaml")
+
+
+@main.command()
+@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=int)
+def planted(numbers: tuple[int, ...]) -> None:
+    """Plant the faults of tests/evidence/proofs/planted.yaml, one at a time: each has to be found by its proof."""
+    faults.make(numbers)
 
 
 if __name__ == "__main__":

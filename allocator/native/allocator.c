@@ -65,20 +65,27 @@ static bool allocate(const AllocatorLaw *law, const AllocatorInputs *u, Commands
     if (B < FIELD_MIN) {
         return false;
     }
-    const Vector b = scale(1.0 / B, b_B);
+    const Vector b = direction(B, b_B);
 
     /* Wheel: the demand's part along the field [20]. Normal to the wheel, it can only give nothing. */
     const Vector spin = scale(u->h_w, cross(Omega, axis));
     const double along = dot(tau, b) + spin.x * b.x + spin.y * b.y + spin.z * b.z, b_wheel = dot(b, axis);
-    if (along != 0.0 && fabs(b_wheel) < B_WHEEL_MIN) {
-        return false;
+    double dh_w = 0.0;
+    if (along != 0.0) {
+        if (b_wheel < B_WHEEL_MIN && b_wheel > -B_WHEEL_MIN) {
+            return false;
+        }
+        dh_w = -along / b_wheel;
     }
-    const double dh_w = along != 0.0 ? -along / b_wheel : 0.0;
 
     /* Rods: the rest, which lies across the field, with the least dipole [24]. */
     const Vector tau_MT = subtract(tau, wheel_reaction(axis, dh_w, u->h_w, Omega));
     const Vector across = across_field(tau, b);
-    const Vector n = scale(1.0 / norm(across), across);
+    const double size = norm(across);
+#ifdef PROOF_WITHIN_LIMITS
+    //@ assert across: size >= 0x1p-537;
+#endif
+    const Vector n = direction(size, across);
     const Vector c = cross(b, n);
     /* Columns of A = M_B^T N_p [22]: (u_i x b).n = u_i.c and (u_i x b).c = -u_i.n. */
     const Vector A_n = apply(U, c);

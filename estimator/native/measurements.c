@@ -75,8 +75,9 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     double error[ERROR_STATES];
     x->nis[sensor] = estimator_correct(innovation, &P, error);
     if (!(x->nis[sensor] <= law->p.gate)) {
-        ++x->rejected[sensor];
-        x->tracking = ++x->in_a_row[sensor] < IN_A_ROW;
+        x->rejected[sensor] += x->rejected[sensor] < INT32_MAX ? 1 : 0;
+        x->in_a_row[sensor] += x->in_a_row[sensor] < IN_A_ROW ? 1 : 0;
+        x->tracking = x->in_a_row[sensor] < IN_A_ROW;
         return;
     }
     x->in_a_row[sensor] = 0;

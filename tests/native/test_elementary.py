@@ -52,6 +52,12 @@ def _check(own: object, reference: object, points: list[float]) -> None:
         assert abs(own(x) - expected) <= ULPS * math.ulp(expected), x
 
 
+def test_the_largest_numbers_have_logarithms_and_the_least_normal_ones_are_exponentials(lib: ctypes.CDLL) -> None:
+    for name in ("log", "log1p"):
+        _check(getattr(lib, f"own_{name}"), getattr(math, name), [1.27e308, 1.28e308, 1.5e308, sys.float_info.max])
+    _check(lib.own_exp, math.exp, [-708.39, -708.2, -708.06, -708.04, -700.0])
+
+
 @pytest.mark.parametrize("name", ["sin", "cos"])
 def test_sine_and_cosine(lib: ctypes.CDLL, name: str) -> None:
     points = _points((-1, 1), (-7, 7), (-1e3, 1e3), (-1.6e6, 1.6e6))

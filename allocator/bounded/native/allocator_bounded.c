@@ -72,7 +72,7 @@ static Commands allocate(const AllocatorBoundedLaw *law, const AllocatorBoundedI
         }
     }
 
-    double x[BOX_N], unbounded[BOX_N];
+    double x[BOX_N] = {0.0}, unbounded[BOX_N];
     if (!allocator_bounded_box_minimum(&box, x, unbounded)) {
         return (Commands){{0.0, 0.0, 0.0}, 0.0, FRACTION_CAP};
     }

@@ -55,7 +55,7 @@ typedef struct {
     Vector change_B;     /* N m, of the disturbance torque, from that of now */
 } Around;
 
-enum { AHEAD_TIMES = 16 }; /* at which a given target may be known */
+enum { KNOTS = 17, AHEAD_TIMES = KNOTS - 1 }; /* times at which a given target may be known: now, and ahead */
 
 /* A target that is given for a time, s. */
 typedef struct {
@@ -72,7 +72,7 @@ typedef struct {
     const Profile *profile; /* of the disturbance; NULL: it is taken to be constant */
     int target_kind;
     int knots; /* after knot[0], which is now; 0: the target is known for now only */
-    Knot knot[AHEAD_TIMES + 1];
+    Knot knot[KNOTS];
     Matrix R_d0; /* at rest or relative to LVLH; of a given target from given_t on, then also turning with Omega_d0 */
     Vector Omega_d0; /* rad/s, and its derivative, rad/s2 */
     Vector dOmega_d0;

@@ -95,6 +95,7 @@ bool link_next(LinkReader *reader, LinkFrame *frame)
                                  .sequence = (uint32_t)take_number(bytes + 8, 4, false),
                                  .size = (uint16_t)payload,
                                  .payload = bytes + LINK_HEADER};
+            //@ assert whole: LINK_OVERHEAD <= whole <= reader->held;
             reader->taken = whole;
             reader->skipping = false;
             return true;

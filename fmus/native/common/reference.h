@@ -13,6 +13,7 @@ static const double REFERENCE_R_MIN = 1.0; /* m; nearer to the Earth's centre a 
 static const double REFERENCE_ATTITUDE_TOLERANCE = 1e-4;  /* of R_NB and R_d: single precision stays well below it */
 static const double REFERENCE_PARAMETER_TOLERANCE = 1e-3; /* of R_d0, which may be typed from four printed decimals */
 static const double REFERENCE_COLLINEAR = 1e-9;           /* |r x v|/(|r||v|) below which the orbit has no plane */
+static const double REFERENCE_H_MIN = 1e-100;             /* m2/s; less is no motion, and has no direction */
 static const double REFERENCE_NO_ATTITUDE =
     3.14159265358979323846; /* rad; the attitude error while there is no attitude */
 
@@ -59,17 +60,18 @@ static inline bool are_finite_rate_and_orbit(const double omega_B[3], const doub
 static inline bool reference_lvlh(Vector r_N, Vector v_N, Reference *reference, Fault *f)
 {
     const double r = norm(r_N);
-    const double h = norm(cross(r_N, v_N));
+    const Vector h_N = cross(r_N, v_N);
+    const double h = norm(h_N);
     if (r < REFERENCE_R_MIN) {
         return fault(f, "r_N", r, "at least 1 m from the Earth's centre, for the reference 'lvlh'");
     }
-    if (!(h > REFERENCE_COLLINEAR * r * norm(v_N))) {
+    if (!(h > larger(REFERENCE_COLLINEAR * r * norm(v_N), REFERENCE_H_MIN))) {
         return fault(f, "v_N", h,
                      "a velocity that spans the orbit's plane with r_N, |r x v| above 0, for the reference 'lvlh'");
     }
     const double n = h / (r * r);
     const double dn = -2.0 * n * dot(r_N, v_N) / (r * r);
-    *reference = (Reference){lvlh_axes(r_N, v_N), {0.0, -n, 0.0}, {0.0, -dn, 0.0}};
+    *reference = (Reference){lvlh_of(r_N, r, h_N, h), {0.0, -n, 0.0}, {0.0, -dn, 0.0}};
     return true;
 }
 

@@ -28,7 +28,10 @@ static const Matrix identity = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0
 static inline Matrix rotation_exp(Vector x)
 {
     const double half = 0.5 * norm(x);
-    const double sinc = half > 0.0 ? sin(half) / half : 1.0;
+    const double sinc = half > 1e-100 ? sin(half) / half : 1.0; /* 1 below, too */
+#ifdef PROOF_WITHIN_LIMITS
+    //@ assert sinc: -1.0 <= sinc <= 1.0;
+#endif
     const double s = sinc * cos(half);
     const double c = 0.5 * sinc * sinc;
     const double diagonal = 1.0 - c * dot(x, x);
@@ -41,7 +44,8 @@ static inline Matrix rotation_exp(Vector x)
 static inline double principal_angle(Matrix Q)
 {
     const Vector axis = {Q.c.y - Q.b.z, Q.a.z - Q.c.x, Q.b.x - Q.a.y};
-    return atan2(0.5 * norm(axis), 0.5 * (Q.a.x + Q.b.y + Q.c.z - 1.0));
+    const double angle = atan2(0.5 * norm(axis), 0.5 * (Q.a.x + Q.b.y + Q.c.z - 1.0));
+    return larger(angle, 0.0); /* it is not below: so a proof sees it, too */
 }
 
 /* zeta with R = exp(zeta^), |zeta| at most pi. */
@@ -68,6 +72,15 @@ static inline Vector rotation_log(Matrix R)
 }
 
 /* The rotation nearest to a matrix that is_rotation to 1e-3: its polar factor, by Newton's X <- (X + X^-T)/2. */
+#ifdef PROOF_WITHIN_LIMITS
+/*@ assigns \result \from X;
+    ensures \is_finite(\result.a.x) && \is_finite(\result.a.y) && \is_finite(\result.a.z);
+    ensures -1.01 <= \result.a.x <= 1.01 && -1.01 <= \result.a.y <= 1.01 && -1.01 <= \result.a.z <= 1.01;
+    ensures \is_finite(\result.b.x) && \is_finite(\result.b.y) && \is_finite(\result.b.z);
+    ensures -1.01 <= \result.b.x <= 1.01 && -1.01 <= \result.b.y <= 1.01 && -1.01 <= \result.b.z <= 1.01;
+    ensures \is_finite(\result.c.x) && \is_finite(\result.c.y) && \is_finite(\result.c.z);
+    ensures -1.01 <= \result.c.x <= 1.01 && -1.01 <= \result.c.y <= 1.01 && -1.01 <= \result.c.z <= 1.01; */
+#endif
 static inline Matrix nearest_rotation(Matrix X)
 {
     for (int i = 0; i < 6; ++i) {
@@ -152,24 +165,30 @@ static inline bool is_inertia(Matrix J, const char *name, Fault *f)
     return true;
 }
 
-/* The matrix with its rows scaled to unit length. */
-static inline Matrix with_unit_rows(Matrix U)
-{
-    return (Matrix){scale(1.0 / norm(U.a), U.a), scale(1.0 / norm(U.b), U.b), scale(1.0 / norm(U.c), U.c)};
-}
-
-/* v of unit length. */
+/* v scaled to unit length, of a vector whose length is 1 to 1e-6: the clip acts on no other. */
 static inline Vector unit_vector(Vector v)
 {
-    return scale(1.0 / norm(v), v);
+    return scale(1.0 / clip(norm(v), 0.5, 2.0), v);
 }
 
-/* LVLH of a position and a velocity in N, as columns: Z to nadir, Y = -orbit normal, X = Y x Z. */
+/* The matrix with its rows scaled to unit length, of a matrix whose rows have it to 1e-6. */
+static inline Matrix with_unit_rows(Matrix U)
+{
+    return (Matrix){unit_vector(U.a), unit_vector(U.b), unit_vector(U.c)};
+}
+
+/* LVLH as columns: Z to nadir, Y = -orbit normal, X = Y x Z; of a position in N, the normal h = r x v, and their lengths. */
+static inline Matrix lvlh_of(Vector r_N, double r, Vector h_N, double h)
+{
+    const Vector z = direction(-r, r_N), y = direction(-h, h_N);
+    return transposed((Matrix){cross(y, z), y, z});
+}
+
+/* The same of a position and a velocity in N. */
 static inline Matrix lvlh_axes(Vector r_N, Vector v_N)
 {
     const Vector h = cross(r_N, v_N);
-    const Vector z = scale(-1.0 / norm(r_N), r_N), y = scale(-1.0 / norm(h), h);
-    return transposed((Matrix){cross(y, z), y, z});
+    return lvlh_of(r_N, norm(r_N), h, norm(h));
 }
 
 /* Whether the rows are unit vectors, to 1e-6. */

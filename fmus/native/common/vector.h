@@ -65,12 +65,23 @@ static inline Vector cross(Vector u, Vector v)
 
 static inline double norm(Vector v)
 {
-    return sqrt(dot(v, v));
+    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z); /* a proof sees that no square is below 0 */
+}
+
+/* v over its length `size`, or against it where size is minus the length; no component is above 1, but by rounding. */
+#ifdef PROOF_WITHIN_LIMITS
+/*@ requires size >= 0x1p-537 || size <= -0x1p-537;
+    assigns \result \from size, v;
+    ensures -1.25 <= \result.x <= 1.25 && -1.25 <= \result.y <= 1.25 && -1.25 <= \result.z <= 1.25; */
+#endif
+static inline Vector direction(double size, Vector v)
+{
+    return scale(1.0 / size, v);
 }
 
 static inline bool is_finite(Vector v)
 {
-    return (v.x - v.x) + (v.y - v.y) + (v.z - v.z) == 0.0; /* NaN otherwise */
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
 /* M v. */
@@ -151,10 +162,16 @@ static inline double clip(double x, double low, double high)
     return larger(smaller(x, high), low);
 }
 
-/* Into how many equal steps of at most `longest` a time of at most 1e9 of them falls. */
+/* Into how many equal steps of at most `longest` a time of at least 0 falls; at most 1e9. */
 static inline int steps_of(double time, double longest)
 {
     const double steps = time / longest;
+    if (!(steps == steps)) { /* no number; a proof sees it so, not by isnan */
+        return 1;
+    }
+    if (steps > 1e9) {
+        return 1000000000;
+    }
     const int whole = (int)steps;
     return whole < steps ? whole + 1 : whole > 0 ? whole : 1;
 }

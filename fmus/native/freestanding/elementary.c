@@ -46,10 +46,11 @@ static unsigned reduce(double x, double *r)
     static const double part1 = 1.57079632673412561417e+00; /* 33 bits of pi/2 */
     static const double part2 = 6.07710050630396597660e-11; /* the next 33 */
     static const double part3 = 2.02226624879595063154e-21; /* the rest */
-    if (!(fabs(x) < 1e9)) {
+    if (!(x > -1e9 && x < 1e9)) {
         *r = x - x; /* NaN of NaN and infinity; angles so large have lost their meaning: 0 */
         return 0;
     }
+    //@ assert angle: \is_finite(x);
     const double n = (x * 0.63661977236758134308 + shift) - shift;
     const double a = x - n * part1, w = n * part2;
     const double b = a - w;
@@ -86,6 +87,7 @@ static double arc(double x)
                                 0.71882999962162450542,
                                 0.78539816339744830962};
     static const double c[] = {-1.0 / 3.0, 1.0 / 5.0, -1.0 / 7.0, 1.0 / 9.0, -1.0 / 11.0, 1.0 / 13.0};
+    //@ assert quotient: \is_finite(x) && 0.0 <= x <= 1.0;
     const int k = (int)(8.0 * x + 0.5);
     const double y = 0.125 * k;
     const double t = (x - y) / (1.0 + x * y), z = t * t;
@@ -122,18 +124,24 @@ static double power_of_two(int k)
     return x;
 }
 
-/* k with x/2^k in [1, 2), of a normal x > 0. */
+/* k with x/2^k in [1, 2), of a normal x > 0; 1024 of infinity. */
 static int exponent(double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
-    return (int)(bits >> 52) - 1023;
+    const int k = (int)(bits >> 52) - 1023;
+    //@ assert exponent: -1022 <= k <= 1024;
+    return k;
 }
 
 static const double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
 
 /* ln(1 + x): 1 + x = 2^k (1 + f) with f in [-0.3, 0.42], and ln(1 + f) = f - f^2/2 + s (f^2/2 + R), s = f/(2 + f),
  * R = 2/3 s^2 + 2/5 s^4 + ... */
+#ifdef PROOF_WITHIN_LIMITS
+/*@ assigns \result \from x;
+    ensures x >= 0.0 && x <= 0x1p1000 ==> \is_finite(\result) && 0.0 <= \result <= 710.0; */
+#endif
 double log1p(double x)
 {
     static const double c[] = {2.0 / 3.0,  2.0 / 5.0,  2.0 / 7.0,  2.0 / 9.0,  2.0 / 11.0,
@@ -150,7 +158,7 @@ double log1p(double x)
         const double one_plus = 1.0 + x;
         lost = (x > 1.0 ? 1.0 - (one_plus - x) : x - (one_plus - 1.0)) / one_plus;
         k = exponent(one_plus * 0.70710678118654752440) + 1;
-        f = (k > 0 ? one_plus * power_of_two(-k) : one_plus / 2.0 * power_of_two(1 - k)) - 1.0;
+        f = (k > 0 ? 0.25 * one_plus * power_of_two(2 - k) : one_plus / 2.0 * power_of_two(1 - k)) - 1.0;
     }
     const double s = f / (2.0 + f), z = s * s, half_square = 0.5 * f * f;
     const double series = s * (half_square + z * horner(z, c, 10));
@@ -169,7 +177,7 @@ double log(double x)
         return x;
     }
     const int k = exponent(x * 0.70710678118654752440 * 2.0);
-    const double f = (k > 0 ? x * power_of_two(-k) : x / 2.0 * power_of_two(1 - k)) - 1.0;
+    const double f = (k > 0 ? 0.25 * x * power_of_two(2 - k) : x / 2.0 * power_of_two(1 - k)) - 1.0;
     const double s = f / (2.0 + f), z = s * s, half_square = 0.5 * f * f;
     const double series = s * (half_square + z * horner(z, c, 10));
     return k * ln2_high + (f - (half_square - (series + k * ln2_low)));
@@ -181,6 +189,7 @@ static double reduced_expm1(double x, int *k)
     static const double c[] = {1.0 / 6.0,        1.0 / 24.0,        1.0 / 120.0,        1.0 / 720.0,
                                1.0 / 5040.0,     1.0 / 40320.0,     1.0 / 362880.0,     1.0 / 3628800.0,
                                1.0 / 39916800.0, 1.0 / 479001600.0, 1.0 / 6227020800.0, 1.0 / 87178291200.0};
+    //@ assert exponent: \is_finite(x);
     const double n = (x * 1.44269504088896338700 + shift) - shift;
     const double high = x - n * ln2_high, low = n * ln2_low;
     const double r = high - low, lost = (high - r) - low;
@@ -199,7 +208,7 @@ double exp(double x)
         return x > 0.0 ? INFINITY : 0.0;
     }
     const double e = reduced_expm1(x, &k);
-    return 2.0 * (power_of_two(k - 1) * (1.0 + e));
+    return k > 0 ? 2.0 * (power_of_two(k - 1) * (1.0 + e)) : power_of_two(k) * (1.0 + e);
 }
 
 double expm1(double x)

@@ -1,0 +1,117 @@
+"""Runs Frama-C's Eva on a program and reads what it could not prove.
+
+Needs frama-c (Debian: frama-c-base).
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from orchestration import InputError
+
+PACKAGES = {
+    "frama-c": "frama-c-base",
+    "z3": "z3",
+    "cppcheck": "cppcheck",
+    "clang-tidy": "clang-tidy",
+}
+"""Programs, and Debian's packages of them."""
+MACHINE = "gcc_x86_64"
+FLAGS = (
+    *("-machdep", MACHINE, "-eva", "-eva-split-return", "auto"),
+    *("-warn-signed-overflow", "-warn-signed-downcast", "-warn-unsigned-downcast", "-warn-invalid-bool"),
+    "-eva-msg-key=-final-states,-initial-state",
+)
+_PROVED = ("Valid", "Considered valid", "Dead")
+
+
+@dataclass(frozen=True, order=True)
+class Alarm:
+    """A property that was not proved: where, of what kind, and its text."""
+
+    file: str
+    line: int
+    function: str
+    kind: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}: {self.function}: {self.kind}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What an analysis came to."""
+
+    alarms: tuple[Alarm, ...]
+    proved: int
+    """Properties that hold."""
+    statements: tuple[int, int]
+    """Reached, and all, of the functions that were analysed."""
+    seconds: float
+
+
+def tool(name: str) -> str:
+    """The program's path. Raises InputError with how to get it."""
+    path = shutil.which(name)
+    if path is None:
+        raise InputError(
+            f"{name} is not installed; remedy: apt install {PACKAGES[name]}, or your system's package of it"
+        )
+    return path
+
+
+def analyse(
+    program: Path,
+    sources: Sequence[Path],
+    headers: Sequence[Path],
+    options: Sequence[str],
+    define: Sequence[str],
+    prelude: Path,
+    numbers_only: bool,
+) -> Result:
+    """Eva on a program with these sources, in the folder of the program; its whole output is left in eva.log there.
+
+    `numbers_only`: only what concerns numbers counts, since the rest is proved with more numbers elsewhere.
+    Raises InputError where Frama-C is missing or fails.
+    """
+    folder, began = program.parent, time.monotonic()
+    table, log = folder / "properties.csv", folder / "eva.log"
+    table.unlink(missing_ok=True)
+    words = [f"-D{name}" for name in define] + [f"-include {prelude}"] + [f"-I{path}" for path in (*headers, folder)]
+    command = [tool("frama-c"), f"-cpp-extra-args={' '.join(words)}", str(program), *map(str, sources), *FLAGS]
+    command += [*options, "-then", "-report-csv", str(table)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    log.write_text(done.stdout + done.stderr, "utf-8")
+    if done.returncode or not table.exists():
+        raise InputError(f"{program}: Frama-C failed; its words are in {log}")
+    rows = [row for row in csv.DictReader(table.open(encoding="utf-8"), delimiter="\t") if _counts(row, numbers_only)]
+    alarms = tuple(sorted({_alarm(row) for row in rows if row["status"] not in _PROVED}))
+    return Result(
+        alarms, sum(row["status"] == "Valid" for row in rows), _reached(done.stdout), time.monotonic() - began
+    )
+
+
+def _counts(row: dict[str, str], numbers_only: bool) -> bool:
+    """A precondition of the C library counts where it is called."""
+    about_memory = row["property kind"] in ("initialization", "mem_access", "index_bound")
+    return not row["directory"].startswith("FRAMAC_SHARE") and not (numbers_only and about_memory)
+
+
+def _alarm(row: dict[str, str]) -> Alarm:
+    function = re.sub(r"_\d+$", "", row["function"])
+    return Alarm(Path(row["file"]).name, int(row["line"]), function, row["property kind"], row["property"].strip())
+
+
+def _reached(text: str) -> tuple[int, int]:
+    found = re.search(r"(\d+) statements reached \(out of (\d+)\)", text)
+    if found is None:
+        raise InputError("Frama-C's summary has no statements reached; remedy: the version that the page names")
+    return int(found[1]), int(found[2])

@@ -1,0 +1,167 @@
+"""The program that Frama-C reads of a block: any parameters, any inputs, any number of steps, any order of calls.
+
+A harness calls the block as the FMI shell does: check, prepare, start, then outputs and step in a loop without end.
+`ANY`: each number is any bit pattern of its type, NaN and infinities included. `LIMITS`: each is within the limits of
+the interface, an optional input also not connected.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fmus.interface import ABSENT_MIN, Interface, Variable
+from fmus.native.generate import TEXT_SIZE, camel_case
+
+Range = Literal["any", "limits"]
+REAL_MAX = 1e15
+"""Of a real variable without limits of its own."""
+TIME_MAX = 1e9
+"""s, 31 years: how long a flight takes, where numbers have limits."""
+STEP_MAX = 1000.0
+"""s, the longest step, where numbers have limits."""
+
+_TEXT = """\
+/* Of {name}, with numbers of the range "{range}": written by evidence/proofs/harness.py. */
+#include "{name}.h"
+
+#include <math.h>
+
+#include "__fc_builtin.h"
+
+extern volatile double any_real;
+extern volatile int any_integer;
+extern volatile float any_single;
+volatile double seen_real;
+volatile int seen_integer;
+
+static {title}Law law;
+
+static void fill_parameters({title}Parameters *p)
+{{
+{parameters}
+}}
+
+static void fill_inputs({title}Inputs *u)
+{{
+{inputs}
+}}
+
+static void read_outputs(const {title}Outputs *y)
+{{
+{outputs}
+}}
+
+static double any_step(void)
+{{
+    const double h = {step};
+    return h > 0.0 && h <= {step_max!r} ? h : 0.1;
+}}
+
+static void look(const {title}State *x)
+{{
+    Fault f = {{"", "", 0, 0.0}};
+    {title}Inputs u;
+    {title}Outputs y;
+    fill_inputs(&u);
+    if ({name}_outputs(&law, x, &u, &y, &f)) {{
+        read_outputs(&y);
+    }}
+}}
+
+/* What a refused step leaves is a state, too. */
+static void move({title}State *x)
+{{
+    Fault f = {{"", "", 0, 0.0}};
+    {title}Inputs u;
+    {title}Outputs y;
+    fill_inputs(&u);
+    if ({name}_step(&law, x, &u, any_step(), &y, &f)) {{
+        read_outputs(&y);
+    }}
+}}
+
+static void fly({title}State *x)
+{{
+    while (any_integer != 0{while_time}) {{
+        look(x);
+        move(x);
+    }}
+}}
+
+int main(void)
+{{
+    {title}Parameters p;
+    {title}Inputs u;
+    {title}State x;
+    Fault f = {{"", "", 0, 0.0}};
+    fill_parameters(&p);
+    if (!{name}_check(&p, &f)) {{
+        return 1;
+    }}
+{split}    {name}_prepare(&p, &law);
+    fill_inputs(&u);
+    if (!{name}_start(&law, &u, &x, &f)) {{
+        return 2;
+    }}
+    fly(&x);
+    return 0;
+}}
+"""
+
+
+def harness(interface: Interface, span: Range) -> str:
+    """The program's C."""
+    parts = {
+        "parameters": "\n".join(_filled(f"p->{v.name}", v, span) for v in interface.of("parameter")),
+        "inputs": "\n".join(_filled(f"u->{v.name}", v, span) for v in interface.of("input")),
+    }
+    outputs = "\n".join(_read(f"y->{v.name}", v) for v in interface.of("output"))
+    return _TEXT.format(
+        name=interface.name,
+        range=span,
+        title=camel_case(interface.name),
+        outputs=outputs,
+        step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
+        step_max=STEP_MAX if span == "limits" else 1.7976931348623157e308,
+        while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
+        split="    //@ split p.field_model;\n" if "field_model" in interface.variables else "",
+        **parts,
+    )
+
+
+def _loops(name: str, shape: tuple[int, ...], body: str) -> str:
+    """The statement for each element of an array."""
+    for level, n in reversed(list(enumerate(shape))):
+        i = "ijk"[level]
+        body = f"for (int {i} = 0; {i} < {n}; ++{i}) {{ {body} }}"
+    return "    " + body.replace("@", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
+
+
+def _filled(name: str, v: Variable, span: Range) -> str:
+    if v.type == "string":
+        return f"    Frama_C_make_unknown({name}, {TEXT_SIZE - 1}); {name}[{TEXT_SIZE - 1}] = 0;"
+    if v.type == "boolean":
+        return _loops(name, v.shape, "@ = any_integer != 0;")
+    if v.type in ("integer", "enumeration"):
+        low, high = (1, len(v.items)) if v.type == "enumeration" else (v.min, v.max)
+        if span == "any" or low is None or high is None:
+            return _loops(name, v.shape, "@ = any_integer;")
+        return _loops(name, v.shape, f"@ = Frama_C_interval({int(low)}, {int(high)});")
+    if span == "any":
+        return _loops(name, v.shape, "@ = any_real;")
+    low, high = limits_of(v)
+    given = _loops(name, v.shape, f"@ = Frama_C_double_interval({low!r}, {high!r});")
+    if not v.optional:
+        return given
+    absent = _loops(name, v.shape, "@ = 1e9;")
+    return f"    if (any_integer != 0) {{\n    {given}\n    }} else {{\n    {absent}\n    }}"
+
+
+def limits_of(v: Variable) -> tuple[float, float]:
+    """Of a real parameter or input; of an optional one while it is connected."""
+    low, high = (-REAL_MAX if v.min is None else v.min), (REAL_MAX if v.max is None else v.max)
+    return (float(low), float(high)) if not v.optional else (float(low), min(float(high), ABSENT_MIN))
+
+
+def _read(name: str, v: Variable) -> str:
+    return _loops(name, v.shape, "seen_real = @;" if v.type == "real" else "seen_integer = @;")

@@ -1,0 +1,47 @@
+"""Results of analyses, kept in out/proofs while neither the C nor the way it is analysed changes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+
+from fmus.block import Block
+
+from ..paper import ROOT
+from .analysis import FLAGS, Alarm, Result
+from .harness import harness
+from .subjects import HERE, Subject
+
+FOLDER = ROOT / "out" / "proofs"
+
+
+def result_of(subject: Subject) -> Result:
+    """Of an analysis with these sources, now or before. Raises InputError."""
+    folder = FOLDER / subject.title.replace(", ", "-")
+    path, digest = folder / "result.json", _digest(subject)
+    if path.exists():
+        kept = json.loads(path.read_text("utf-8"))
+        if kept.pop("digest") == digest:
+            alarms = tuple(Alarm(**a) for a in kept.pop("alarms"))
+            return Result(alarms, statements=tuple(kept.pop("statements")), **kept)
+    result = subject.prove(folder)
+    path.write_text(json.dumps({"digest": digest, **asdict(result)}, indent=1), "utf-8")
+    return result
+
+
+def _digest(subject: Subject) -> str:
+    digest = hashlib.sha256(f"{subject} {FLAGS}".replace(str(ROOT), "").encode())
+    program = harness(Block.named(subject.name).interface, subject.span) if subject.span else ""
+    digest.update(program.encode())
+    own = [HERE / "prelude.h", *([] if subject.span else [HERE / f"{subject.name}.c"])]
+    for path in [*_sources(subject), *own]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _sources(subject: Subject) -> Iterable[Path]:
+    folders = [*subject.folders(), ROOT / "fmus" / "native" / "common", ROOT / "fmus" / "native" / "freestanding"]
+    return sorted(path for folder in folders for path in folder.rglob("*") if path.suffix in (".c", ".h"))

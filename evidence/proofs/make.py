@@ -1,0 +1,132 @@
+"""docs/evidence/proofs.md: what is proved of the flight code, and what is argued for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from orchestration import InputError
+from orchestration.cli.console import say
+
+from .. import markdown
+from ..paper import ROOT
+from .analysis import Alarm, Result
+from .faults import faults
+from .harness import STEP_MAX, TIME_MAX
+from .kept import result_of
+from .rules import deviations
+from .subjects import HERE, SUBJECTS, Subject
+
+FLIGHT = ("allocator", "allocator_bounded", "controller", "controller_planned", "estimator", "supervisor")
+"""Blocks that fly."""
+PAGE = ROOT / "docs" / "evidence" / "proofs.md"
+
+
+@dataclass(frozen=True)
+class Argument:
+    """Why a property holds that Eva cannot see."""
+
+    file: str
+    function: str
+    text: str
+    argument: str
+
+    def holds(self, alarm: Alarm) -> bool:
+        return (self.file, self.function) == (alarm.file, alarm.function) and self.text in alarm.text
+
+
+def arguments() -> list[Argument]:
+    """Those of arguments.yaml."""
+    return [Argument(**entry) for entry in yaml.safe_load((HERE / "arguments.yaml").read_text("utf-8"))]
+
+
+def unproved(alarms: Iterable[Alarm], given: Sequence[Argument]) -> list[Alarm]:
+    """Alarms for which no argument is given."""
+    return [alarm for alarm in alarms if not any(a.holds(alarm) for a in given)]
+
+
+def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
+    """Analyses all subjects, or those of these names, and says what each came to.
+
+    Raises InputError where a property is neither proved nor argued for, or an argument is for nothing.
+    """
+    given = arguments()
+    results, left = [], 0
+    for subject in SUBJECTS:
+        if names and subject.name not in names:
+            continue
+        result = result_of(subject)
+        results.append((subject, result))
+        open_ones = unproved(result.alarms, given)
+        left += len(open_ones)
+        say(
+            f"{subject.title}: {result.proved} proved, {len(result.alarms) - len(open_ones)} argued, "
+            f"{len(open_ones)} open; {result.statements[0]} of {result.statements[1]} statements; {result.seconds:.0f} s"
+        )
+        for alarm in open_ones:
+            say(f"  {alarm}")
+    if left:
+        raise InputError(f"{left} properties are neither proved nor argued for in evidence/proofs/arguments.yaml")
+    met = [alarm for _, result in results for alarm in result.alarms]
+    if not names and (idle := [a for a in given if not any(map(a.holds, met))]):
+        raise InputError(
+            f"arguments.yaml: {idle[0].file}: {idle[0].function}: no analysis meets this; remedy: remove it"
+        )
+    return results
+
+
+def make(names: Sequence[str]) -> Path | None:
+    """Proves, and writes the page where all was proved."""
+    results = prove(names)
+    return None if names else page_of(results)
+
+
+def page_of(results: Sequence[tuple[Subject, Result]]) -> Path:
+    """Writes the page of these results."""
+    given = arguments()
+    met = sorted({a for _, result in results for a in result.alarms})
+    rows = []
+    for subject, result in results:
+        left = len(unproved(result.alarms, given))
+        cells = (
+            subject.span or "any",
+            "{} of {}".format(*result.statements),
+            str(left),
+            str(len(result.alarms) - left),
+        )
+        rows.append((f"`{subject.name}`", *cells, f"{result.seconds:.0f} s"))
+    blocks, finite = (list(dict.fromkeys(s.name for s, _ in results if s.span == span)) for span in ("any", "limits"))
+    missing = [name for name in FLIGHT if name not in blocks]
+    argued = [(f"`{a.file}`: `{a.function}`", f"`{a.text}`".replace("\\result", "result"), a.argument) for a in given]
+    planted = [(str(n), f.subject, f.about, f.kind) for n, f in enumerate(faults(), start=1)]
+    PAGE.write_text(
+        markdown.render(
+            HERE,
+            blocks=_names(blocks) + ", the link's frames, dates and the elementary functions",
+            finite=_names(finite),
+            missing=_names(missing),
+            argued=len(met),
+            faults=len(planted),
+            rows=rows,
+            arguments=argued,
+            planted=planted,
+            deviations=[_deviation(*deviation) for deviation in deviations()],
+            years=f"{TIME_MAX / 3.156e7:.0f}",
+            step_max=f"{STEP_MAX:.0f}",
+            room=24,
+        ),
+        "utf-8",
+    )
+    return PAGE
+
+
+def _names(blocks: Sequence[str]) -> str:
+    return ", ".join(f"`{name}`" for name in blocks)
+
+
+def _deviation(rule: str, reason: str, places: Mapping[str, int]) -> tuple[str, ...]:
+    short = ", ".join(f"`{Path(file).name}` ({n})" for file, n in places.items())
+    return rule.replace("misra-c2012-", "MISRA "), str(sum(places.values())), reason, short

@@ -1,0 +1,58 @@
+"""Whether the proof of a block finds the faults that are planted in its C: that decides what the proof is worth."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from fmus.places import PACKAGES
+from orchestration import InputError
+from orchestration.cli.console import say
+
+from .analysis import Alarm
+from .faults import Fault, faults
+from .make import arguments, unproved
+from .subjects import SUBJECTS, Subject
+
+FLIGHT_CODE = ("allocator", "controller", "estimator", "supervisor", "fmus")
+
+
+def found(fault: Fault, folder: Path) -> list[Alarm]:
+    """The alarms of the expected kind that the fault gives, in copies of the sources in `folder`. Raises InputError."""
+    root = folder / "packages"
+    for package in FLIGHT_CODE:
+        shutil.copytree(PACKAGES / package, root / package, ignore=_other_files)
+    fault.plant(root)
+    result = subject_of(fault.subject).prove(folder / "proof", root)
+    return [alarm for alarm in unproved(result.alarms, arguments()) if alarm.kind == fault.kind]
+
+
+def _other_files(folder: str, names: list[str]) -> list[str]:
+    return [name for name in names if Path(folder, name).is_file() and Path(name).suffix not in (".c", ".h")]
+
+
+def subject_of(title: str) -> Subject:
+    """The subject of this title. Raises InputError where there is none."""
+    for subject in SUBJECTS:
+        if subject.title == title:
+            return subject
+    raise InputError(f"there is no proof {title!r}; expected one of {', '.join(s.title for s in SUBJECTS)}")
+
+
+def make(numbers: Sequence[int]) -> None:
+    """Plants those of these numbers, from 1, or all. Raises InputError where one is not found."""
+    missed = []
+    began = time.monotonic()
+    for number, fault in enumerate(faults(), start=1):
+        if numbers and number not in numbers:
+            continue
+        with tempfile.TemporaryDirectory() as temporary:
+            alarms = found(fault, Path(temporary))
+        say(f"{number}. {fault.subject}: {fault.about}: " + (f"found, {alarms[0]}" if alarms else "not found"))
+        missed += [] if alarms else [number]
+    say(f"{time.monotonic() - began:.0f} s")
+    if missed:
+        raise InputError(f"not found: {', '.join(map(str, missed))}")

@@ -1,0 +1,94 @@
+"""What is proved: each subject is a program for Frama-C, its sources, and how closely it is followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.block import Block
+from fmus.link import NATIVE
+from fmus.native import COMMON, generated_sources
+from fmus.native.toolchain import FREESTANDING
+from fmus.places import PACKAGES
+
+from .analysis import Result, analyse
+from .harness import Range, harness
+
+HERE = Path(__file__).parent
+ELEMENTARY = FREESTANDING / "elementary.c"
+SPECIFIED = ("nearest_rotation", "log1p")
+"""Functions whose contract stands in for their body where numbers have limits (arguments.yaml)."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A block with a range of numbers, or a program of this folder with its sources."""
+
+    name: str
+    span: Range | None = None
+    """None: the program is `name`.c in this folder."""
+    precision: int = 3
+    closely: tuple[str, ...] = ()
+    """Functions in which paths are kept apart."""
+    sources: tuple[Path, ...] = ()
+    headers: tuple[Path, ...] = ()
+    options: tuple[str, ...] = ()
+    quick: bool = False
+    """Below ten seconds of one core."""
+
+    @property
+    def title(self) -> str:
+        return self.name if self.span is None else f"{self.name}, {self.span}"
+
+    def folders(self) -> list[Path]:
+        """Where its C stands."""
+        return [Block.named(self.name).folder / "native"] if self.span else [path.parent for path in self.sources]
+
+    def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
+        """Runs Eva in `folder`; `root`: a copy of the packages, with changes. Raises InputError."""
+        folder.mkdir(parents=True, exist_ok=True)
+        program, sources, headers = folder / f"{self.name}.c", list(self.sources), [*self.headers, COMMON]
+        if self.span is None:
+            program.write_bytes((HERE / program.name).read_bytes())
+        else:
+            block = Block.named(self.name)
+            native = block.folder / "native"
+            sources += [*(p for p in sorted(native.rglob("*.c"))), ELEMENTARY]
+            headers.insert(0, native)
+            for name, text in generated_sources(block.folder).items():
+                (folder / name).write_text(text, "utf-8")
+            program = folder / "harness.c"
+            program.write_text(harness(block.interface, self.span), "utf-8")
+        sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
+        limits = self.span == "limits"
+        define = ("PROOF_WITHIN_LIMITS",) if limits else ()
+        return analyse(program, sources, headers, self._options(), define, HERE / "prelude.h", limits)
+
+    def _options(self) -> list[str]:
+        words = ["-eva-precision", str(self.precision), *self.options, "-warn-special-float"]
+        words += ["non-finite", "-eva-use-spec", ",".join(SPECIFIED)] if self.span == "limits" else ["none"]
+        if self.span is None:
+            return words
+        apart = {"fly": 0, "main": 200, f"{self.name}_check": 200, **dict.fromkeys(self.closely, 2000)}
+        return [*words, "-eva-slevel-function", ",".join(f"{name}:{n}" for name, n in apart.items())]
+
+
+_EPOCH = ("epoch_read", "epoch_time", "epoch_is_utc", "is_epoch")
+_CHOICES = (*_EPOCH, "is_covered_epoch", "check_choices")
+_BUILTINS = ("-eva-no-builtins-auto", "-eva-builtin", "memcpy:Frama_C_memcpy")
+_FRAME = (
+    *("-no-warn-unsigned-downcast", "-eva-slevel", "5000", "-eva-split-limit", "100"),
+    *("-eva-split-return-function", "up_to_mark:full,take_number:full"),
+)
+SUBJECTS = (
+    Subject("functions", None, 5, sources=(ELEMENTARY,), options=_BUILTINS, quick=True),
+    Subject("date", None, 6, options=("-eva-slevel", "3000"), quick=True),
+    Subject("frame", None, 4, sources=(NATIVE / "frame.c",), headers=(NATIVE,), options=_FRAME),
+    Subject("allocator", "any", 6, quick=True),
+    Subject("allocator", "limits", quick=True),
+    Subject("allocator_bounded", "any", 6),
+    Subject("controller", "any", 6),
+    Subject("controller", "limits"),
+    Subject("supervisor", "any", 6, (*_EPOCH, "supervisor_look_ahead")),
+    Subject("estimator", "any", 3, (*_CHOICES, "check_vectors", "estimator_prepare", "onboard_field")),
+)

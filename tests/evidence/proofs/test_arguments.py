@@ -1,0 +1,33 @@
+"""What stands in arguments.yaml, tried where it is nearest to failing."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+
+LEAST = 2.0**-1074
+
+
+def length(v):
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+def test_no_component_over_the_length_is_above_1_25_even_where_squares_are_the_smallest_numbers():
+    rng = np.random.default_rng(1)
+    scales = [2.0**-537, 2.0**-536.5, 2.0**-530, 1e-150, 1.0, 1e45]
+    worst = 0.0
+    for scale in scales:
+        for v in rng.uniform(-2.0, 2.0, (3000, 3)) * rng.choice([0.0, 1e-3, 1.0], (3000, 3)) * scale:
+            size = length([float(c) for c in v])
+            assert size == 0.0 or size >= 2.0**-537
+            if size > 0.0:
+                worst = max(worst, *(abs(float(c) * (1.0 / size)) for c in v))
+    assert 1.2 < worst <= 1.25
+
+
+def test_the_worst_square_among_the_smallest_numbers_is_rounded_by_half():
+    x = math.sqrt(1.5) * 2.0**-537 * (1 - 1e-9)
+    assert x * x == LEAST
+    assert float(Fraction(x) ** 2 / Fraction(LEAST)) < 1.5

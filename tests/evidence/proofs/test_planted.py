@@ -1,0 +1,69 @@
+"""Planted faults: the list fits the sources, and with Frama-C a few of them are found."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from evidence.proofs.analysis import Alarm
+from evidence.proofs.faults import Fault, faults
+from evidence.proofs.make import Argument, arguments, prove, unproved
+from evidence.proofs.planted import found, subject_of
+from fmus.places import PACKAGES
+from orchestration import InputError
+
+FAULTS = faults()
+needs_frama_c = pytest.mark.skipif(
+    shutil.which("frama-c") is None, reason="frama-c is not installed (Debian: frama-c-base)"
+)
+
+
+def test_there_are_more_than_thirty_faults_in_each_kind_of_code():
+    assert len(FAULTS) > 30
+    assert {f.subject.partition(",")[0] for f in FAULTS} >= {
+        "allocator",
+        "allocator_bounded",
+        "controller",
+        "supervisor",
+    }
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda f: f.about)
+def test_a_fault_changes_its_file_in_one_place_and_names_a_proof_that_reads_it(fault, tmp_path):
+    copy = tmp_path / fault.file
+    copy.parent.mkdir(parents=True)
+    shutil.copy(PACKAGES / fault.file, copy)
+    fault.plant(tmp_path)
+    assert copy.read_text("utf-8") != (PACKAGES / fault.file).read_text("utf-8")
+    subject_of(fault.subject)
+
+
+def test_a_fault_whose_text_is_gone_is_named(tmp_path):
+    (tmp_path / "a.c").write_text("int x;\n")
+    with pytest.raises(InputError, match="a loop: a.c has 'int y;' 0 times, expected once"):
+        Fault("date", "a loop", "a.c", "int y;", "", "index_bound").plant(tmp_path)
+
+
+def test_an_argument_holds_for_its_own_property_only():
+    alarm = Alarm("vector.h", 76, "direction", "postcondition", "-1.25 ≤ \\result.x ≤ 1.25 ∧ ...")
+    assert unproved([alarm], arguments()) == []
+    for other in (Argument("vector.h", "norm", "-1.25", ""), Argument("box.c", "direction", "-1.25", "")):
+        assert unproved([alarm], [other]) == [alarm]
+    assert unproved([alarm], [Argument("vector.h", "direction", "-1.26", "")]) == [alarm]
+
+
+@pytest.mark.thorough
+@needs_frama_c
+def test_the_allocator_is_proved_with_and_without_limits():
+    for _, result in prove(["allocator"]):
+        assert result.statements[0] > 500
+        assert result.alarms == () or unproved(result.alarms, arguments()) == []
+
+
+@pytest.mark.thorough
+@needs_frama_c
+@pytest.mark.parametrize("number", [1, 3, 6, 30])
+def test_a_planted_fault_is_found(number, tmp_path):
+    assert found(FAULTS[number - 1], Path(tmp_path))
