@@ -73,7 +73,7 @@ pil: $(VENV)/test
 	$(BIN)/python -m evidence processor
 
 # The flight code's freedom from run-time errors, by Frama-C: docs/evidence/proofs.md; then the planted faults, which the proofs have to
-# find, and MISRA's rules. Needs frama-c-base, cppcheck and clang-tidy (Debian's names); where one is missing, the error says so.
+# find, and MISRA's rules. Needs frama-c-base, cppcheck, clang-tidy and gcc-arm-none-eabi (Debian's names); where one is missing, the error says so.
 prove: $(VENV)/test
 	$(BIN)/python -m evidence proofs
 	$(BIN)/python -m evidence planted

@@ -14,6 +14,7 @@ from orchestration.cli.console import say
 from .. import markdown
 from ..paper import ROOT
 from .analysis import Alarm, Result
+from .bounds import rows as rows_of_stack
 from .faults import faults
 from .harness import STEP_MAX, TIME_MAX
 from .kept import result_of
@@ -31,11 +32,13 @@ class Argument:
 
     file: str
     function: str
+    kind: str
     text: str
     argument: str
 
     def holds(self, alarm: Alarm) -> bool:
-        return (self.file, self.function) == (alarm.file, alarm.function) and self.text in alarm.text
+        where = (self.file, self.function, self.kind) == (alarm.file, alarm.function, alarm.kind)
+        return where and self.text in alarm.text
 
 
 def arguments() -> list[Argument]:
@@ -113,6 +116,7 @@ def page_of(results: Sequence[tuple[Subject, Result]]) -> Path:
             rows=rows,
             arguments=argued,
             planted=planted,
+            stacks=rows_of_stack(FLIGHT),
             deviations=[_deviation(*deviation) for deviation in deviations()],
             years=f"{TIME_MAX / 3.156e7:.0f}",
             step_max=f"{STEP_MAX:.0f}",

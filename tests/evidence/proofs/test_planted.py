@@ -49,9 +49,10 @@ def test_a_fault_whose_text_is_gone_is_named(tmp_path):
 def test_an_argument_holds_for_its_own_property_only():
     alarm = Alarm("vector.h", 76, "direction", "postcondition", "-1.25 ≤ \\result.x ≤ 1.25 ∧ ...")
     assert unproved([alarm], arguments()) == []
-    for other in (Argument("vector.h", "norm", "-1.25", ""), Argument("box.c", "direction", "-1.25", "")):
-        assert unproved([alarm], [other]) == [alarm]
-    assert unproved([alarm], [Argument("vector.h", "direction", "-1.26", "")]) == [alarm]
+    its_own = ("vector.h", "direction", "postcondition", "-1.25")
+    assert unproved([alarm], [Argument(*its_own, "")]) == []
+    for i, other in enumerate(("box.c", "norm", "precondition of direction", "-1.26")):
+        assert unproved([alarm], [Argument(*its_own[:i], other, *its_own[i + 1 :], "")]) == [alarm]
 
 
 @pytest.mark.thorough

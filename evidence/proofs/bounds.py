@@ -1,0 +1,72 @@
+"""What flight software asks for beside the proofs: the depth of the stack, and no recursion, heap or call through a pointer."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.block import Block
+from fmus.native import COMMON, generated_sources
+from fmus.native.toolchain import FREESTANDING
+from orchestration import InputError
+
+from ..processor.firmware import FLAGS, PROCESSOR, deepest, tool
+
+HEAP = ("malloc", "calloc", "realloc", "free", "alloca")
+CALLS = ("check", "prepare", "start", "outputs", "step")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Of a block on a Cortex-M7, with the elementary functions; bytes."""
+
+    block: str
+    stack: dict[str, int]
+    """The deepest chain of calls from each of the block's functions."""
+    functions: int
+    """How many there are, those of the compiler's own library not counted."""
+
+
+def bounds_of(name: str) -> Bounds:
+    """Raises InputError where the compiler is missing or fails, or a function calls itself, a pointer or the heap."""
+    block = Block.named(name)
+    native = block.folder / "native"
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        for header, text in generated_sources(block.folder).items():
+            (folder / header).write_text(text, "utf-8")
+        include = [f"-I{path}" for path in (native, COMMON, FREESTANDING, folder)]
+        sources = [*sorted(native.rglob("*.c")), *sorted(FREESTANDING.glob("*.c"))]
+        graphs = [_graph(source, include, folder) for source in sources]
+    refuse_heap(name, graphs)
+    return Bounds(
+        name,
+        {call: deepest(graphs, f"{name}_{call}") for call in CALLS},
+        sum(graph.count("bytes (static)") for graph in graphs),
+    )
+
+
+def refuse_heap(name: str, graphs: Iterable[str]) -> None:
+    """Raises InputError where the call graphs of -fcallgraph-info name a function of the heap."""
+    calls = set(re.findall(r'targetname: "([^"]+)"', "\n".join(graphs)))
+    if used := calls & set(HEAP):
+        raise InputError(f"{name} calls {', '.join(sorted(used))}; expected no heap")
+
+
+def _graph(source: Path, include: list[str], folder: Path) -> str:
+    target = folder / f"{source.stem}.o"
+    command = [tool("arm-none-eabi-gcc"), *PROCESSOR, *FLAGS, *include, "-c", str(source), "-o", str(target)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise InputError(f"arm-none-eabi-gcc failed: {' '.join(command)}\n{done.stderr}")
+    return target.with_suffix(".ci").read_text("utf-8")
+
+
+def rows(names: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Of the page's table."""
+    made = [bounds_of(name) for name in names]
+    return [(f"`{b.block}`", *(str(b.stack[call]) for call in CALLS), str(b.functions)) for b in made]

@@ -1,0 +1,28 @@
+"""Stack, recursion and heap of the flight code, by the call graphs of a compiler for Arm."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from evidence.proofs.bounds import CALLS, bounds_of, refuse_heap
+from orchestration import InputError
+
+
+@pytest.mark.parametrize("function", ["malloc", "free"])
+def test_a_call_of_the_heap_is_refused(function):
+    graph = f'edge: {{ sourcename: "allocator_step" targetname: "{function}" label: "a.c:2:2" }}'
+    with pytest.raises(InputError, match=f"allocator calls {function}"):
+        refuse_heap("allocator", [graph])
+    refuse_heap("allocator", [graph.replace(function, f"{function}_none")])
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)"
+)
+def test_the_allocator_has_a_bounded_stack_and_a_step_needs_at_least_that_of_its_outputs():
+    bounds = bounds_of("allocator")
+    assert set(bounds.stack) == set(CALLS)
+    assert 100 < bounds.stack["outputs"] < bounds.stack["step"] < 1000
