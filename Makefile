@@ -5,7 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test thorough lint fmus bench torture mutants coverage figures reproduction flight pil prove references release format docs site authorities clean
+.PHONY: run check test thorough lint fmus bench torture mutants coverage figures reproduction flight pil prove trace references release format docs site authorities clean
 
 run: $(VENV)/run
 	@$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
@@ -78,6 +78,10 @@ prove: $(VENV)/test
 	$(BIN)/python -m evidence proofs
 	$(BIN)/python -m evidence planted
 	$(BIN)/python -m evidence rules
+
+# Requirements with the code, tests, scenarios and proofs that name them: out/trace/trace.html and trace.csv; an error where one lacks evidence.
+trace: $(VENV)/test
+	$(BIN)/python -m evidence trace
 
 # The outside authorities' table, docs/evidence/verification.md.
 authorities: $(VENV)/test

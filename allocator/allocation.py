@@ -3,6 +3,8 @@
 The rods can only turn the body across the field, so the wheel supplies the demand's part along it; the rods supply the
 rest with the least dipole. b_hat_B is the paper's b, the field's unit vector in body axes, and B the field's strength,
 T; U (3,3) has the rods' unit axes u_i as rows; axis (3,) is the wheel's unit axis, the paper's e1.
+
+Requirement: AL-1.
 """
 
 from __future__ import annotations

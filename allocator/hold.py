@@ -1,5 +1,8 @@
 """The hold near saturation: while a demand is too near its limit, all commands keep their last values.
-Tests: tests/allocator/test_block.py."""
+Tests: tests/allocator/test_block.py.
+
+Requirement: AL-2.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The controller as a block: parameters, ports, memory and step."""
+"""The controller as a block: parameters, ports, memory and step.
+
+Requirement: CT-3.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Scales of the gains: K = k K0, L = l L0 [9]."""
+"""Scales of the gains: K = k K0, L = l L0 [9].
+
+Requirement: CT-2.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The tracking law [8] and its Lyapunov function [11]."""
+"""The tracking law [8] and its Lyapunov function [11].
+
+Requirement: CT-1.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,8 @@ covariance.
 R_true = R exp(δ^); the other errors are additive. Lefferts, Markley and Shuster, Kalman filtering for spacecraft
 attitude estimation, JGCD 5 (1982); Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and
 Control, chapter 6. Tests: tests/estimator/test_estimator.py.
+
+Requirement: ES-2.
 """
 
 from __future__ import annotations

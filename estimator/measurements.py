@@ -1,5 +1,8 @@
 """Each measurement against its prediction; the first attitude; what is beyond the gate.
-Tests: tests/estimator/test_estimator.py."""
+Tests: tests/estimator/test_estimator.py.
+
+Requirement: ES-1.
+"""
 
 from __future__ import annotations
 

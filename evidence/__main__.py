@@ -39,6 +39,7 @@ from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import load
 from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
+from .trace import matrix as traced
 from .verification import page as verified
 
 
@@ -245,6 +246,12 @@ def proofs(names: tuple[str, ...]) -> None:
     """Prove the flight code free of run-time errors by Frama-C; all subjects: make docs/evidence/proofs.md."""
     page = proofs_made.make(names)
     say(f"written: {page}" if page else "proved")
+
+
+@main.command()
+def trace() -> None:
+    """Write out/trace/trace.html and trace.csv: requirements, and the code, tests, scenarios and proofs that name them."""
+    say(f"written: {traced.make()}")
 
 
 @main.command()

@@ -1,4 +1,7 @@
-"""Which mode comes next, and the reference of each."""
+"""Which mode comes next, and the reference of each.
+
+Requirement: SV-1.
+"""
 
 from __future__ import annotations
 

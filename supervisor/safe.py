@@ -1,4 +1,7 @@
-"""Where the mode safe points, by directions that are measured in body axes: no attitude is needed."""
+"""Where the mode safe points, by directions that are measured in body axes: no attitude is needed.
+
+Requirement: SV-3.
+"""
 
 from __future__ import annotations
 

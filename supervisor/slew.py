@@ -1,4 +1,7 @@
-"""Slews: a turn that fades from one reference to the next, with the rate and the torque that the user allows."""
+"""Slews: a turn that fades from one reference to the next, with the rate and the torque that the user allows.
+
+Requirement: SV-2.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,8 @@ minimise |R m - d a - r|^2 + w_r^2 |m - m_p|^2 + w_w^2 (d - d_p)^2 over dipoles 
 dl_w/dt, N m, a the wheel's axis, with R = [u1 x b_B, u2 x b_B, u3 x b_B], each column times the gain of its rod, and r
 the demand without the torque of the spinning wheel. Since R turns no moment along the field into torque, the preference
 m_p, d_p decides there, and it may cost a little torque elsewhere. Tests: tests/allocator/bounded/test_bounded.py.
+
+Requirements: AB-1, AB-2.
 """
 
 from __future__ import annotations

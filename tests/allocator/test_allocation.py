@@ -1,4 +1,7 @@
-"""[14]-[24] against NumPy's least-norm solution, SciPy's rotations and hand numbers."""
+"""[14]-[24] against NumPy's least-norm solution, SciPy's rotations and hand numbers.
+
+Shows AL-1.
+"""
 
 import numpy as np
 import pytest

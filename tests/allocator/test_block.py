@@ -1,3 +1,8 @@
+"""The allocator as a block: its hold, what it refuses, its steps.
+
+Shows AL-2.
+"""
+
 import math
 from dataclasses import replace
 

@@ -1,3 +1,8 @@
+"""The gain schedule [9], [10].
+
+Shows CT-2.
+"""
+
 import math
 
 import pytest

@@ -1,4 +1,7 @@
-"""The law [8] against a body that SciPy integrates; see loop.py."""
+"""The law [8] against a body that SciPy integrates; see loop.py.
+
+Shows CT-1.
+"""
 
 import numpy as np
 import pytest

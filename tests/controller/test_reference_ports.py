@@ -1,6 +1,8 @@
 """The controller without attitude or reference, and what it stores when a reference comes, goes or jumps.
 
 That a given reference is followed in full, its rate's derivative among it, test_law.py shows on the error dynamics.
+
+Shows CT-3.
 """
 
 from __future__ import annotations

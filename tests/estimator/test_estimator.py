@@ -1,4 +1,7 @@
-"""The estimator's parts against closed forms and others' numbers; whole, against the truth, is in test_flights.py."""
+"""The estimator's parts against closed forms and others' numbers; whole, against the truth, is in test_flights.py.
+
+Shows ES-1.
+"""
 
 from __future__ import annotations
 

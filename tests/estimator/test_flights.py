@@ -1,5 +1,8 @@
 """The estimator behind the sensors of a tumbling plant, against the truth: `evidence.estimator.consistency` with few
-runs."""
+runs.
+
+Shows ES-2.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""How one mode gives way to another: by state, by command, by eclipse, and back where the satellite is lost."""
+"""How one mode gives way to another: by state, by command, by eclipse, and back where the satellite is lost.
+
+Shows SV-1.
+"""
 
 from __future__ import annotations
 

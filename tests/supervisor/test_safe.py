@@ -1,5 +1,8 @@
 """Pointing in the mode safe, by field or Sun in body axes alone: a rigid body that takes the rate that is asked for is
-the witness."""
+the witness.
+
+Shows SV-3.
+"""
 
 from __future__ import annotations
 

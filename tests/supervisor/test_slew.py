@@ -1,4 +1,7 @@
-"""Slews: closed forms of the quintic, limits, and continuity where they begin and end."""
+"""Slews: closed forms of the quintic, limits, and continuity where they begin and end.
+
+Shows SV-2.
+"""
 
 from __future__ import annotations
 

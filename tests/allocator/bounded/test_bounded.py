@@ -1,4 +1,7 @@
-"""The bounded allocator: SciPy on the whole problem, closed forms, the paper's allocator as its limit, and its laws."""
+"""The bounded allocator: SciPy on the whole problem, closed forms, the paper's allocator as its limit, and its laws.
+
+Shows AB-1.
+"""
 
 from dataclasses import replace
 

@@ -1,4 +1,7 @@
-"""The bounded allocator's wheel: drawn to rest, and never past its momentum."""
+"""The bounded allocator's wheel: drawn to rest, and never past its momentum.
+
+Shows AB-2.
+"""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""Stack, recursion and heap of the flight code, by the call graphs of a compiler for Arm."""
+"""Stack, recursion and heap of the flight code, by the call graphs of a compiler for Arm.
+
+Shows FC-2.
+"""
 
 from __future__ import annotations
 

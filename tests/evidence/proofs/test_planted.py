@@ -1,4 +1,7 @@
-"""Planted faults: the list fits the sources, and with Frama-C a few of them are found."""
+"""Planted faults: the list fits the sources, and with Frama-C a few of them are found.
+
+Shows FC-1.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Rules of MISRA C:2012 and clang-tidy: what is found is what the list of deviations says."""
+"""Rules of MISRA C:2012 and clang-tidy: what is found is what the list of deviations says.
+
+Shows FC-3.
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Requirements and what shows them: `make trace` (python -m evidence trace)."""
