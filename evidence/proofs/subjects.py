@@ -76,8 +76,6 @@ class Subject:
         return [*words, "-eva-slevel-function", ",".join(f"{name}:{n}" for name, n in apart.items())]
 
 
-_EPOCH = ("epoch_read", "epoch_time", "epoch_is_utc", "is_epoch")
-_CHOICES = (*_EPOCH, "is_covered_epoch", "check_choices")
 _BUILTINS = ("-eva-no-builtins-auto", "-eva-builtin", "memcpy:Frama_C_memcpy")
 _FRAME = (
     *("-no-warn-unsigned-downcast", "-eva-slevel", "5000", "-eva-split-limit", "100"),
@@ -92,6 +90,4 @@ SUBJECTS = (
     Subject("allocator_bounded", "any", 6),
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
-    Subject("supervisor", "any", 6, (*_EPOCH, "supervisor_look_ahead")),
-    Subject("estimator", "any", 3, (*_CHOICES, "check_vectors", "estimator_prepare", "onboard_field")),
 )
