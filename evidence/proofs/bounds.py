@@ -40,7 +40,7 @@ def bounds_of(name: str) -> Bounds:
     native = block.folder / "native"
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        for header, text in generated_sources(block.folder).items():
+        for header, text in generated_sources(block.interface, block.folder).items():
             (folder / header).write_text(text, "utf-8")
         include = [f"-I{path}" for path in (native, COMMON, FREESTANDING, folder)]
         sources = [*sorted(native.rglob("*.c")), *sorted(FREESTANDING.glob("*.c"))]

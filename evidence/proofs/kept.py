@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from fmus.block import Block
+from fmus.native.generate import ports_header
 
 from ..paper import ROOT
 from .analysis import FLAGS, Alarm, Result
@@ -34,8 +35,9 @@ def result_of(subject: Subject) -> Result:
 
 def _digest(subject: Subject) -> str:
     digest = hashlib.sha256(f"{subject} {FLAGS}".replace(str(ROOT), "").encode())
-    program = harness(Block.named(subject.name).interface, subject.span) if subject.span else ""
-    digest.update(program.encode())
+    if subject.span:
+        interface = Block.named(subject.name).interface
+        digest.update((harness(interface, subject.span) + "".join(ports_header(interface).values())).encode())
     own = [HERE / "prelude.h", *([] if subject.span else [HERE / f"{subject.name}.c"])]
     for path in [*_sources(subject), *own]:
         digest.update(path.read_bytes())

@@ -42,7 +42,7 @@ def findings() -> Found:
     with tempfile.TemporaryDirectory() as temporary:
         for name in BLOCKS:
             block = Block.named(name)
-            for header, text in generated_sources(block.folder).items():
+            for header, text in generated_sources(block.interface, block.folder).items():
                 Path(temporary, header).write_text(text, "utf-8")
         places = set[tuple[str, str, str]]()
         for name in BLOCKS:

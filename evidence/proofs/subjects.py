@@ -58,7 +58,7 @@ class Subject:
             native = block.folder / "native"
             sources += [*(p for p in sorted(native.rglob("*.c"))), ELEMENTARY]
             headers.insert(0, native)
-            for name, text in generated_sources(block.folder).items():
+            for name, text in generated_sources(block.interface, block.folder).items():
                 (folder / name).write_text(text, "utf-8")
             program = folder / "harness.c"
             program.write_text(harness(block.interface, self.span), "utf-8")
