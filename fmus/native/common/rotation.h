@@ -1,4 +1,5 @@
-/* Rotations and the checks of matrices that the blocks share. */
+/* Rotations and the checks of matrices that the blocks share.
+ * Longer than 250 lines: contracts for the proofs stand beside their functions. */
 #ifndef COMMON_ROTATION_H
 #define COMMON_ROTATION_H
 
