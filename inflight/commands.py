@@ -184,12 +184,14 @@ def _calibrated(flight: Flight, known: Calibration | None) -> Calibration:
 def _known(path: Path) -> Calibration:
     try:
         data = json.loads(path.read_text("utf-8"))
-        A, bias, gain = np.array(data["matrix"], float), np.array(data["offset"], float), np.array(data["gain"], float)
-        if A.shape != (3, 3) or bias.shape != (3,) or gain.ndim != 2:
+        A, offset, gain = (np.array(data[key], float) for key in ("matrix", "offset", "gain"))
+        if A.shape != (3, 3) or offset.shape != (len(gain), 4) or gain.shape[1] != 2:
             raise ValueError("shapes")
     except (OSError, ValueError, KeyError, TypeError):
         raise InputError(f"{path}: expected what 'orchestrate calibrate magnetometer --out' writes") from None
-    return Calibration(A, bias, gain[:, 0], gain[:, 1], np.zeros((9 + len(gain),) * 2), math.nan, np.empty(0))
+    bias = offset[:, 1:].mean(axis=0)
+    covariance = np.zeros((9 + 4 * len(gain),) * 2)
+    return Calibration(A, bias, gain[:, 0], gain[:, 1], offset[:, 1:] - bias, covariance, math.nan, np.empty(0))
 
 
 def _write(out: Path | None, data: dict[str, Any]) -> None:

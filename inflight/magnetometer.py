@@ -1,6 +1,6 @@
-"""Calibration of a magnetometer without attitude: |A (g(t) m - b)| is the field's size along the orbit.
+"""Calibration of a magnetometer without attitude: |A (g(t) m - b(t))| is the field's size along the orbit.
 
-b is the bias, A = diag(scale) (1 + misalignment) upper triangular, since a turn of the sensor does not show in a size, and
+b is the bias, whose drift is linear between the knots of the gain and small, A = diag(scale) (1 + misalignment) upper triangular, since a turn of the sensor does not show in a size, and
 g a common gain of the sensor, linear between knots, of mean 1: it acts on field and bias alike. Residuals are weighed by
 Huber's rule. Gauss and Newton with the derivatives in closed form. Tests: tests/inflight/test_magnetometer.py.
 """
@@ -22,6 +22,8 @@ PRIOR = np.array([0.2, 0.1, 0.1, 0.2, 0.1, 0.2, 2e-4, 2e-4, 2e-4])
 """Standard deviations of what is known before: scales and angles of A; the bias in T."""
 GAIN_STEP = 0.01
 """Standard deviation of the change of the gain from knot to knot."""
+BIAS_STEP = 3e-8
+"""T, that of the bias; a loose one would take over what the gain does."""
 GAIN_JUMP = 0.1
 """The same at a break."""
 NOISE = 5e-7
@@ -43,21 +45,23 @@ class Calibration:
     knots: Floats
     """s"""
     gain: Floats
+    drift: Floats
+    """(knots,3) T, of the bias, of mean 0"""
     covariance: Floats
-    """Of A (its upper triangle by rows), the bias and the gain."""
+    """Of A (its upper triangle by rows), the bias, the gain and the drift, an axis after the other."""
     rms: float
     """T, of the field's size"""
     residual: Floats
 
     @property
     def sigma(self) -> Floats:
-        """Standard deviations of the nine parameters and of the gain."""
+        """Standard deviations in the order of the covariance."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def field(self, t: Floats, m: Floats) -> Floats:
         """The calibrated field (n,3), T."""
-        g = np.interp(t, self.knots, self.gain)
-        return np.asarray((g[:, None] * m - self.bias) @ self.A.T)
+        H = _hats(t, self.knots)
+        return np.asarray(((H @ self.gain)[:, None] * m - self.bias - H @ self.drift) @ self.A.T)
 
     def verdict(self) -> dict[str, str]:
         """What the record shows of each parameter."""
@@ -70,10 +74,10 @@ class Calibration:
         """For JSON and YAML; `matrix`, `offset` and `gain` are those of a column of telemetry in T."""
         return {
             "matrix": self.A.tolist(),
-            "offset": self.bias.tolist(),
+            "offset": np.column_stack((self.knots, self.bias + self.drift)).tolist(),
             "gain": [[float(t), float(g)] for t, g in zip(self.knots, self.gain, strict=True)],
             "sigma": dict(zip(NAMES, self.sigma[:9].tolist(), strict=True)),
-            "gain_sigma": self.sigma[9:].tolist(),
+            "gain_sigma": self.sigma[9 : 9 + len(self.knots)].tolist(),
             "covariance": self.covariance.tolist(),
             "rms": self.rms,
             "verdict": self.verdict(),
@@ -108,14 +112,18 @@ def calibrate(
     m, size = m / unit, size / unit
     prior = PRIOR.copy()
     prior[6:] /= unit
+    drift = np.zeros(3 * len(knots))
     if known is None:
-        x = np.concatenate(([1, 0, 0, 1, 0, 1], 0.5 * (m.max(0) + m.min(0)), np.ones(len(knots))))
+        x = np.concatenate(([1, 0, 0, 1, 0, 1], 0.5 * (m.max(0) + m.min(0)), np.ones(len(knots)), drift))
     else:
-        x = np.concatenate((known.A[_UPPER], known.bias / unit, np.ones(len(knots))))
-    free = np.ones(len(x), bool) if known is None else np.arange(len(x)) >= 9
+        x = np.concatenate((known.A[_UPPER], known.bias / unit, np.ones(len(knots)), drift))
+    gain = slice(9, 9 + len(knots))
+    free = np.ones(len(x), bool)
+    if known is not None:
+        free[:9] = free[gain.stop :] = False
     start = x.copy()
     sigma = NOISE / unit
-    change_of = np.diff(np.eye(len(knots)), axis=0) / steps[:, None]
+    known_before = _smooth(len(knots), steps, unit, tied=known is None)
     for _ in range(60):
         r, J = _residual(x, m, size, H)
         w = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
@@ -123,25 +131,26 @@ def calibrate(
         g = (J * w[:, None]).T @ r
         N[np.arange(9), np.arange(9)] += prior**-2
         g[:9] += (x[:9] - start[:9]) / prior**2
-        N[9:, 9:] += change_of.T @ change_of
-        g[9:] += change_of.T @ change_of @ x[9:]
-        if known is None:  # the mean of the gain is 1, since A has the scale
-            tie = np.concatenate((np.zeros(9), np.full(len(knots), 1.0 / len(knots)))) / 1e-5
-            N += np.outer(tie, tie)
-            g += tie * (x[9:].mean() - 1.0) / 1e-5
+        N += known_before
+        g += known_before @ x
+        if known is None:
+            g[gain] -= known_before[gain, gain] @ np.ones(
+                len(knots)
+            )  # the mean of the gain is 1, since A has the scale
         change = np.linalg.solve(N[np.ix_(free, free)], g[free])
         x[free] -= change
         sigma = max(1.4826 * float(np.median(np.abs(r))), 0.02)
         if np.abs(change).max() < 1e-9:
             break
     r, J = _residual(x, m, size, H)
-    scale = np.concatenate((np.ones(6), np.full(3, unit), np.ones(len(knots))))
+    scale = np.concatenate((np.ones(6), np.full(3, unit), np.ones(len(knots)), np.full(len(drift), unit)))
     covariance = np.zeros((len(x), len(x)))
     covariance[np.ix_(free, free)] = np.linalg.inv(N[np.ix_(free, free)]) * _inflation(r)
     A = np.zeros((3, 3))
     A[_UPPER] = x[:6]
     rms = float(np.sqrt(np.mean(r**2))) * unit
-    return Calibration(A, x[6:9] * unit, knots, x[9:], covariance * np.outer(scale, scale), rms, r * unit)
+    drifted = x[gain.stop :].reshape(3, -1).T * unit
+    return Calibration(A, x[6:9] * unit, knots, x[gain], drifted, covariance * np.outer(scale, scale), rms, r * unit)
 
 
 def symmetric(calibration: Calibration) -> Calibration:
@@ -151,15 +160,31 @@ def symmetric(calibration: Calibration) -> Calibration:
 
 
 def _residual(x: Floats, m: Floats, size: Floats, H: Floats) -> tuple[Floats, Floats]:
-    A = np.zeros((3, 3))
+    A, n = np.zeros((3, 3)), H.shape[1]
     A[_UPPER] = x[:6]
-    v = (H @ x[9:])[:, None] * m - x[6:9]
+    v = (H @ x[9 : 9 + n])[:, None] * m - x[6:9] - H @ x[9 + n :].reshape(3, n).T
     b = v @ A.T
     length = np.maximum(np.linalg.norm(b, axis=1), 1e-9)
     u = b / length[:, None]
     by_A = (u[:, :, None] * v[:, None, :])[:, _UPPER[0], _UPPER[1]]
     back = u @ A
-    return length - size, np.concatenate((by_A, -back, H * np.einsum("ni,ni->n", back, m)[:, None]), axis=1)
+    by_gain, by_drift = H * np.einsum("ni,ni->n", back, m)[:, None], [-back[:, i : i + 1] * H for i in range(3)]
+    return length - size, np.concatenate((by_A, -back, by_gain, *by_drift), axis=1)
+
+
+def _smooth(knots: int, steps: Floats, unit: float, tied: bool) -> Floats:
+    """What is known before of the changes of gain and drift from knot to knot, and of their means, as normal equations.
+
+    `tied`: the mean of the gain is known.
+    """
+    known = np.zeros((9 + 4 * knots, 9 + 4 * knots))
+    change = np.diff(np.eye(knots), axis=0)
+    mean = np.full((knots, knots), (1.0 / knots / 1e-5) ** 2)
+    for k in range(4):
+        at = slice(9 + k * knots, 9 + (k + 1) * knots)
+        D = change / (steps * (1.0 if k == 0 else BIAS_STEP / unit / GAIN_STEP))[:, None]
+        known[at, at] = D.T @ D + (mean if k or tied else 0.0)
+    return known
 
 
 def _hats(t: Floats, knots: Floats) -> Floats:

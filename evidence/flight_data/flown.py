@@ -31,7 +31,7 @@ def scenario(
         "matrix": np.diag(1.0 / (1.0 + gyro.scale)).tolist(),
     }
     field = COLUMNS["b_B_measured"] | {
-        "offset": (calibration.bias / TESLA).tolist(),
+        "offset": np.column_stack((calibration.knots, (calibration.bias + calibration.drift) / TESLA)).tolist(),
         "matrix": calibration.A.tolist(),
         "gain": np.column_stack((calibration.knots, calibration.gain)).tolist(),
     }

@@ -32,7 +32,8 @@ def records(folder: Path, long: float) -> tuple[list[Flight], list[Motion]]:
     """Returns the flights of a folder that last at least `long` s, and the rates of the shorter ones; its .txt files hold
     element sets. Raises InputError."""
     files = sorted(folder.glob("*.csv"))
-    elements = [s for path in sorted(folder.glob("*.txt")) for s in read_elements(path)]
+    texts = [path for path in sorted(folder.glob("*.txt")) if "\n1 " in "\n" + path.read_text("utf-8", "replace")]
+    elements = [s for path in texts for s in read_elements(path)]
     if not files or not elements:
         raise InputError(
             f"--data {folder}: expected .csv files and a .txt file of element sets, found {len(files)} .csv"

@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 LONG = 600.0
 """s; a record of at least this length is calibrated by itself."""
-LIT = 0.3
+LIT = 0.4
 """A face sees the Sun where its current is above this part of the largest current of all records."""
 AIR = 22e3
 """m by which the air makes the Earth's shadow larger; taken from an earlier look at these data."""

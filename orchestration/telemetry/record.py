@@ -74,8 +74,9 @@ class Record:
                     text = f"the unit {stated!r} of this column does not fit {column.unit!r} of {name}"
                     raise InputError(Problem(text, place=Place(self.shown, self.header.line, cell)))
             width = len(column.of)
-            if column.offset is not None and len(column.offset) != width:
-                raise InputError(f"{name}: offset: expected {width} numbers, found {len(column.offset)}")
+            offset = np.array(column.offset or [0.0] * width, dtype=object)
+            if offset.shape != (width,) and offset.shape[1:] != (width + 1,):
+                raise InputError(f"{name}: offset: expected {width} numbers, or rows of time and {width} numbers")
             if column.matrix is not None and any(len(row) != width for row in column.matrix):
                 raise InputError(f"{name}: matrix: expected rows of {width} numbers")
         self.header.place(self.entry.time.column)
@@ -214,7 +215,10 @@ def corrected(raw: Floats, column: Column, times: Floats) -> Floats:
         knots, factors = np.array(column.gain).T
         values = values * np.interp(times, knots, factors)[:, None]
     if column.offset is not None:
-        values = values - np.array(column.offset)
+        offset = np.array(column.offset)
+        if offset.ndim == 2:
+            offset = np.column_stack([np.interp(times, offset[:, 0], taken) for taken in offset[:, 1:].T])
+        values = values - offset
     if column.matrix is not None:
         values = values @ np.array(column.matrix).T
     return values

@@ -20,7 +20,7 @@ def test_bias_scale_and_misalignment_are_found_through_a_drifting_gain(flown):
     found = calibrate(flight.t, flight.m, size)
     drift = 1.0 + 0.02 * np.sin(2.0 * np.pi * flight.t / 3000.0)
     mean = np.interp(flight.t, found.knots, found.gain) / drift
-    assert np.ptp(mean) < 0.012
+    assert np.ptp(mean) < 0.03
     assert found.rms < 5e-7
     level = mean.mean()
     np.testing.assert_allclose(found.bias / level, BIAS, atol=1e-6)
@@ -44,7 +44,7 @@ def test_a_record_without_motion_shows_little_and_says_so(flown):
 def test_the_derivatives_are_those_of_differences():
     rng = np.random.default_rng(0)
     m, size, H = rng.normal(size=(4, 3)), rng.uniform(1, 2, 4), rng.uniform(0, 1, (4, 2))
-    x = np.array([1.1, 0.1, -0.1, 0.9, 0.05, 1.0, 0.3, -0.2, 0.1, 1.0, 1.1])
+    x = np.array([1.1, 0.1, -0.1, 0.9, 0.05, 1.0, 0.3, -0.2, 0.1, 1.0, 1.1, *np.linspace(-0.2, 0.3, 6)])
     _, J = magnetometer._residual(x, m, size, H)
     wanted = approx_fprime(x, lambda x: magnetometer._residual(x, m, size, H)[0], 1e-7)
     np.testing.assert_allclose(J, wanted, atol=1e-5)

@@ -81,6 +81,12 @@ def test_columns_are_corrected_by_offset_matrix_and_gain(tmp_path):
     np.testing.assert_allclose(table[:, 1:], [[3, 1], [8, 3]])
 
 
+def test_an_offset_may_change_with_time(tmp_path):
+    columns = {"w": {"of": ["x", "y"], "offset": [[0, 1, 2], [10, 3, 2]]}}
+    _, table = read(tmp_path, "t,x,y\n0,2,5\n5,2,5\n20,2,5\n", columns=columns)
+    np.testing.assert_allclose(table[:, 1:], [[1, 3], [0, 3], [-1, 3]])
+
+
 def test_parquet_gives_what_csv_gives(tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as parquet
