@@ -3,6 +3,8 @@
 A rigid body without moments obeys J dw/dt = J w x w, of which only ratios of J show. Common to all records are the
 principal moments as parts of the second one, the turn of the principal axes and the gyro's bias; each record has its
 rate at its start. Gauss and Newton; derivatives by differences, all at once. Tests: tests/inflight/test_nutation.py.
+
+Longer than 250 lines: the motion, its derivatives and the fit are one method.
 """
 
 from __future__ import annotations

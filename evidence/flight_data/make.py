@@ -1,4 +1,7 @@
-"""Runs the study on the records of a folder; prints its figures, and draws and writes the page."""
+"""Runs the study on the records of a folder; prints its figures, and draws and writes the page.
+
+Longer than 250 lines: each figure of the study is told in text and on the page, side by side.
+"""
 
 from __future__ import annotations
 
