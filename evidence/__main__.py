@@ -1,5 +1,8 @@
 """python -m evidence: makes the pages of docs/evidence. Exit statuses are those of `orchestrate`.
-Tests: tests/evidence/test_cli.py."""
+Tests: tests/evidence/test_cli.py.
+
+Longer than 250 lines: a command each, with its options.
+"""
 
 from __future__ import annotations
 
