@@ -1,7 +1,7 @@
 """Folders for temporary files; what a run that was killed has left is removed by the next.
 
-Each holds a file that its process keeps locked: the system gives a lock back when the process ends, however it ends. So a
-folder whose lock is free is nobody's. On Windows, where no lock is taken, folders of killed runs stay.
+Each holds a file that its process keeps locked: the system gives a lock back when the process ends, however it ends. So
+a folder whose lock is free is nobody's. On Windows, where no lock is taken, folders of killed runs stay.
 
 Tests: tests/orchestration/test_temporary.py.
 """

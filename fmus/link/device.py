@@ -176,7 +176,8 @@ class Device:
         self._sender = self._stranger = ""
 
     def receive(self, data: bytes, sender: str = "", turned: bool = False) -> bytes:
-        """The answers to the requests that end in these bytes, which another datagram or sender begins where `turned`."""
+        """The answers to the requests that end in these bytes, which another datagram or sender begins where
+        `turned`."""
         if turned:
             self._reader.turn()
         self._sender = sender

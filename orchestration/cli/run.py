@@ -63,7 +63,8 @@ from .watch import watched
     flag_value="80",
     metavar="[1-99]",
     type=click.IntRange(PRIORITIES[0], PRIORITIES[-1]),
-    help="Let a run in real time go before all other programs, with its memory locked (Linux, SCHED_FIFO); 80 by default.",
+    help="Let a run in real time go before all other programs, with its memory locked (Linux, SCHED_FIFO); 80 "
+    "by default.",
 )
 @click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
 @QUIET

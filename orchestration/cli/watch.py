@@ -23,9 +23,8 @@ from .status import BLOCK_FAILED
 
 @contextmanager
 def watched(scenario: Scenario) -> Iterator[None]:
-    """Goes on in a process of its own where FMUs of others run in this one; this one waits for it, and says where an FMU has
-    ended it. Not on Windows, and not where the command is called by another program's Python.
-    """
+    """Goes on in a process of its own where FMUs of others run in this one; this one waits for it, and says where an
+    FMU has ended it. Not on Windows, and not where the command is called by another program's Python."""
     guests = any(is_path(entry.fmu) and limits(scenario, name) is None for name, entry in scenario.blocks.items())
     if not guests or not hasattr(os, "fork") or sys.stdout is not sys.__stdout__:
         yield
@@ -60,7 +59,7 @@ def _wait(child: int) -> NoReturn:
         os._exit(status)
     how = f"crashed with {signal.Signals(-status).name}" if status < 0 else f"ended the run with exit status {status}"
     complain(
-        f"{TRACE.text}: {how}; nothing of this run is written, earlier results are kept; remedy: isolation: process, which "
-        "keeps what was computed"
+        f"{TRACE.text}: {how}; nothing of this run is written, earlier results are kept; remedy: "
+        "isolation: process, which keeps what was computed"
     )
     os._exit(BLOCK_FAILED)

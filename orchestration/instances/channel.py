@@ -66,9 +66,8 @@ class Memory:
     """Mapped by both processes; it outlives a crash, and tells then where it happened."""
 
     def __init__(self, source: Path | int, model: Model) -> None:
-        """Maps the file, which is made where there is none, or that of a descriptor. Raises OSError where the disk has no
-        room for it.
-        """
+        """Maps the file, which is made where there is none, or that of a descriptor. Raises OSError where the disk has
+        no room for it."""
         size = _size(model)
         if isinstance(source, int):
             self.map = mmap.mmap(source, size)
@@ -120,7 +119,8 @@ def sealed(model: Model) -> int | None:
 
 
 def _reserve(file: int, size: int) -> None:
-    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by SIGBUS."""
+    """Gives a file its size with room on the disk for all of it: a mapped page without room ends the process by
+    SIGBUS."""
     if hasattr(os, "posix_fallocate"):
         os.posix_fallocate(file, 0, size)
     else:

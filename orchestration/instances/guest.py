@@ -1,4 +1,5 @@
-"""An FMU of others in this process: what it changes for the others is looked at, and where it is can be told when it ends all."""
+"""An FMU of others in this process: what it changes for the others is looked at, and where it is can be told when it
+ends all."""
 
 from __future__ import annotations
 

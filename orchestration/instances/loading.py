@@ -7,8 +7,8 @@ import re
 _REFUSALS = (
     (
         r"([^\s:]+): cannot open shared object file: No such file or directory",
-        r"it needs the library \1, which is not on this machine; remedy: install it, or pack it into the FMU beside its "
-        r"library",
+        r"it needs the library \1, which is not on this machine; remedy: install it, or pack it into the FMU "
+        r"beside its library",
     ),
     (r"([^\s:]+): undefined symbol: (fmi[23]\w+)", r"\1 lacks the function \2"),
     (r"([^\s:]+): undefined symbol: (\S+)", r"\1 needs the symbol \2, which no library that is loaded has"),

@@ -1,7 +1,8 @@
 """What an FMU in this process may change for all others: rounding mode, working folder, signal handlers, open files.
 
-Each is compared with what it was, restored, and noted with the FMU's name. The rounding mode, whose look takes nanoseconds, is
-looked at after each call of the step loop; the rest after the calls of initialization and at the end of a flight.
+Each is compared with what it was, restored, and noted with the FMU's name. The rounding mode, whose look takes
+nanoseconds, is looked at after each call of the step loop; the rest after the calls of initialization and at the end of
+a flight.
 
 Tests: tests/orchestration/instances/test_surroundings.py.
 """

@@ -37,8 +37,8 @@ def pacer(scenario: Scenario, keys: Callable[[], str] | None = None, priority: i
 
 @contextmanager
 def prioritized(priority: int | None) -> Iterator[None]:
-    """Lets this thread and what it starts run before all of ordinary priority (SCHED_FIFO), with its memory locked, so that
-    no page is fetched from the disk during a step. None: leaves all as it is.
+    """Lets this thread and what it starts run before all of ordinary priority (SCHED_FIFO), with its memory locked, so
+    that no page is fetched from the disk during a step. None: leaves all as it is.
 
     Raises InputError where the system does not permit it.
     """
@@ -53,16 +53,17 @@ def prioritized(priority: int | None) -> Iterator[None]:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except PermissionError:
         raise InputError(
-            f"--realtime-priority {priority}: this user may not have it; remedy: a line '@GROUP - rtprio {priority}' and "
-            "'@GROUP - memlock unlimited' in /etc/security/limits.conf and a new login, or in a container --cap-add "
+            f"--realtime-priority {priority}: this user may not have it; remedy: a line "
+            f"'@GROUP - rtprio {priority}' and '@GROUP - memlock unlimited' in /etc/security/limits.conf and a new "
+            "login, or in a container --cap-add "
             "SYS_NICE --cap-add IPC_LOCK"
         ) from None
     try:
         if libc.mlockall(_LOCK_CURRENT_AND_FUTURE) != 0:
             raise InputError(
-                f"--realtime-priority {priority}: the memory cannot be locked: {os.strerror(ctypes.get_errno())}; remedy: "
-                "'@GROUP - memlock unlimited' in /etc/security/limits.conf and a new login, or in a container --cap-add "
-                "IPC_LOCK"
+                f"--realtime-priority {priority}: the memory cannot be locked: "
+                f"{os.strerror(ctypes.get_errno())}; remedy: '@GROUP - memlock unlimited' in "
+                "/etc/security/limits.conf and a new login, or in a container --cap-add IPC_LOCK"
             )
         yield
     finally:

@@ -42,7 +42,8 @@ def utc_text(seconds: float) -> str:
 
 
 def calendar_seconds(text: str, scale: str) -> float:
-    """Returns the seconds since 1970-01-01 that a calendar of this scale counts to a text in ISO 8601. Raises TimeError."""
+    """Returns the seconds since 1970-01-01 that a calendar of this scale counts to a text in ISO 8601. Raises
+    TimeError."""
     try:
         when = datetime.fromisoformat(text.strip())
     except ValueError:

@@ -1,8 +1,8 @@
 """Floquet multipliers of the paper's loop of FMUs, against a variational integration by SciPy.
 
-The witness integrates the rigid body with its wheel and its first variation between the samples, under held commands; of the law
-it takes the difference quotients of the reference in Python. The field and the orbit are those that the plant reports.
-"""
+The witness integrates the rigid body with its wheel and its first variation between the samples, under held commands;
+of the law it takes the difference quotients of the reference in Python. The field and the orbit are those that the
+plant reports."""
 
 import numpy as np
 import pytest

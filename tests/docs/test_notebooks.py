@@ -1,4 +1,5 @@
-"""The notebooks of docs/use/notebooks run from the first cell to the last, as a reader types them in the project's folder."""
+"""The notebooks of docs/use/notebooks run from the first cell to the last, as a reader types them in the project's
+folder."""
 
 import ast
 from pathlib import Path

@@ -22,36 +22,51 @@ _UNITS = """
     <Unit name="s"><BaseUnit s="1"/></Unit>
   </UnitDefinitions>
   <TypeDefinitions>
-    <SimpleType name="Mode"><Enumeration><Item name="normal" value="1"/><Item name="brake" value="2"/></Enumeration></SimpleType>
+    <SimpleType name="Mode"><Enumeration>
+      <Item name="normal" value="1"/><Item name="brake" value="2"/></Enumeration></SimpleType>
   </TypeDefinitions>"""
 
 _FAULTS = """
-    <ScalarVariable name="fault" valueReference="0" causality="parameter" variability="fixed"><Integer start="0"/></ScalarVariable>
-    <ScalarVariable name="fault_time" valueReference="0" causality="parameter" variability="fixed"><Real unit="s" start="0"/></ScalarVariable>"""
+    <ScalarVariable name="fault" valueReference="0" causality="parameter" variability="fixed">
+      <Integer start="0"/></ScalarVariable>
+    <ScalarVariable name="fault_time" valueReference="0" causality="parameter" variability="fixed">
+      <Real unit="s" start="0"/></ScalarVariable>"""
 
 _MOTOR = f"""{_FAULTS}
     <ScalarVariable name="voltage" valueReference="2" causality="input"><Real unit="V" start="0"/></ScalarVariable>
     <ScalarVariable name="speed" valueReference="4" causality="output"><Real unit="rad/s"/></ScalarVariable>
-    <ScalarVariable name="steps" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>
-    <ScalarVariable name="inertia" valueReference="10" causality="parameter" variability="fixed"><Real unit="kg.m2" start="1" min="0.001" max="10"/></ScalarVariable>
-    <ScalarVariable name="axis[1]" valueReference="11" causality="parameter" variability="fixed"><Real start="1"/></ScalarVariable>
-    <ScalarVariable name="axis[2]" valueReference="12" causality="parameter" variability="fixed"><Real start="0"/></ScalarVariable>
-    <ScalarVariable name="axis[3]" valueReference="13" causality="parameter" variability="fixed"><Real start="0"/></ScalarVariable>
-    <ScalarVariable name="mode" valueReference="2" causality="parameter" variability="fixed"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
-    <ScalarVariable name="poles" valueReference="3" causality="parameter" variability="fixed"><Integer start="2" min="2" max="32"/></ScalarVariable>
-    <ScalarVariable name="cooled" valueReference="0" causality="parameter" variability="fixed"><Boolean start="false"/></ScalarVariable>
-    <ScalarVariable name="label" valueReference="0" causality="parameter" variability="fixed"><String start=""/></ScalarVariable>
+    <ScalarVariable name="steps" valueReference="1" causality="output" variability="discrete">
+      <Integer/></ScalarVariable>
+    <ScalarVariable name="inertia" valueReference="10" causality="parameter" variability="fixed">
+      <Real unit="kg.m2" start="1" min="0.001" max="10"/></ScalarVariable>
+    <ScalarVariable name="axis[1]" valueReference="11" causality="parameter" variability="fixed">
+      <Real start="1"/></ScalarVariable>
+    <ScalarVariable name="axis[2]" valueReference="12" causality="parameter" variability="fixed">
+      <Real start="0"/></ScalarVariable>
+    <ScalarVariable name="axis[3]" valueReference="13" causality="parameter" variability="fixed">
+      <Real start="0"/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="2" causality="parameter" variability="fixed">
+      <Enumeration declaredType="Mode" start="1"/></ScalarVariable>
+    <ScalarVariable name="poles" valueReference="3" causality="parameter" variability="fixed">
+      <Integer start="2" min="2" max="32"/></ScalarVariable>
+    <ScalarVariable name="cooled" valueReference="0" causality="parameter" variability="fixed">
+      <Boolean start="false"/></ScalarVariable>
+    <ScalarVariable name="label" valueReference="0" causality="parameter" variability="fixed">
+      <String start=""/></ScalarVariable>
     <ScalarVariable name="hot" valueReference="1" causality="output" variability="discrete"><Boolean/></ScalarVariable>
-    <ScalarVariable name="speed0" valueReference="4" causality="parameter" variability="fixed"><Real unit="rad/s" start="1"/></ScalarVariable>"""
+    <ScalarVariable name="speed0" valueReference="4" causality="parameter" variability="fixed">
+      <Real unit="rad/s" start="1"/></ScalarVariable>"""
 _MOTOR_OUTPUTS = (
     '<Unknown index="4" dependencies=""/><Unknown index="5" dependencies=""/><Unknown index="14" dependencies=""/>'
 )
 
 _REGULATOR = f"""{_FAULTS}
     <ScalarVariable name="speed" valueReference="2" causality="input"><Real unit="rad/s" start="0"/></ScalarVariable>
-    <ScalarVariable name="enabled" valueReference="5" causality="input" variability="discrete"><Boolean start="true"/></ScalarVariable>
+    <ScalarVariable name="enabled" valueReference="5" causality="input" variability="discrete">
+      <Boolean start="true"/></ScalarVariable>
     <ScalarVariable name="voltage" valueReference="1" causality="output"><Real unit="V"/></ScalarVariable>
-    <ScalarVariable name="gain" valueReference="3" causality="parameter" variability="tunable"><Real start="-1"/></ScalarVariable>
+    <ScalarVariable name="gain" valueReference="3" causality="parameter" variability="tunable">
+      <Real start="-1"/></ScalarVariable>
     <ScalarVariable name="samples[1]" valueReference="20" causality="output"><Real unit="V"/></ScalarVariable>
     <ScalarVariable name="samples[2]" valueReference="21" causality="output"><Real unit="V"/></ScalarVariable>"""
 _REGULATOR_OUTPUTS = (

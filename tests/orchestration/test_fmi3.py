@@ -36,7 +36,8 @@ def _types() -> str:
     starts = {"Int16": "1 2 3 4 5 6", "Boolean": "false"}
     variables = "".join(
         f'<{tag} name="u{tag}" valueReference="{100 + i}" causality="input" start="{starts.get(tag, 0)}">{shape}'
-        f'{alias if tag == "Int16" else ""}</{tag}><{tag} name="y{tag}" valueReference="{200 + i}" causality="output">{shape}</{tag}>'
+        f'{alias if tag == "Int16" else ""}</{tag}><{tag} name="y{tag}" valueReference="{200 + i}" '
+        f'causality="output">{shape}</{tag}>'
         for i, tag in enumerate(TYPES)
     )
     unknowns = [200 + i for i in range(len(TYPES))] + [301]

@@ -169,28 +169,79 @@ def test_a_start_value_of_an_option_holds_until_the_timeline_sets_another() -> N
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"timeline": [{"at": 1, "set": {"supervisor.comand": 3}}]}, "timeline[1].set.supervisor.comand: supervisor has no input or output or parameter 'comand'; did you mean 'command'?"),
-        ({"timeline": [{"at": 1, "set": {"super.command": 3}}]}, "timeline[1].set.super.command: there is no block 'super'; did you mean 'supervisor'?"),
+        (
+            {"timeline": [{"at": 1, "set": {"supervisor.comand": 3}}]},
+            "timeline[1].set.supervisor.comand: supervisor has no input or output or parameter 'comand'; did "
+            "you mean 'command'?",
+        ),
+        (
+            {"timeline": [{"at": 1, "set": {"super.command": 3}}]},
+            "timeline[1].set.super.command: there is no block 'super'; did you mean 'supervisor'?",
+        ),
         ({"timeline": [{"at": 1, "set": {"supervisor.target_height": "3 kg"}}]}, "the unit 'kg' does not fit"),
         ({"timeline": [{"at": 1, "set": {"supervisor.first_mode": "sun"}}]}, "supervisor.first_mode is fixed"),
         ({"timeline": [{"at": 1, "set": {"supervisor.mode": 3}}]}, "supervisor.mode is an output"),
-        ({"timeline": [{"at": 11, "phase": "late"}]}, "timeline[1].at: 11 s lies at or after the end of the run, 10 s; no step sees it"),
-        ({"timeline": [{"at": 10, "phase": "late"}]}, "timeline[1].at: 10 s lies at or after the end of the run, 10 s; no step sees it"),
-        ({"timeline": [{"at": 5, "phase": "b"}, {"at": 3, "phase": "a"}]}, "timeline[2].at: 3 s lies before the entry above, 5 s; expected entries in the order of time"),
-        ({"timeline": [{"at": 5, "phase": "b"}, {"at": 5, "phase": "a"}]}, "timeline[2].phase: 'a' begins at the same time as 'b', 5 s; expected one phase at a time"),
-        ({"timeline": [{"at": 5, "set": {"supervisor.command": 1}}, {"at": 5, "set": {"supervisor.command": 3}}]}, "timeline[2].set.supervisor.command: is set at 5 s by timeline[1].set.supervisor.command, too; expected one value at a time"),
-        ({"timeline": [{"at": 5, "set": {"supervisor.R_goal": {"diagonal": [1, 1, 1]}, "supervisor.R_goal[1,2]": 0.1}}]}, "timeline[1].set.supervisor.R_goal[1,2]: is set at 5 s by timeline[1].set.supervisor.R_goal, too"),
-        ({"timeline": [{"at": 5, "phase": "a/b"}]}, "timeline[1].phase: expected a name of letters, digits and _ . -, and spaces within, found 'a/b'"),
-        ({"phases": {"signal": "supervisor.mode", "names": {"a": 1, "b": 1}}}, "phases.names.b: has the value of 'a', 1; expected one name for a value"),
+        (
+            {"timeline": [{"at": 11, "phase": "late"}]},
+            "timeline[1].at: 11 s lies at or after the end of the run, 10 s; no step sees it",
+        ),
+        (
+            {"timeline": [{"at": 10, "phase": "late"}]},
+            "timeline[1].at: 10 s lies at or after the end of the run, 10 s; no step sees it",
+        ),
+        (
+            {"timeline": [{"at": 5, "phase": "b"}, {"at": 3, "phase": "a"}]},
+            "timeline[2].at: 3 s lies before the entry above, 5 s; expected entries in the order of time",
+        ),
+        (
+            {"timeline": [{"at": 5, "phase": "b"}, {"at": 5, "phase": "a"}]},
+            "timeline[2].phase: 'a' begins at the same time as 'b', 5 s; expected one phase at a time",
+        ),
+        (
+            {"timeline": [{"at": 5, "set": {"supervisor.command": 1}}, {"at": 5, "set": {"supervisor.command": 3}}]},
+            "timeline[2].set.supervisor.command: is set at 5 s by timeline[1].set.supervisor.command, too; "
+            "expected one value at a time",
+        ),
+        (
+            {
+                "timeline": [
+                    {"at": 5, "set": {"supervisor.R_goal": {"diagonal": [1, 1, 1]}, "supervisor.R_goal[1,2]": 0.1}}
+                ]
+            },
+            "timeline[1].set.supervisor.R_goal[1,2]: is set at 5 s by timeline[1].set.supervisor.R_goal, too",
+        ),
+        (
+            {"timeline": [{"at": 5, "phase": "a/b"}]},
+            "timeline[1].phase: expected a name of letters, digits and _ . -, and spaces within, found 'a/b'",
+        ),
+        (
+            {"phases": {"signal": "supervisor.mode", "names": {"a": 1, "b": 1}}},
+            "phases.names.b: has the value of 'a', 1; expected one name for a value",
+        ),
         ({"timeline": [{"at": -1, "phase": "early"}]}, "at: expected zero or more, found -1 s"),
         ({"timeline": [{"at": 1}]}, "expected set, phase or both, found neither"),
-        ({"expect": [{"name": "a", "signal": "supervisor.mode", "during": "slew", "always": {"below": 9}}]}, "expect[1].during: there is no phase 'slew'; remedy: a 'phase' in the timeline, or 'phases'"),
-        ({"timeline": TIMELINE, "expect": [{"name": "a", "signal": "supervisor.mode", "during": "comanded", "always": {"below": 9}}]}, "expect[1].during: there is no phase 'comanded'; did you mean 'commanded'?"),
-        ({"phases": {"signal": "supervisor.R_ref", "names": {"a": 1}}}, "phases.signal: expected one boolean, whole number or enumeration, but supervisor.R_ref is"),
+        (
+            {"expect": [{"name": "a", "signal": "supervisor.mode", "during": "slew", "always": {"below": 9}}]},
+            "expect[1].during: there is no phase 'slew'; remedy: a 'phase' in the timeline, or 'phases'",
+        ),
+        (
+            {
+                "timeline": TIMELINE,
+                "expect": [{"name": "a", "signal": "supervisor.mode", "during": "comanded", "always": {"below": 9}}],
+            },
+            "expect[1].during: there is no phase 'comanded'; did you mean 'commanded'?",
+        ),
+        (
+            {"phases": {"signal": "supervisor.R_ref", "names": {"a": 1}}},
+            "phases.signal: expected one boolean, whole number or enumeration, but supervisor.R_ref is",
+        ),
         ({"phases": {"signal": "supervisor.mode", "names": {"a": "one"}}}, "phases.names.a: "),
-        ({"timeline": TIMELINE, "phases": {"signal": "supervisor.mode", "names": {"waiting": 1}}}, "phases.names.waiting: is a phase of the timeline, too; expected another name"),
+        (
+            {"timeline": TIMELINE, "phases": {"signal": "supervisor.mode", "names": {"waiting": 1}}},
+            "phases.names.waiting: is a phase of the timeline, too; expected another name",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_is_refused_with_its_place(changes: dict[str, Any], message: str) -> None:
     assert message in refused(**changes)
 
@@ -223,9 +274,16 @@ def test_a_fault_stands_over_the_timeline_while_it_acts_and_leaves_the_last_valu
     ]
     seen = flown(compiled, timeline=timeline, faults=faults)
     levels = {
-        km: flown(blocks={"supervisor": {**BASE["blocks"]["supervisor"], "start": {**BASE["blocks"]["supervisor"]["start"], "target_height": f"{km} km"}}})["supervisor.target_elevation"]
+        km: flown(
+            blocks={
+                "supervisor": {
+                    **BASE["blocks"]["supervisor"],
+                    "start": {**BASE["blocks"]["supervisor"]["start"], "target_height": f"{km} km"},
+                }
+            }
+        )["supervisor.target_elevation"]
         for km in (0, 1, 2, 3, 50, 60)
-    }  # fmt: skip
+    }
     spans = [(0.0, 0), (1.0, 1), (3.0, 50), (5.0, 60), (7.0, 2), (9.0, 3)]
     for i, time in enumerate(seen.time[1:], 1):
         km = next(km for begin, km in reversed(spans) if begin < time)

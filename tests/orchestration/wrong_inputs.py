@@ -164,8 +164,8 @@ def page(outcomes: Mapping[str, tuple[int, str, bool]]) -> str:
 _HEAD = """\
 # Errors
 
-What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is wrong and nothing
-was run, 3 where an FMU failed. Each row is a test; this file is made from their output by
+What `orchestrate` says of wrong scenarios, options and FMUs, and its exit status: 2 where the input is wrong and
+nothing was run, 3 where an FMU failed. Each row is a test; this file is made from their output by
 `python -m tests.orchestration.wrong_inputs > tests/orchestration/wrong_inputs.md`.
 The scenario is a loop of a motor and its regulator.
 

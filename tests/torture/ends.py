@@ -1,4 +1,5 @@
-"""FMUs of both versions that end the simulation at a step, in a process of their own and in that of the run, in both loops."""
+"""FMUs of both versions that end the simulation at a step, in a process of their own and in that of the run, in both
+loops."""
 
 from __future__ import annotations
 

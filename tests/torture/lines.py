@@ -1,8 +1,7 @@
 """A device behind a line with strangers, wrong times, values that are not finite, slow and lost answers, all at random.
 
-In lock-step a step ends with the block's own bits for its instant, or is silent or refused with a place; the run goes on after
-the trouble, where its policy says so.
-"""
+In lock-step a step ends with the block's own bits for its instant, or is silent or refused with a place; the run goes
+on after the trouble, where its policy says so."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""An answer is taken only if it is of the instant that was asked for and finite; a slow device is used again after a fault."""
+"""An answer is taken only if it is of the instant that was asked for and finite; a slow device is used again after a
+fault."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The tables of libraries: against nm, for each platform that a compiler builds, damaged, and without the package lief."""
+"""The tables of libraries: against nm, for each platform that a compiler builds, damaged, and without the package
+lief."""
 
 from __future__ import annotations
 

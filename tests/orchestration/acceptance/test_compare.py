@@ -106,7 +106,8 @@ def test_a_claim_that_theirs_fails_fails_the_comparison(tmp_path, monkeypatch):
     ("largest", "rms", "passed"), [("20 %", "6 %", True), ("20 %", "4 %", False), ("8 %", "6 %", False)]
 )
 def test_a_tolerance_of_largest_and_rms_fails_by_either(tmp_path, monkeypatch, largest, rms, passed):
-    """A gain 10 % too high in open loop: the largest difference is 10 % of the largest value, and the rms half of it."""
+    """A gain 10 % too high in open loop: the largest difference is 10 % of the largest value, and the rms half of
+    it."""
     swapped(tmp_path, monkeypatch)
     of_gain(1.1)
     Path("tolerances.yaml").write_text(f"voltage: {{largest: {largest}, rms: {rms}}}\n")

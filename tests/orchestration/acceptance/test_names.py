@@ -1,4 +1,5 @@
-"""Names of variables by the naming conventions of FMI 2.0, against FMPy's grammar; and hints among thousands of names."""
+"""Names of variables by the naming conventions of FMI 2.0, against FMPy's grammar; and hints among thousands of
+names."""
 
 from __future__ import annotations
 

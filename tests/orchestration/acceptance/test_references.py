@@ -24,7 +24,10 @@ from tests.commands import orchestrate
 from .. import fmus
 
 OURS = [(block, flavour) for flavour in FLAVOURS for block in blocks_of(flavour)]
-NAMESPACE = 'xmlns:l="http://fmi-standard.org/fmi-ls-manifest" l:fmi-ls-name="org.fmi-standard.fmi-ls-ref" l:fmi-ls-version="1.0.0-beta.1"'
+NAMESPACE = (
+    'xmlns:l="http://fmi-standard.org/fmi-ls-manifest" l:fmi-ls-name="org.fmi-standard.fmi-ls-ref" '
+    'l:fmi-ls-version="1.0.0-beta.1"'
+)
 EXPERIMENT = """\
 <Experiments name="all">
 <Experiment name="feedthrough" startTime="0" stopTime="0.4" stepSize="0.1">
@@ -161,7 +164,10 @@ def test_a_tolerance_is_that_of_the_signal_or_else_of_the_experiment_or_else_the
     assert played(regulator(tmp_path, out_csv=near), 0.005)[0][0][0] == "error"
     of_all = EXPERIMENT.replace('stepSize="0.1"', 'stepSize="0.1" tolerance="0.01"')
     assert played(regulator(tmp_path, out_csv=near, all_exp=of_all), 0.0)[0][0][0] == "ok"
-    note = '<Annotations><Annotation type="attitude-cosim"><Tolerance name="voltage" absolute="{}"/></Annotation></Annotations>'
+    note = (
+        '<Annotations><Annotation type="attitude-cosim"><Tolerance name="voltage" '
+        'absolute="{}"/></Annotation></Annotations>'
+    )
     for absolute, level in ((0.11, "ok"), (0.09, "error")):
         own = of_all.replace('"out.csv"/>', f'"out.csv">{note.format(absolute)}</References>')
         assert played(regulator(tmp_path, out_csv=near, all_exp=own), 0.0)[0][0][0] == level
@@ -198,7 +204,8 @@ def test_text_among_the_data_is_left_out_and_of_two_rows_at_an_event_either_will
         fmus.description("regulator")
         .replace(
             '<ScalarVariable name="samples[1]"',
-            '<ScalarVariable name="name" valueReference="0" causality="output" variability="discrete"><String/></ScalarVariable>'
+            '<ScalarVariable name="name" valueReference="0" causality="output" '
+            'variability="discrete"><String/></ScalarVariable>'
             '\n<ScalarVariable name="samples[1]"',
         )
         .replace('index="7"', 'index="9"')
@@ -240,13 +247,31 @@ def test_a_header_names_an_element_with_or_without_a_comma(tmp_path):
 MALFORMED = [
     ({"manifest_xml": "<fmiReferences>"}, "fmi-ls-manifest.xml:1: "),
     ({"manifest_xml": "<other/>"}, "fmi-ls-manifest.xml:1: expected the element fmiReferences, found other"),
-    ({"manifest_xml": MANIFEST.replace(' role="experiment"', "")}, "fmi-ls-manifest.xml:2: Related has no attribute role"),
-    ({"manifest_xml": MANIFEST.replace("all.exp", "../../../all.exp")}, "fmi-ls-manifest.xml:2: '../../../all.exp' leads out of the FMU"),
-    ({"manifest_xml": MANIFEST.replace('role="', 'checksum="00" role="')}, "fmi-ls-manifest.xml:2: extra/org.fmi-standard.fmi-ls-ref/all.exp was changed"),
-    ({"manifest_xml": MANIFEST.replace('role="', 'checksum="0" checksumType="MD5" role="')}, "fmi-ls-manifest.xml:2: checksumType 'MD5'"),
+    (
+        {"manifest_xml": MANIFEST.replace(' role="experiment"', "")},
+        "fmi-ls-manifest.xml:2: Related has no attribute role",
+    ),
+    (
+        {"manifest_xml": MANIFEST.replace("all.exp", "../../../all.exp")},
+        "fmi-ls-manifest.xml:2: '../../../all.exp' leads out of the FMU",
+    ),
+    (
+        {"manifest_xml": MANIFEST.replace('role="', 'checksum="00" role="')},
+        "fmi-ls-manifest.xml:2: extra/org.fmi-standard.fmi-ls-ref/all.exp was changed",
+    ),
+    (
+        {"manifest_xml": MANIFEST.replace('role="', 'checksum="0" checksumType="MD5" role="')},
+        "fmi-ls-manifest.xml:2: checksumType 'MD5'",
+    ),
     ({"all_exp": "<!DOCTYPE a>" + EXPERIMENT}, "all.exp: it has a DOCTYPE"),
-    ({"all_exp": EXPERIMENT.replace('stepSize="0.1"', 'stepSize="fast"')}, "all.exp:2: stepSize: expected a finite number, 0 or more, found 'fast'"),
-    ({"all_exp": EXPERIMENT.replace('stepSize="0.1"', 'stepSize="0"')}, "all.exp:5: expected a step above 0 and up to the stop time, found 0 s"),
+    (
+        {"all_exp": EXPERIMENT.replace('stepSize="0.1"', 'stepSize="fast"')},
+        "all.exp:2: stepSize: expected a finite number, 0 or more, found 'fast'",
+    ),
+    (
+        {"all_exp": EXPERIMENT.replace('stepSize="0.1"', 'stepSize="0"')},
+        "all.exp:5: expected a step above 0 and up to the stop time, found 0 s",
+    ),
     ({"out_csv": "t,voltage\n0,1\n1,1\n"}, "out.csv:1: expected a column 'time'"),
     ({"out_csv": "time,voltage\n0,1\n1\n"}, "out.csv:3: expected 2 values, found 1"),
     ({"out_csv": "time,voltage\n0,1\n1,high\n"}, "out.csv:3: could not convert string to float: 'high'"),
@@ -256,7 +281,7 @@ MALFORMED = [
     ({"in_csv": table("voltage", SPEED)}, "in.csv:1: voltage is no input; its causality is output"),
     ({"p_ssv": GAIN.replace('"gain"', '"gane"')}, "p.ssv: the FMU has no variable 'gane'; did you mean 'gain'?"),
     ({"p_ssv": GAIN.replace("value=", "worth=")}, "is not valid by the schema of SSP 1.0"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("changes", "message"), MALFORMED, ids=[message[:40] for _, message in MALFORMED])
@@ -272,15 +297,24 @@ def test_malformed_data_are_an_error_with_file_and_line(changes, message, tmp_pa
 @pytest.mark.parametrize(
     ("changes", "note"),
     [
-        ({"all_exp": EXPERIMENT.replace('"out.csv"', '"out.hdf5" type="application/hdf5"')}, "out.hdf5 is of the type 'application/hdf5'"),
-        ({"all_exp": EXPERIMENT.replace("<Parameters", "<SteadyState/><Parameters")}, "a SteadyState; only simulations over time"),
-        ({"all_exp": EXPERIMENT.replace('startTime="0"', 'startTime="2"')}, "it starts at 2 s; only experiments from 0 s"),
+        (
+            {"all_exp": EXPERIMENT.replace('"out.csv"', '"out.hdf5" type="application/hdf5"')},
+            "out.hdf5 is of the type 'application/hdf5'",
+        ),
+        (
+            {"all_exp": EXPERIMENT.replace("<Parameters", "<SteadyState/><Parameters")},
+            "a SteadyState; only simulations over time",
+        ),
+        (
+            {"all_exp": EXPERIMENT.replace('startTime="0"', 'startTime="2"')},
+            "it starts at 2 s; only experiments from 0 s",
+        ),
         ({"all_exp": EXPERIMENT.replace("out.csv", "https://example.org/out.csv")}, "stands outside the FMU"),
         ({"all_exp": EXPERIMENT.replace('stepSize="0.1"', 'stepSize="1e-9"')}, "4e+08 steps; at most 1e+06 are played"),
         ({"out_csv": None}, "the FMU does not hold extra/org.fmi-standard.fmi-ls-ref/out.csv"),
         ({"all_exp": None}, "the FMU does not hold extra/org.fmi-standard.fmi-ls-ref/all.exp"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_played_here_is_told(changes, note, tmp_path):
     """FMI-LS-REF: an importer is to be prepared for files that other tools have lost."""
     findings, notes = played(regulator(tmp_path, **changes))

@@ -136,7 +136,9 @@ def write(
         "scenario_file": "scenarios/paper_no_singularity.yaml",
         "campaign_file": "detumble_spread.yaml",
         "scenario": "paper_no_singularity",
-        "fmus": {name: {"file": f"{name}.fmu", "sha256": 32 * sha} for name, sha in (("plant", "ab"), ("controller", "cd"))},
+        "fmus": {
+            name: {"file": f"{name}.fmu", "sha256": 32 * sha} for name, sha in (("plant", "ab"), ("controller", "cd"))
+        },
         "versions": {"attitude-cosim": "0.2.0"},
         "platform": "Linux",
         "started": "2026-11-22T01:00:00+00:00",

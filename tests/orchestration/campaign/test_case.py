@@ -65,18 +65,21 @@ def test_a_metric_of_an_output_that_the_mapping_ignores_is_refused_with_the_reas
         ),
         (
             (("{uniform: [1 rad/s, 2 rad/s]}", f"{{expression: '{'(' * 2000}'}}"),),
-            r"toy.yaml:6: \S+: the expression is too long: expected at most 1000 characters, found 2000; remedy: [^(]+$",
+            r"toy.yaml:6: \S+: the expression is too long: expected at most 1000 characters, found 2000; "
+            r"remedy: [^(]+$",
         ),
         (
             (("{uniform: [1 rad/s, 2 rad/s]}", "{grid: {from: 0, to: 1, points: 2000000}}"),),
-            r"toy.yaml:6: vary.motor.speed0.grid: points: input should be less than or equal to 1000000, found 2000000$",
+            r"toy.yaml:6: vary.motor.speed0.grid: points: input should be less than or equal to 1000000, found "
+            r"2000000$",
         ),
         (
             (
                 ("signal: motor.speed, statistic: final", "python: 'gone:f', signals: [motor.speed]"),
                 ("signal: motor.speed, settles: {below: 0.5}", "python: 'gone:g', signals: [motor.speed]"),
             ),
-            r"toy.yaml:8: .*the module 'gone' cannot be loaded: there is no file .*gone.py, and no installed .*remedy: [^\n]*$",
+            r"toy.yaml:8: .*the module 'gone' cannot be loaded: there is no file .*gone.py, and no installed "
+            r".*remedy: [^\n]*$",
         ),
         ((("{uniform: [1 rad/s, 2 rad/s]}", "{expression: gone}"),), r"toy.yaml:6: .*no value 'gone'"),
         (

@@ -1,4 +1,5 @@
-"""A campaign's folder under flipped bits, copied parts and what is no part at all: each is named, wherever it is read."""
+"""A campaign's folder under flipped bits, copied parts and what is no part at all: each is named, wherever it is
+read."""
 
 from __future__ import annotations
 

@@ -26,14 +26,17 @@ from .analytic import ISHIGAMI
 
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 _VARIABLES = "".join(
-    f'<ScalarVariable name="x{i}" valueReference="{9 + i}" causality="parameter" variability="fixed"><Real start="0"/></ScalarVariable>'
+    f'<ScalarVariable name="x{i}" valueReference="{9 + i}" causality="parameter" variability="fixed"><Real '
+    f'start="0"/></ScalarVariable>'
     for i in (1, 2, 3)
 )
 _DESCRIPTION = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="ishigami" guid="probe">
   <CoSimulation modelIdentifier="probe"/>
-  <ModelVariables><ScalarVariable name="y" valueReference="1" causality="output"><Real/></ScalarVariable>{_VARIABLES}</ModelVariables>
-  <ModelStructure><Outputs><Unknown index="1"/></Outputs><InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure>
+  <ModelVariables><ScalarVariable name="y" valueReference="1" causality="output">
+    <Real/></ScalarVariable>{_VARIABLES}</ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs>
+  <InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure>
 </fmiModelDescription>
 """
 _FUNCTION = "-DDIRECT(x)=sin((x)[10])+7*sin((x)[11])*sin((x)[11])+0.1*pow((x)[12],4)*sin((x)[10])"

@@ -121,9 +121,12 @@ def test_an_encoding_that_nobody_knows_is_told(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
-        ('<Real unit="rad/s" start="1"/>', '<Real unit="rad/s" start=""/>', "speed0 has the start value ''; expected a number"),
-        ('<Integer start="2" min', '<Integer start="1e999" min', "poles has the start value '1e999'; expected a number"),
-        ('<Boolean start="false"/>', '<Boolean start="maybe"/>', "cooled has the start value 'maybe'; expected true or false"),
+        ('<Real unit="rad/s" start="1"/>', '<Real unit="rad/s" start=""/>', "speed0 has the start value ''; "
+                                                                            "expected a number"),
+        ('<Integer start="2" min', '<Integer start="1e999" min', "poles has the start value '1e999'; expected "
+                                                                 "a number"),
+        ('<Boolean start="false"/>', '<Boolean start="maybe"/>', "cooled has the start value 'maybe'; expected "
+                                                                 "true or false"),
     ],
 )  # fmt: skip
 def test_a_start_value_of_no_value_is_told_even_where_the_schema_is_passed_over(
@@ -136,7 +139,7 @@ def test_a_start_value_of_no_value_is_told_even_where_the_schema_is_passed_over(
 
 
 def test_an_integer_output_as_pythonfmu_writes_it_is_passed_over_on_demand(tmp_path: Path) -> None:
-    default = DESCRIPTION.replace('variability="discrete"><Integer/>', "><Integer/>")
+    default = DESCRIPTION.replace('variability="discrete">\n      <Integer/>', "><Integer/>")
     path = fmus.write(tmp_path / "motor.fmu", default)
     assert 'is of type Integer and must have variability != "continuous"' in message(path)
     (problem,) = open_fmu(path, lenient=True).problems

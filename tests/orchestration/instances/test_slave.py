@@ -198,5 +198,8 @@ def test_a_full_disk_while_unpacking_is_named_and_not_blamed_on_the_scenario(loo
     with pytest.raises(InputError) as info:
         run(loop)
     place = re.escape(f"{tempfile.gettempdir()}{os.sep}")
-    expected = rf"motor\.fmu cannot be unpacked in {place}.*: the disk is full; remedy: room there, or another folder in TMPDIR"
+    expected = (
+        rf"motor\.fmu cannot be unpacked in {place}.*: the disk is full; remedy: room there, or another "
+        rf"folder in TMPDIR"
+    )
     assert re.fullmatch(expected, str(info.value))

@@ -1,4 +1,5 @@
-"""What an FMU in the run's own process changes for others is restored and told, and one that ends the process is no success."""
+"""What an FMU in the run's own process changes for others is restored and told, and one that ends the process is no
+success."""
 
 from __future__ import annotations
 

@@ -73,11 +73,14 @@ class Tab:
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
     def until(self, condition: str) -> None:
-        """Waits until an expression is true; Playwright's own way evaluates text in the page, which its policy refuses."""
+        """Waits until an expression is true; Playwright's own way evaluates text in the page, which its policy
+        refuses."""
         became = self.page.evaluate(
             f"""new Promise(done => {{
               const late = performance.now() + {1000 * PATIENCE};
-              const look = () => (({condition}) ? done(true) : performance.now() > late ? done(false) : setTimeout(look, 4));
+              const look = () => (
+                ({condition}) ? done(true) : performance.now() > late ? done(false) : setTimeout(look, 4)
+              );
               look();
             }})"""
         )
@@ -98,7 +101,8 @@ def pixels(tab: Tab, colour: str, plot: int = 0) -> int:
     rgb = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return tab.page.evaluate(
         f"""(() => {{
-          const canvas = document.querySelectorAll(".plot")[{plot}].querySelector("canvas"), {{ width, height }} = canvas;
+          const canvas = document.querySelectorAll(".plot")[{plot}].querySelector("canvas");
+          const {{ width, height }} = canvas;
           const copy = new OffscreenCanvas(width, height).getContext("2d", {{ willReadFrequently: true }});
           copy.drawImage(canvas, 0, 0);
           const {{ data }} = copy.getImageData(0, 0, width, height);

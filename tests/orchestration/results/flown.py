@@ -17,7 +17,8 @@ RADIUS, RATE = 7e6, 1.078e-3
 
 
 def flown(steps: int = 200, **more: Any) -> Result:
-    """100 s in which the body turns by half a degree a second about the axis N z away from a desired attitude at rest."""
+    """100 s in which the body turns by half a degree a second about the axis N z away from a desired attitude at
+    rest."""
 
     def evaluate(block: Mock) -> None:
         t = block.state

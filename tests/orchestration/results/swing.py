@@ -21,7 +21,8 @@ VOID = {"meta", "link"}
 
 
 def swing(steps: int = 400, note: str = "swings & settles", **more: Any) -> Result:
-    """A run of one block: a decaying swing in two axes, a flag while it is large, and a signal that changes its sign."""
+    """A run of one block: a decaying swing in two axes, a flag while it is large, and a signal that changes its
+    sign."""
 
     def evaluate(block: Mock) -> None:
         t = block.state

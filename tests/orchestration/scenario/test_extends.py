@@ -64,7 +64,8 @@ def test_a_connection_to_an_input_that_is_not_connected_replaces_none(loop):
     )
     with pytest.raises(
         InputError,
-        match=r"over\.yaml:3: connections\.replace\[1\]: 'motor\.speed -> regulator\.sped': there is no connection to this "
+        match=r"over\.yaml:3: connections\.replace\[1\]: 'motor\.speed -> regulator\.sped': there is no "
+        r"connection to this "
         r"input to replace; did you mean 'regulator\.speed'\?",
     ):
         load("over.yaml")

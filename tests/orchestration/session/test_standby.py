@@ -73,7 +73,10 @@ def test_runs_of_one_scenario_in_several_threads_give_what_they_give_alone() -> 
 
 
 def test_a_run_of_what_is_kept_imports_neither_fmpy_nor_lxml_and_ends_well() -> None:
-    script = "import sys, orchestration as o; [o.run(sys.argv[1], duration=d) for d in (0.1, 0.1, 0.2)]; print({'fmpy', 'lxml'} & {*sys.modules})"
+    script = (
+        "import sys, orchestration as o; [o.run(sys.argv[1], duration=d) for d in (0.1, 0.1, 0.2)]; "
+        "print({'fmpy', 'lxml'} & {*sys.modules})"
+    )
     command = [sys.executable, "-c", script, str(MINIMAL)]
     subprocess.run(command, capture_output=True, check=True)  # keeps what the next process reads
     ended = subprocess.run(command, capture_output=True, text=True, check=False)

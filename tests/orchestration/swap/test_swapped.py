@@ -92,7 +92,10 @@ def test_a_value_for_a_parameter_that_theirs_lacks_is_refused_unless_ignored(tmp
 
 
 def test_what_refers_to_an_output_that_theirs_lacks_is_refused_unless_ignored(tmp_path, monkeypatch):
-    extra = "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: slow, signal: motor.speed, always: {below: 1 rpm}}\n"
+    extra = (
+        "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: slow, "
+        "signal: motor.speed, always: {below: 1 rpm}}\n"
+    )
     path = swapped(
         tmp_path,
         monkeypatch,
@@ -157,7 +160,10 @@ def test_a_fault_of_what_the_mapping_ignores_is_refused(tmp_path, monkeypatch, i
 
 
 def test_a_later_fault_keeps_its_line_when_something_before_it_is_left_out(tmp_path, monkeypatch):
-    extra = "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: wrong, signal: motor.sped, always: {below: 1 rpm}}\n"
+    extra = (
+        "  - {name: sampled, signal: 'regulator.samples[1]', always: {within: 1 V}}\n  - {name: wrong, "
+        "signal: motor.sped, always: {below: 1 rpm}}\n"
+    )
     path = swapped(tmp_path, monkeypatch, ('name="samples[1]"', 'name="first"'), scenario=SCENARIO + extra)
     (tmp_path / "mapping.yaml").write_text(vendor.MAPPING + "ignore: [samples]\n")
     result = orchestrate(path.name, "--swap", "regulator=vendor.fmu", "--map", "mapping.yaml")

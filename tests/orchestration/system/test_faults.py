@@ -92,7 +92,8 @@ def test_a_fault_at_the_start_acts_in_initialization():
 @pytest.mark.parametrize(
     ("fault", "every", "told"),
     [
-        ({"at": 0.5, "until": 0.7, "cut": "plant.y"}, 4, "law is given a value from 0.5 s to 0.7 s; it is stepped each 0.4 s"),
+        ({"at": 0.5, "until": 0.7, "cut": "plant.y"}, 4, "law is given a value from 0.5 s to 0.7 s; it is "
+                                                         "stepped each 0.4 s"),
         ({"at": 1.9, "cut": "plant.y"}, 4, "law is given a value from 1.9 s; it is stepped each 0.4 s"),
         ({"at": 2.0, "freeze": "law.y"}, 1, "plant is given a value from 2 s; it is stepped each 0.1 s"),
         ({"at": 2.0, "bias": "plant.u", "by": 1}, 1, "plant is given a value from 2 s; it is stepped each 0.1 s"),

@@ -135,7 +135,10 @@ def test_an_optional_input_of_theirs_that_nothing_feeds_is_no_fault(here):
 
 
 def test_one_that_theirs_does_not_call_optional_has_to_be_fed(here):
-    marked = '<Annotations>\n        <Tool name="attitude-cosim">\n          <Optional />\n        </Tool>\n      </Annotations>'
+    marked = (
+        '<Annotations>\n        <Tool name="attitude-cosim">\n          <Optional />\n        </Tool>\n   '
+        "   </Annotations>"
+    )
     changed(ensure("allocator_bounded"), here / "strict.fmu", (marked, ""))
     findings = json.loads(orchestrate("check", "strict.fmu", "--as", "allocator_bounded", "--json").stdout)
     assert findings["fits"]

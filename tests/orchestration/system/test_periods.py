@@ -32,7 +32,8 @@ def notes(**changes: object) -> list[str]:
     ],
 )
 def test_a_period_of_control_that_its_steps_do_not_divide_is_refused_by_name_and_value(step, period, block, remedy):
-    """Samples would come at 0.6, 1, 1.6 s ... in the first of these, and each second, twice the period, in the second."""
+    """Samples would come at 0.6, 1, 1.6 s ... in the first of these, and each second, twice the period, in the
+    second."""
     with pytest.raises(InputError) as error:
         notes(step=step, controller__control_period=period)
     message = (
@@ -69,7 +70,10 @@ def test_a_command_that_acts_for_longer_than_the_allocator_takes_into_account_is
 
 @pytest.mark.parametrize("entry", ['unit = "s"\nsteps = "half"', 'unit = "m"\nsteps = "whole"'])
 def test_an_interface_counts_times_in_whole_steps_or_in_one_at_least(entry):
-    text = '[block]\nname = "a"\ndescription = ""\n[experiment]\nstop = 1\nstep = 0.1\n[variables.period]\ncausality = "parameter"\n'
+    text = (
+        '[block]\nname = "a"\ndescription = ""\n[experiment]\nstop = 1\nstep = '
+        '0.1\n[variables.period]\ncausality = "parameter"\n'
+    )
     with pytest.raises(
         InterfaceError, match=r"variables\.period: steps: expected 'whole' or 'at least one' at a scalar"
     ):

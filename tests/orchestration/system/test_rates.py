@@ -26,7 +26,10 @@ from ..wrong_inputs import SCENARIO
 )
 def test_a_block_that_cannot_vary_its_step_is_stepped_at_its_own(tmp_path, monkeypatch, own, base, note, steps):
     text = SCENARIO.replace("record: {interval: 0.1 s}", "record: {signals: [motor.speed, regulator.count]}")
-    counter = '<ScalarVariable name="count" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>'
+    counter = (
+        '<ScalarVariable name="count" valueReference="1" causality="output" '
+        'variability="discrete"><Integer/></ScalarVariable>'
+    )
     path = swapped(
         tmp_path,
         monkeypatch,

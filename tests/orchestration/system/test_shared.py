@@ -82,7 +82,10 @@ def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_an
     done = CliRunner().invoke(
         main, [str(PAPER), "--set", "plant.dipole_max=10 A.m2", "--duration", "1", "--out", str(tmp_path)]
     )
-    text = "plant.dipole_max = 10 A.m2 and allocator.dipole_max = 25 A.m2: the same quantity with different values; remedy: "
+    text = (
+        "plant.dipole_max = 10 A.m2 and allocator.dipole_max = 25 A.m2: the same quantity with different "
+        "values; remedy: "
+    )
     assert text in " ".join(done.stderr.split())
     assert any(note.startswith(text) for note in json.loads((tmp_path / "manifest.json").read_text())["notes"])
 

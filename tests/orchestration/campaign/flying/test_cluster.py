@@ -149,7 +149,10 @@ def test_a_connection_that_breaks_off_while_a_worker_takes_in_the_campaign_is_tr
 def test_workers_import_nothing_from_the_working_folder(tmp_path):
     (tmp_path / "signal.py").write_text("open('imported', 'w')\n")
     (tmp_path / "locale.py").write_text("open('imported', 'w')\n")
-    program = "if __name__ == '__main__':\n from orchestration.campaign.flying.cluster import _started\n _started(1, False).close()"
+    program = (
+        "if __name__ == '__main__':\n from orchestration.campaign.flying.cluster import _started\n "
+        "_started(1, False).close()"
+    )
     script = tmp_path / "elsewhere" / "start.py"
     script.parent.mkdir()
     script.write_text(program)

@@ -179,7 +179,10 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
         rows.numbers("plant.Q0.q0")[run], rel=1e-3
     )
     assert float(told[1]) == pytest.approx(rows.numbers("settle")[run], rel=1e-3)
-    swatches = "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => getComputedStyle(m).background)"
+    swatches = (
+        "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => "
+        "getComputedStyle(m).background)"
+    )
     assert len(set(chromium.page.evaluate(swatches))) == 3  # lower bound, upper bound, share
     chromium.page.set_viewport_size({"width": 390, "height": 800})
     cut = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth > s.clientWidth).length"

@@ -46,7 +46,8 @@ def test_whoever_sees_all_runs_and_chooses_the_end_gets_no_more_wrong_verdicts_t
 
 
 def test_the_announced_end_and_all_others_together_are_wrong_at_most_as_often_as_asked():
-    """At the announced end Clopper and Pearson's bounds are wrong somewhat less often; the rest is for all other ends."""
+    """At the announced end Clopper and Pearson's bounds are wrong somewhat less often; the rest is for all other
+    ends."""
     rng = np.random.default_rng(1)
     low = fixed(282, 300, 0.95).low
     assert low > 0.9 > elsewhere(282, 300, 0.9, 0.95, 300).low

@@ -100,7 +100,8 @@ def test_a_bound_is_rounded_outwards():
 
 
 def _least(count: int, p: float, c: float, side: int) -> int:
-    """The least number of successes that is enough for `met` (0), or the largest for `not met` (1); out of reach: none."""
+    """The least number of successes that is enough for `met` (0), or the largest for `not met` (1); out of reach:
+    none."""
     enough = [k for k in range(count + 1) if evidence(k, count, p)[side] >= -np.log1p(-c)]
     return (min(enough, default=count + 1), max(enough, default=-1))[side]
 
