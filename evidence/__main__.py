@@ -253,13 +253,15 @@ def proofs(names: tuple[str, ...]) -> None:
 
 @main.command()
 def trace() -> None:
-    """Write out/trace/trace.html and trace.csv: requirements, and the code, tests, scenarios and proofs that name them."""
+    """Write out/trace/trace.html and trace.csv: requirements, and the code, tests, scenarios and proofs that name
+    them."""
     say(f"written: {traced.make()}")
 
 
 @main.command()
 def rules() -> None:
-    """Hold the flight code against MISRA C:2012 (required rules, by cppcheck) and clang-tidy, but for the deviations."""
+    """Hold the flight code against MISRA C:2012 (required rules, by cppcheck) and clang-tidy, but for the
+    deviations."""
     say(f"{rules_of.check().total()} findings, all as in evidence/proofs/deviations.yaml")
 
 

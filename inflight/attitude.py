@@ -18,7 +18,8 @@ UNIQUE = np.radians(10.0)
 """The attitude is unique where no filter within the margin is farther off."""
 _PRUNE_EVERY, _PRUNE_MARGIN, _PRUNE_ANGLE = 20, 80.0, np.radians(3.0)
 STRAIN_MAX = 5.0
-"""Of a gyro's error, in deviations of the prior: beyond it the filters may have followed a motion that is not the satellite's."""
+"""Of a gyro's error, in deviations of the prior: beyond it the filters may have followed a motion that is not the
+satellite's."""
 LIGHT = 0.99
 """Part of the Sun above which currents count."""
 

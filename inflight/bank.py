@@ -1,9 +1,9 @@
 """Attitude by a bank of filters side by side: field, gyro and photodiode currents, with the gyro's scale as a state.
 
-Field and gyro alone cannot always tell a spin from its mirror image: seen from the field, which moves nearly in a plane,
-both fit, with gyro scales that differ by little. One filter then settles in either, with quiet innovations. So the bank
-starts from all turns about the field, each filter has a score (its log-likelihood), and the attitude is ambiguous as
-long as one that is far from the best is nearly as likely.
+Field and gyro alone cannot always tell a spin from its mirror image: seen from the field, which moves nearly in a
+plane, both fit, with gyro scales that differ by little. One filter then settles in either, with quiet innovations. So
+the bank starts from all turns about the field, each filter has a score (its log-likelihood), and the attitude is
+ambiguous as long as one that is far from the best is nearly as likely.
 
 The error state of each filter is (turn in B, gyro bias, gyro scale); multiplicative, as that of the estimator
 (Lefferts, Markley and Shuster, 1982). All arrays begin with the filter's number. Tests: tests/inflight/test_bank.py.
@@ -43,7 +43,8 @@ class Noise:
 
 @dataclass(frozen=True)
 class Faces:
-    """Photodiodes: outward normals (m,3) in B, the current of the Sun at normal incidence, and that of the Earth's light."""
+    """Photodiodes: outward normals (m,3) in B, the current of the Sun at normal incidence, and that of the Earth's
+    light."""
 
     normals: Floats
     full: Floats
@@ -54,7 +55,8 @@ class Faces:
 
 @dataclass
 class Bank:
-    """Filters side by side: attitudes R (k,3,3), N from B, biases and scales (k,3), covariances (k,9,9), scores (k,)."""
+    """Filters side by side: attitudes R (k,3,3), N from B, biases and scales (k,3), covariances (k,9,9), scores
+    (k,)."""
 
     R: Floats
     bias: Floats
@@ -77,7 +79,8 @@ class Bank:
         return np.asarray(np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0)))
 
     def pruned(self, margin: float, angle: float) -> None:
-        """Takes out filters whose score is `margin` below the best, and of those within `angle`, rad, all but the better."""
+        """Takes out filters whose score is `margin` below the best, and of those within `angle`, rad, all but the
+        better."""
         keep: list[int] = []
         for k in np.argsort(-self.score):
             far = [float(np.trace(self.R[j].T @ self.R[k])) < 1.0 + 2.0 * np.cos(angle) for j in keep]
@@ -92,7 +95,8 @@ class Bank:
 
 
 def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = 12, scales: int = 7) -> Bank:
-    """A bank of turns about the field (3,), evenly spread, each with gyro scales spread over twice the prior's deviation.
+    """A bank of turns about the field (3,), evenly spread, each with gyro scales spread over twice the prior's
+    deviation.
 
     A spin that is off by a per cent leaves the attitude within minutes, so the scale is spread as the turn is.
     """

@@ -1,7 +1,8 @@
-"""The commands `orchestrate calibrate`, `orchestrate identify` and `orchestrate ephemeris`, registered in pyproject.toml.
+"""The commands `orchestrate calibrate`, `orchestrate identify` and `orchestrate ephemeris`, registered in
+pyproject.toml.
 
-Exit status: 0 all well; 1 the record does not show what is asked for; 2 wrong input. Tests: tests/inflight/test_commands.py.
-"""
+Exit status: 0 all well; 1 the record does not show what is asked for; 2 wrong input. Tests:
+tests/inflight/test_commands.py."""
 
 from __future__ import annotations
 
@@ -129,7 +130,8 @@ def identify_(ctx: click.Context, files: tuple[Path, ...], fit_: str, out: Path 
     data = found.data()
     say(f"J = turn diag({found.ratios[0]:.4f}, 1, {found.ratios[1]:.4f}) turn^T", bold=True)
     say(
-        f"sigma of the ratios {found.ratio_sigma[0]:.4f} and {found.ratio_sigma[1]:.4f}; rms {np.degrees(found.rms):.4f} deg/s"
+        f"sigma of the ratios {found.ratio_sigma[0]:.4f} and {found.ratio_sigma[1]:.4f}; rms "
+        f"{np.degrees(found.rms):.4f} deg/s"
     )
     rows = []
     for motion, part in zip(motions, early, strict=True):
@@ -170,7 +172,8 @@ def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> Non
         writer.writerow(("t", *(f"r_N{i} [m]" for i in "123"), *(f"v_N{i} [m/s]" for i in "123")))
         writer.writerows(np.column_stack((orbit.t, orbit.r_N, orbit.v_N)).tolist())
     say(
-        f"{out}: {len(orbit.t)} rows, by elements {abs(orbit.age):.2f} days {'before' if orbit.age > 0 else 'after'} the middle"
+        f"{out}: {len(orbit.t)} rows, by elements {abs(orbit.age):.2f} days "
+        f"{'before' if orbit.age > 0 else 'after'} the middle"
     )
     say("plant: {orbit_start: position_velocity, epoch: '" + f"{epoch:%Y-%m-%dT%H:%M:%S}Z', ")
     say(f"        r_N0: {orbit.r_N[0].round(3).tolist()}, v_N0: {orbit.v_N[0].round(6).tolist()}}}")

@@ -1,9 +1,9 @@
 """Calibration of a magnetometer without attitude: |A (g(t) m - b(t))| is the field's size along the orbit.
 
-b is the bias, whose drift is linear between the knots of the gain and small, A = diag(scale) (1 + misalignment) upper triangular, since a turn of the sensor does not show in a size, and
-g a common gain of the sensor, linear between knots, of mean 1: it acts on field and bias alike. Residuals are weighed by
-Huber's rule. Gauss and Newton with the derivatives in closed form. Tests: tests/inflight/test_magnetometer.py.
-"""
+b is the bias, whose drift is linear between the knots of the gain and small, A = diag(scale) (1 + misalignment) upper
+triangular, since a turn of the sensor does not show in a size, and g a common gain of the sensor, linear between knots,
+of mean 1: it acts on field and bias alike. Residuals are weighed by Huber's rule. Gauss and Newton with the derivatives
+in closed form. Tests: tests/inflight/test_magnetometer.py."""
 
 from __future__ import annotations
 
@@ -92,7 +92,8 @@ def calibrate(
     interval: float = KNOT_INTERVAL,
     breaks: Floats | None = None,
 ) -> Calibration:
-    """Fits readings m (n,3), T, at t (n,), s, to the field's size (n,), T. `known`: A and bias stay, the gain is fitted.
+    """Fits readings m (n,3), T, at t (n,), s, to the field's size (n,), T. `known`: A and bias stay, the gain is
+    fitted.
 
     `interval` is that of the gain's knots; a record shorter than two intervals has one constant gain, which is 1
     unless A is known. At `breaks`, s, such as the borders of eclipses, the gain may jump within 10 s.

@@ -173,7 +173,8 @@ def forecast(motion: Motion, known: Inertia, start: Floats) -> Floats:
 
 
 def _integrated(t: Floats, p: Floats, start: Floats) -> Floats:
-    """(k,n,3) of k sets of parameters (k,8) and starts (k,3): Euler's equations in principal axes, Runge and Kutta, order 4."""
+    """(k,n,3) of k sets of parameters (k,8) and starts (k,3): Euler's equations in principal axes, Runge and Kutta,
+    order 4."""
     i1, i2, i3 = np.exp(p[:, 0]), np.ones(len(p)), np.exp(p[:, 1])
     factor = np.array(((i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3))
     C = exp(p[:, 2:5])

@@ -1,9 +1,8 @@
 """Position by element sets (SGP4), in N, with the geomagnetic field there and the Earth's shadow.
 
-SGP4 gives TEME: the true equator, the mean equinox. From it to the Earth turns GMST about Z, which is how N turns to the
-Earth in this project, so TEME is taken as N; read as the mean equator and equinox of date, N is off by nutation, 0.005 deg.
-UT1 is taken as UTC (0.9 s at most: 0.4 km along the equator). Tests: tests/inflight/test_orbit.py.
-"""
+SGP4 gives TEME: the true equator, the mean equinox. From it to the Earth turns GMST about Z, which is how N turns to
+the Earth in this project, so TEME is taken as N; read as the mean equator and equinox of date, N is off by nutation,
+0.005 deg. UT1 is taken as UTC (0.9 s at most: 0.4 km along the equator). Tests: tests/inflight/test_orbit.py."""
 
 from __future__ import annotations
 
@@ -124,7 +123,8 @@ def orbit_at(sets: Sequence[Satrec], epoch: datetime, t: Floats) -> Orbit:
     age = middle - nearest.jdsatepoch - nearest.jdsatepochF
     if not abs(age) <= AGE_MAX:
         raise InputError(
-            f"the nearest element set is {abs(age):.1f} days from {epoch:%Y-%m-%dT%H:%M:%SZ}; expected at most {AGE_MAX:g}"
+            f"the nearest element set is {abs(age):.1f} days from {epoch:%Y-%m-%dT%H:%M:%SZ}; expected at most "
+            f"{AGE_MAX:g}"
         )
     whole = np.floor(jd)
     e, r, v = SatrecArray([nearest]).sgp4(np.full(len(t), whole), jd - whole + t / 86400.0)

@@ -1,8 +1,8 @@
 """A log in flight as arrays: what gyro, magnetometer and photodiodes gave, and where the satellite was.
 
 A file says what the log holds: `telemetry`, as a block's entry in a scenario has it, with the ports `omega_B_measured`,
-`b_B_measured` and, where there are some, `sun_currents`; and `orbit: {tle: FILE}`. Tests: tests/inflight/test_commands.py.
-"""
+`b_B_measured` and, where there are some, `sun_currents`; and `orbit: {tle: FILE}`. Tests:
+tests/inflight/test_commands.py."""
 
 from __future__ import annotations
 
@@ -88,7 +88,8 @@ def read(path: Path) -> Flight:
 
 
 def flight(name: str, record: Record, rows: Floats, sets: list[Any]) -> Flight:
-    """The flight of a record's rows. Raises InputError where a port has another size or unit, or no element set is near."""
+    """The flight of a record's rows. Raises InputError where a port has another size or unit, or no element set is
+    near."""
     columns: dict[str, Floats] = {}
     at = 1
     for port, column in record.entry.columns.items():

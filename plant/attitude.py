@@ -69,9 +69,8 @@ def lgvi_step(
 ) -> tuple[Array, Array, Array]:
     """One second-order step from t to t + h; h may be negative, as compositions need.
 
-    R (3,3), Pi (3,) N m s, moment_start (3,) N m the moment at t; wheel_mean (3,) the mean of the
-    wheels' momentum over the step and wheel_end (3,) its value at the end, N m s, body axes. Returns R, Pi and the moment at t + h.
-    """
+    R (3,3), Pi (3,) N m s, moment_start (3,) N m the moment at t; wheel_mean (3,) the mean of the wheels' momentum over
+    the step and wheel_end (3,) its value at the end, N m s, body axes. Returns R, Pi and the moment at t + h."""
     kicked = Pi + 0.5 * h * moment_start
     F = cayley(_solve_cayley(h * kicked, h * wheel_mean, body))
     R_next = R.dot(F)

@@ -6,9 +6,8 @@ c and Coulomb friction d
     dl_w/dt = tau - (c/I_w) l_w - d sign(l_w).
 
 Over a step tau is constant. The step is divided where a wheel reaches its momentum limit, or (with Coulomb friction)
-stands still, so that each l_w is smooth in each part: without that a composed integrator falls back to order 1. Departures
-from the paper: friction and the limit, # not in the paper: it takes the wheel as ideal.
-"""
+stands still, so that each l_w is smooth in each part: without that a composed integrator falls back to order 1.
+Departures from the paper: friction and the limit, # not in the paper: it takes the wheel as ideal."""
 
 from __future__ import annotations
 

@@ -98,12 +98,14 @@ def _of_record(s: Shown) -> list[str]:
     out = [f"{name}: |B| rms {1e6 * s.calibration.rms:.2f} uT ({1e6 * s.constant:.2f} with a constant gain; {gain})"]
     out += [f"{name}: |B| rms {1e6 * rms:.2f} uT with matrix and bias of {other}" for other, rms in s.crossed.items()]
     out.append(
-        f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of what is known before"
+        f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of "
+        f"what is known before"
     )
     for seen, what in ((s.sky, "three faces"), (s.pair, "two faces, about the third")):
         if seen is not None:
             out.append(
-                f"{name}: withheld sun sensors, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, {seen.rows} rows"
+                f"{name}: withheld sun sensors, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, "
+                f"{seen.rows} rows"
             )
     if s.sky is None and s.pair is None:
         out.append(f"{name}: no row whose sun sensors can be compared")
@@ -113,7 +115,8 @@ def _of_record(s: Shown) -> list[str]:
     for edge in s.edges:
         what = "enters the shadow" if edge.entry else "leaves the shadow"
         out.append(
-            f"{name}: {what} at {edge.time:.0f} s, by the currents {edge.late:+.1f} s from that, {edge.late_air:+.1f} s with air"
+            f"{name}: {what} at {edge.time:.0f} s, by the currents {edge.late:+.1f} s from that, "
+            f"{edge.late_air:+.1f} s with air"
         )
     return out
 
@@ -127,7 +130,8 @@ def _of_flown(done: Study) -> list[str]:
         ):
             if seen is not None:
                 out.append(
-                    f"{s.flight.name}: estimator in C, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, {seen.rows} rows"
+                    f"{s.flight.name}: estimator in C, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} "
+                    f"median, {seen.rows} rows"
                 )
     return out
 
@@ -139,8 +143,10 @@ def _of_motion(done: Study) -> list[str]:
     ratios, sigma = free.inertia.ratios, free.inertia.ratio_sigma
     degrees = [float(np.degrees(x)) for x in (free.noise, *map(free.whole, ("forecast", "left_out", "constant")))]
     return [
-        f"free motion of {len(free.rows)} records: moments as 1: {ratios[0]:.4f} +- {sigma[0]:.4f}, {ratios[1]:.3f} +- {sigma[1]:.3f}",
-        f"free motion: noise {degrees[0]:.4f} deg/s; forecast from {FIT:.0f} s on {degrees[1]:.4f}, {degrees[1] / degrees[0]:.3f} times the noise",
+        f"free motion of {len(free.rows)} records: moments as 1: {ratios[0]:.4f} +- {sigma[0]:.4f}, "
+        f"{ratios[1]:.3f} +- {sigma[1]:.3f}",
+        f"free motion: noise {degrees[0]:.4f} deg/s; forecast from {FIT:.0f} s on {degrees[1]:.4f}, "
+        f"{degrees[1] / degrees[0]:.3f} times the noise",
         f"free motion: {degrees[2]:.4f} with the inertia of the other records; {degrees[3]:.4f} for a constant rate",
     ]
 

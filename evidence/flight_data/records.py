@@ -1,4 +1,5 @@
-"""The records of a folder: every CSV file with the columns of the public data; one with a column `sheet` holds several."""
+"""The records of a folder: every CSV file with the columns of the public data; one with a column `sheet` holds
+several."""
 
 from __future__ import annotations
 
@@ -29,8 +30,8 @@ NORMALS = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 def records(folder: Path, long: float) -> tuple[list[Flight], list[Motion]]:
-    """Returns the flights of a folder that last at least `long` s, and the rates of the shorter ones; its .txt files hold
-    element sets. Raises InputError."""
+    """Returns the flights of a folder that last at least `long` s, and the rates of the shorter ones; its .txt files
+    hold element sets. Raises InputError."""
     files = sorted(folder.glob("*.csv"))
     texts = [path for path in sorted(folder.glob("*.txt")) if "\n1 " in "\n" + path.read_text("utf-8", "replace")]
     elements = [s for path in texts for s in read_elements(path)]

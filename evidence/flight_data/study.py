@@ -1,5 +1,5 @@
-"""What a record shows beside the models. Every constant here and in `inflight` was fixed before the comparison with the Sun
-sensors, which the filter does not see, and none depends on a row's number."""
+"""What a record shows beside the models. The filter does not see the Sun sensors that it is compared with, and no
+constant depends on a row's number; docs/evidence/flight_data.md says which were chosen with the comparison in view."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ FIT = 100.0
 NUTATES = np.radians(0.15)
 """rad/s: a record whose rate across the spin varies more than this takes part in the inertia."""
 FALSE = 15.0
-"""deg rms: an attitude that is trusted and is farther from the Sun sensors is a false convergence that nobody reported."""
+"""deg rms: an attitude that is trusted and is farther from the Sun sensors is a false convergence that nobody
+reported."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ def pair(flight: Flight, found: Attitudes, full: float) -> Sky | None:
 
 @dataclass(frozen=True)
 class Edge:
-    """A border of an eclipse: the model's time, and how much later the currents have it, s; less the part of the air."""
+    """A border of an eclipse: the model's time, and how much later the currents have it, s; less the part of the
+    air."""
 
     entry: bool
     time: float

@@ -1,4 +1,5 @@
-"""Measures margins along the orbit, the equilibria of the paper's law and the changes that lose V.B, for docs/evidence/margins.md.
+"""Measures margins along the orbit, the equilibria of the paper's law and the changes that lose V.B, for
+docs/evidence/margins.md.
 
 Tests: tests/evidence/margins/test_make.py.
 """

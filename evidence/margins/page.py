@@ -1,4 +1,5 @@
-"""Writes docs/evidence/margins.md and its figure from docs/evidence/margins.json. Tests: tests/evidence/margins/test_make.py."""
+"""Writes docs/evidence/margins.md and its figure from docs/evidence/margins.json. Tests:
+tests/evidence/margins/test_make.py."""
 
 from __future__ import annotations
 

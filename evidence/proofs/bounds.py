@@ -1,4 +1,5 @@
-"""What flight software asks for beside the proofs: the depth of the stack, and no recursion, heap or call through a pointer.
+"""What flight software asks for beside the proofs: the depth of the stack, and no recursion, heap or call through a
+pointer.
 
 Requirement: FC-2.
 """

@@ -67,7 +67,8 @@ def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
         left += len(open_ones)
         say(
             f"{subject.title}: {result.proved} proved, {len(result.alarms) - len(open_ones)} argued, "
-            f"{len(open_ones)} open; {result.statements[0]} of {result.statements[1]} statements; {result.seconds:.0f} s"
+            f"{len(open_ones)} open; {result.statements[0]} of {result.statements[1]} statements; "
+            f"{result.seconds:.0f} s"
         )
         for alarm in open_ones:
             say(f"  {alarm}")

@@ -90,8 +90,10 @@ def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:
     page = folder / "trace.html"
     page.write_text(
         "<!doctype html><html lang='en'><meta charset='utf-8'><title>Requirements</title>"
-        "<style>body{font:14px sans-serif}td,th{border:1px solid #bbb;padding:4px;vertical-align:top}table{border-collapse:collapse}</style>"
-        f"<h1>Requirements and their evidence</h1><table><tr>{''.join(f'<th>{h}</th>' for h in head)}</tr>{body}</table></html>\n",
+        "<style>body{font:14px sans-serif}td,th{border:1px solid "
+        "#bbb;padding:4px;vertical-align:top}table{border-collapse:collapse}</style>"
+        f"<h1>Requirements and their "
+        f"evidence</h1><table><tr>{''.join(f'<th>{h}</th>' for h in head)}</tr>{body}</table></html>\n",
         "utf-8",
     )
     return page

@@ -3,12 +3,10 @@
 Inside the FMU all Python code stands in one package whose name ends in the hash of its content, so that two FMUs, or
 two versions of one, run their own code in one process:
 
-    resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
-    resources/plant_0123456789ab_code/          part_sets.py, parsing.py, variables.py, interface.toml, python/asked.py,
-    calls.py, memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it carries
-    in tables/ resources/plant_0123456789ab_code/pythonfmu/
-Tests: tests/fmus/python/test_slave.py.
-"""
+resources/plant_0123456789ab.py             the entry: the one class that PythonFMU's library looks for
+resources/plant_0123456789ab_code/          part_sets.py, parsing.py, variables.py, interface.toml, python/asked.py,
+calls.py, memory.py, slave.py, written.py resources/plant_0123456789ab_code/plant/    the block, with the data that it
+carries in tables/ resources/plant_0123456789ab_code/pythonfmu/ Tests: tests/fmus/python/test_slave.py."""
 
 from __future__ import annotations
 

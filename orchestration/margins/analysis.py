@@ -1,9 +1,9 @@
 """Margins from a frequency response: gain, phase, delay and disk margins of a loop, and of all channels at once.
 
-Classical margins: K. J. Astrom, R. M. Murray, Feedback Systems, 10.3. Disk margins: P. Seiler, A. Packard, P. Gahinet, An
-introduction to disk margins, IEEE Control Systems 40 (2020), with skew 0: the loop keeps its stability under every factor
-(2 + d)/(2 - d) with a complex |d| < alpha, alpha = 1/max |S - 1/2|. For channels that change independently, the structured
-singular value of S - I/2 stands in place of the modulus; its bound by scaling is exact up to three channels.
+Classical margins: K. J. Astrom, R. M. Murray, Feedback Systems, 10.3. Disk margins: P. Seiler, A. Packard, P. Gahinet,
+An introduction to disk margins, IEEE Control Systems 40 (2020), with skew 0: the loop keeps its stability under every
+factor (2 + d)/(2 - d) with a complex |d| < alpha, alpha = 1/max |S - 1/2|. For channels that change independently, the
+structured singular value of S - I/2 stands in place of the modulus; its bound by scaling is exact up to three channels.
 
 Tests: tests/orchestration/margins/test_analysis.py.
 """
@@ -73,7 +73,8 @@ def disk(alpha: float) -> Disk:
 
 
 def margins(omega: Floats, L: Complex) -> Margins:
-    """Returns the margins of one loop, L (lines,) at omega (lines,) rad/s, for a closed loop that is stable as it is."""
+    """Returns the margins of one loop, L (lines,) at omega (lines,) rad/s, for a closed loop that is stable as it
+    is."""
     x = np.log(omega)
     size, angle = CubicSpline(x, np.log(np.abs(L))), np.unwrap(np.angle(L))
     turn = CubicSpline(x, angle)
@@ -142,7 +143,8 @@ def disk_margin(omega: Floats, S: Complex) -> Crossing:
 
 
 def structured(M: Complex) -> float:
-    """Returns the least largest singular value of D M D^-1 over positive diagonal D: mu for independent complex factors."""
+    """Returns the least largest singular value of D M D^-1 over positive diagonal D: mu for independent complex
+    factors."""
     n = len(M)
     if n == 1:
         return float(abs(M[0, 0]))

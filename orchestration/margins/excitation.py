@@ -1,7 +1,7 @@
 """The multisine that is injected, and the response at any frequency from what comes back of it.
 
-It has every line from 0 to half of the sampling frequency. An answer that dies out within a period is thereby known sample by
-sample, and so is its spectrum between the lines.
+It has every line from 0 to half of the sampling frequency. An answer that dies out within a period is thereby known
+sample by sample, and so is its spectrum between the lines.
 
 Tests: tests/orchestration/margins/test_excitation.py.
 """
@@ -22,7 +22,8 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Multisine:
-    """Sines of equal size that repeat after `samples`, an even number, with Schroeder's phases, which keep the peak low."""
+    """Sines of equal size that repeat after `samples`, an even number, with Schroeder's phases, which keep the peak
+    low."""
 
     samples: int
 

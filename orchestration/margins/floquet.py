@@ -1,9 +1,9 @@
 """Floquet multipliers of a loop along a periodic motion, in coordinates of what is observed of its state.
 
-Flights with small random pulses at the rig's site are compared with each other. From one instant to the next the observed
-difference x moves by x+ = F x + G d, d the pulses of that segment; F and G are what fits all flights best. The multipliers
-are the eigenvalues of the product of all F, by the QR decomposition of each factor, since the product itself may vanish
-beneath the smallest number. Where the observed state is not the whole one, the fit leaves a rest.
+Flights with small random pulses at the rig's site are compared with each other. From one instant to the next the
+observed difference x moves by x+ = F x + G d, d the pulses of that segment; F and G are what fits all flights best. The
+multipliers are the eigenvalues of the product of all F, by the QR decomposition of each factor, since the product
+itself may vanish beneath the smallest number. Where the observed state is not the whole one, the fit leaves a rest.
 
 A difference of rotations (a 3 by 3 matrix) is the rotation vector of R_a^T R_b; of all else the difference itself.
 
@@ -119,7 +119,8 @@ class Orbit:
             size, rate = log.real / math.log(10), log.real / self.period
             after = "grows" if rate > 0.0 else "decays"
             said.append(
-                f"|multiplier| 10^{size:.4g}: {after} at {abs(rate):.4g} 1/s, e-fold in {1 / max(abs(rate), 1e-300):.4g} s"
+                f"|multiplier| 10^{size:.4g}: {after} at {abs(rate):.4g} 1/s, e-fold in "
+                f"{1 / max(abs(rate), 1e-300):.4g} s"
             )
         return [*said, self.verdict]
 
@@ -167,8 +168,8 @@ def orbit(
 ) -> Orbit:
     """Returns the transitions over so many samples, in segments of equal length.
 
-    They begin LEAD segments after the rig's instant. `size` is that of the pulses of each channel, in the unit of its port. Raises BlockError where a block fails.
-    """
+    They begin LEAD segments after the rig's instant. `size` is that of the pulses of each channel, in the unit of its
+    port. Raises BlockError where a block fails."""
     before, channels, n = rig.flights, len(rig.site.channels), len(seen.labels)
     segments = max(round(samples / segment), 1)
     length = round(samples / segments)
@@ -205,7 +206,8 @@ def sensitivity(rig: Rig, seen: Coordinates, samples: int, size: Floats, name: s
 def _observed(
     rig: Rig, seen: Coordinates, injected: Floats, length: int, starts: Mapping[str, Sequence[Start]] | None
 ) -> Floats:
-    """Returns the observed elements at the beginning of each segment and at the end of the last, (instants, elements)."""
+    """Returns the observed elements at the beginning of each segment and at the end of the last, (instants,
+    elements)."""
     hold, clock = rig.site.hold, rig.session.opened.plan.clock
     wanted = rig.first + hold * np.arange(0, len(injected), length)
     keeper = _Keeper(wanted, clock.step, seen.nodes)

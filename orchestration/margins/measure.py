@@ -1,9 +1,9 @@
 """Measures the frequency response of a loop by flights: one without injection, and two for each channel.
 
-What is injected is d, what comes back v; the receiver takes u = v + d. Flights are compared with the one without injection,
-so noise of a fixed seed cancels. With the loop's transfer matrix L, v = -L u, and dv/dd = S - I, S = (I + L)^-1.
-Each channel is excited by a multisine of peak a, and by one of peak -a/2: where the loop is linear, both give the same
-response. The difference is the error of the measurement, and above a limit there is no result, but a reason.
+What is injected is d, what comes back v; the receiver takes u = v + d. Flights are compared with the one without
+injection, so noise of a fixed seed cancels. With the loop's transfer matrix L, v = -L u, and dv/dd = S - I, S = (I +
+L)^-1. Each channel is excited by a multisine of peak a, and by one of peak -a/2: where the loop is linear, both give
+the same response. The difference is the error of the measurement, and above a limit there is no result, but a reason.
 
 Tests: tests/orchestration/margins/test_measure.py.
 """

@@ -1,7 +1,7 @@
 """Seeks the least change that loses a loop, by bisection on flights.
 
-Either the answer to a pulse grows, or an expectation of the scenario fails that is met without the change. A change is a
-factor on the signal at the rig's site (`gain`), a delay of it, or a factor on a parameter.
+Either the answer to a pulse grows, or an expectation of the scenario fails that is met without the change. A change is
+a factor on the signal at the rig's site (`gain`), a delay of it, or a factor on a parameter.
 
 Tests: tests/orchestration/margins/test_search.py.
 """
@@ -66,7 +66,8 @@ class Lost:
 
 
 def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
-    """Returns between which values of a change the loop is lost. Raises InputError where it does not hold at the start."""
+    """Returns between which values of a change the loop is lost. Raises InputError where it does not hold at the
+    start."""
     before = rig.flights
 
     def held(value: float) -> bool:

@@ -42,7 +42,8 @@ class Column(Model):
     gain: list[tuple[float, float]] = []
     """By which the columns are multiplied first: pairs of time, s, and factor, linear between and constant beyond."""
     offset: list[float] | list[list[float]] | None = None
-    """Then taken off, in their unit; where it changes, rows of time, s, and offsets, linear between and constant beyond."""
+    """Then taken off, in their unit; where it changes, rows of time, s, and offsets, linear between and constant
+    beyond."""
     matrix: list[list[float]] | None = None
     """By which they are last multiplied: a row for each element of the port."""
     missing: list[float] = []

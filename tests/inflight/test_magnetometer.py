@@ -1,4 +1,5 @@
-"""The calibration finds what a synthetic magnetometer was given, within its own deviations, and says what a record cannot show."""
+"""The calibration finds what a synthetic magnetometer was given, within its own deviations, and says what a record
+cannot show."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""The study finds in a made record what was put into it: attitude, the error of the Sun sensors, and the shadow's borders."""
+"""The study finds in a made record what was put into it: attitude, the error of the Sun sensors, and the shadow's
+borders."""
 
 import csv
 from dataclasses import replace
